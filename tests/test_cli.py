@@ -6,9 +6,7 @@ import json
 import re
 import subprocess
 import sys
-import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +18,6 @@ from symbody.equations.form import form_equations
 from symbody.formats.model_files import examples_folder
 from symbody.formats.native import load_model
 from symbody.simulation.native import run as native_run
-from symbody.simulation.progress import COMPILING
 from tests.simulation.interruption import ctrl_c
 
 SHAFT = """name = "shaft"
@@ -378,24 +375,6 @@ def test_flags_have_no_word_for_a_value_in_the_help(
     lines = [line for line in told.splitlines() if re.search("--(help|version|json|force|latex) ", line)]
     assert lines and not any(re.search("bool", line, re.IGNORECASE) for line in lines), told
     assert re.search("--help +Show this message and exit", told)
-
-
-def test_the_bar_says_what_a_motion_waits_for(
-    model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    usual = symbody.simulate
-
-    def simulate(*arguments: Any, **words: Any) -> Any:
-        words["progress"].wait_for(COMPILING)
-        time.sleep(0.3)  # the bar is drawn ten times a second
-        return usual(*arguments, **words)
-
-    monkeypatch.setattr(symbody, "simulate", simulate)
-    assert run(["simulate", str(model)]) == 0
-    assert capsys.readouterr().err == ""
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    assert run(["simulate", str(model), "--end", "400"]) == 0
-    assert COMPILING in capsys.readouterr().err
 
 
 def test_ctrl_c_saves_what_was_computed(

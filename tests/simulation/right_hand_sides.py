@@ -2,90 +2,49 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
 
-from numba import cfunc, types
+import llvmlite.binding as binding
 
+from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
+from symbody.codegen.kernels.reader import read_text
+from symbody.codegen.llvm.machine import SMALL, optimized_code, target_machine
 from symbody.simulation.methods.explicit import Explicit, RawRun, integrate
 
-_DOUBLES = types.CPointer(types.double)
-native = cfunc(types.int32(*[_DOUBLES] * 8))
+_FILE: Final = Path(__file__).with_name("right_hand_side_kernels.py")
 
 
-@native
-def pendulum(t, q, u, r, p, c, out, work):
-    out[0] = -math.sin(q[0])
-    out[1] = u[0]
-    return 0
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """A function in memory."""
+
+    address: int
 
 
-@native
-def oscillator(t, q, u, r, p, c, out, work):
-    out[0] = -q[0]
-    out[1] = u[0]
-    return 0
+def compile_kernels(text: str, file: str) -> tuple[dict[str, int], binding.ResourceTracker]:
+    """Return the addresses of all kernels of a text, and what keeps them alive."""
+    kernels = read_text(text, file)
+    builder = binding.JITLibraryBuilder().add_current_process()
+    builder.add_object_img(optimized_code(llvm_text(kernels, tuple(kernels))))
+    for name in kernels:
+        builder.export_symbol(kernel_name(name))
+    library = builder.link(binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL), file)
+    return {name: int(library[kernel_name(name)]) for name in kernels}, library
 
 
-@native
-def rational(t, q, u, r, p, c, out, work):
-    """u' = -t u^2, which from u(0) = 1 is 1 / (1 + t^2 / 2): neither linear nor autonomous."""
-    out[0] = -t[0] * u[0] * u[0]
-    return 0
-
-
-@native
-def blow_up(t, q, u, r, p, c, out, work):
-    """A speed at rest, and q' = q^2, which is infinite at t = 1 / q(0)."""
-    out[0] = 0.0
-    out[1] = q[0] * q[0]
-    return 0
-
-
-@native
-def walled(t, q, u, r, p, c, out, work):
-    """A speed at rest, and q' = -1, which is not a number beyond q = 1/2."""
-    out[0] = 0.0
-    out[1] = -1.0 if q[0] > 0.5 else math.nan
-    return 0
-
-
-@native
-def never_finite(t, q, u, r, p, c, out, work):
-    out[0] = 1.0
-    out[1] = math.nan
-    return 0
-
-
-@native
-def singular(t, q, u, r, p, c, out, work):
-    """q' = 1, whose third kernel fails beyond q = 1."""
-    out[0] = 0.0
-    out[1] = 1.0
-    return 3 if q[0] > 1.0 else 0
-
-
-@native
-def damped(t, q, u, r, p, c, out, work):
-    """u' = -1e5 (u - cos t): soon slow, but steps above 6.1e-5 are unstable."""
-    out[0] = -1e5 * (u[0] - math.cos(t[0]))
-    return 0
-
-
-@native
-def every_group(t, q, u, r, p, c, out, work):
-    """Two speeds and one coordinate; each argument enters in its own way."""
-    work[0] = 3.0 * p[0]
-    work[1] = 5.0 * c[0]
-    out[0] = r[0] + 2.0 * r[1] + work[0] + work[1]
-    out[1] = 7.0 * t[0] - q[0]
-    out[2] = u[0] + 0.1 * u[1]
-    return 0
-
-
-@native
-def nothing(t, q, u, r, p, c, out, work):
-    return 0
+_ADDRESSES, _LIBRARY = compile_kernels(_FILE.read_text(encoding="utf-8"), _FILE.name)
+pendulum = Compiled(_ADDRESSES["pendulum"])
+oscillator = Compiled(_ADDRESSES["oscillator"])
+rational = Compiled(_ADDRESSES["rational"])
+blow_up = Compiled(_ADDRESSES["blow_up"])
+walled = Compiled(_ADDRESSES["walled"])
+never_finite = Compiled(_ADDRESSES["never_finite"])
+singular = Compiled(_ADDRESSES["singular"])
+damped = Compiled(_ADDRESSES["damped"])
+every_group = Compiled(_ADDRESSES["every_group"])
+nothing = Compiled(_ADDRESSES["nothing"])
 
 
 def run(

@@ -1,73 +1,49 @@
-"""How the loop is compiled: not at import, once, and never twice on one computer."""
+"""The integrator as machine code: compiled once on a computer, resumable, its state a block of numbers."""
 
 from __future__ import annotations
 
-import hashlib
+import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pytest
-from numba.core.caching import FunctionCache
 
-from symbody.simulation.native import cases as native_cases
-from symbody.simulation.native import interface as native_interface
-from symbody.simulation.native import loop as native_loop
-from symbody.simulation.native.lanes import lane_cases
+from symbody.kernels import block as at
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS
+from symbody.simulation.methods.explicit import NO_FUNCTION, NOTHING_TO_PROJECT, make_goal
+from symbody.simulation.native.blocks import make_block, state_of
+from symbody.simulation.native.run import NativeRun, fresh_record
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
-from tests.simulation.right_hand_sides import nothing, oscillator, pendulum, rational, run
-
-COMPILED_IN = (
-    "interface.py",
-    "layout.py",
-    "projection.py",
-    "stages.py",
-    "simd.py",
-    "step_bounds.py",
-    "vectors.py",
-)
-FRESH_PROCESS = """
-from symbody.simulation.native import loop as native_loop
-print(len(native_loop.advance.signatures))
 from tests.simulation.right_hand_sides import pendulum, run
-run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0))
-for loop in (native_loop.begin, native_loop.advance):
-    print(len(loop.signatures), sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values()))
+
+# Counts the texts that are compiled while a motion is computed.
+FRESH_PROCESS = """
+from symbody.codegen.llvm import kernel_library
+usual, texts = kernel_library.optimized_code, []
+kernel_library.optimized_code = lambda text: texts.append(text) or usual(text)
+from tests.simulation.right_hand_sides import pendulum, run
+assert texts == []
+print(run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0)).x[:, -1].tolist())
+print(len(texts))
 """
 
 
-def test_one_compilation_serves_every_model_method_and_option() -> None:
-    loops: list[Any] = [native_loop.begin, native_loop.advance]
-    run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0), 8)
-    # Sweeps, if they ran in this process before, have the loop compiled into theirs, in forms of their own.
-    compiled = [len(loop.signatures) for loop in loops]
-    run(oscillator, 1, 1, [0.0, 2.0], (1.0, 0.0), 5, times=[1.0], dense=False, stop_when_stiff=True)
-    run(rational, 1, 0, [1.0], (0.0, 1.0), atol=[1e-9])
-    run(rational, 1, 0, [1.0], (0.0, 1.0), atol=1e-9)
-    run(nothing, 0, 0, [], (0, 1), 8, parameters=[1.0, 2.0], max_steps=10)
-    assert [len(loop.signatures) for loop in loops] == compiled
-
-
-def test_a_second_process_compiles_nothing_and_import_compiles_nothing() -> None:
-    run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0))
-    done = subprocess.run([sys.executable, "-c", FRESH_PROCESS], capture_output=True, text=True, timeout=120)
-    assert done.stderr == ""
-    assert done.stdout.split("\n") == ["0", "1 1 0", "1 1 0", ""]
-
-
-def test_the_loop_works_where_nothing_can_be_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*arguments: object) -> None:
-        raise RuntimeError("cannot cache function: no locator available")
-
-    monkeypatch.setattr(FunctionCache, "__init__", refuse)
-
-    @native_interface.compile_loop
-    def double(x: float) -> float:
-        return 2.0 * x
-
-    assert double(2.0) == 4.0
+def test_a_second_process_compiles_nothing_and_import_compiles_nothing(tmp_path: Path) -> None:
+    environment = os.environ | {"SYMBODY_CACHE": str(tmp_path)}
+    lines = []
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", FRESH_PROCESS],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            env=environment,
+        )
+        assert done.returncode == 0, done.stderr
+        lines.append(done.stdout.split("\n"))
+    assert [line[1] for line in lines] == ["1", "0"]
+    assert lines[0][0] == lines[1][0]
 
 
 def test_dense_output_rows_match_the_tableau() -> None:
@@ -77,13 +53,42 @@ def test_dense_output_rows_match_the_tableau() -> None:
     assert np.isfinite(result.dense_output.pieces).all()
 
 
-def test_the_cache_is_renewed_with_every_file_compiled_into_the_loop() -> None:
-    # numba compares the text of loop.py alone; a new release over an old one would run the old loop.
-    folder = Path(native_loop.__file__).parent
-    texts = "".join((folder / name).read_text(encoding="utf-8") for name in COMPILED_IN)
-    assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_loop.SOURCES
-    texts += (folder / "loop.py").read_text(encoding="utf-8")
-    assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_cases.SOURCES
-    more = ("cases.py", "lanes/arithmetic.py", "lanes/lane_steps.py", "lanes/lane_projection.py")
-    texts += "".join((folder / name).read_text(encoding="utf-8") for name in more)
-    assert hashlib.sha256(texts.encode()).hexdigest()[:16] == lane_cases.SOURCES
+def fresh_run() -> NativeRun:
+    """A pendulum for 30 s."""
+    goal = make_goal((0.0, 30.0), 1e-9, np.full(2, 1e-9), None, NO_BREAKPOINTS)
+    goal = goal._replace(max_trials=1000)
+    rhs = NO_FUNCTION._replace(address=pendulum.address, n_u=1)
+    start = np.array([0.0, 2.0])
+    block = make_block(rhs, NOTHING_TO_PROJECT, DORMAND_PRINCE_8, goal, start, 0.0)
+    return NativeRun(rhs.address, 0, block)
+
+
+def test_a_copy_of_the_block_is_a_copy_of_the_run() -> None:
+    whole, other = fresh_run(), fresh_run()
+    record = fresh_record(whole, np.array([30.0]), dense=False)
+    assert whole.begin(record) == at.RUNNING
+    assert whole.advance(record, 10) == at.RUNNING
+    saved = whole.block.copy()
+    assert whole.advance(record, 1000) == at.FINISHED
+    other.block[:] = saved
+    again = fresh_record(other, np.array([30.0]), dense=False)
+    for _ in range(1000):  # one step at a call
+        code = other.advance(again, 1)
+        if code != at.RUNNING:
+            break
+    assert code == at.FINISHED
+    np.testing.assert_array_equal(state_of(other.block), state_of(whole.block))
+    np.testing.assert_array_equal(other.block[: at.COUNTS], whole.block[: at.COUNTS])
+    assert whole.block[at.ACCEPTED] > 20
+
+
+def test_a_motion_goes_on_beyond_its_first_end() -> None:
+    there = fresh_run()
+    record = fresh_record(there, np.zeros(0), dense=False)
+    there.block[at.T_END] = 10.0
+    assert there.begin(record) == at.RUNNING
+    assert there.advance(record, 1000) == at.FINISHED and there.block[at.TIME] == 10.0
+    there.block[at.T_END] = 30.0
+    assert there.advance(record, 1000) == at.FINISHED
+    expected = run(pendulum, 1, 1, [0.0, 2.0], (0.0, 30.0), rtol=1e-12, atol=1e-12).x[:, -1]
+    np.testing.assert_allclose(state_of(there.block), expected, atol=1e-6)

@@ -8,10 +8,8 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import Progress
 
-from symbody.simulation.progress import StagedProgress
 
-
-class StageBar(StagedProgress):
+class StageBar:
     """A bar on standard error that names the stage of the work; nothing where that is no screen.
 
     Nothing may be printed during a stage: it would run through the bar.
@@ -20,7 +18,6 @@ class StageBar(StagedProgress):
     def __init__(self) -> None:
         self._console = Console(stderr=True)
         self._bar: Progress | None = None
-        self._name = ""
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -33,7 +30,7 @@ class StageBar(StagedProgress):
             redirect_stderr=False,
         )
         bar.add_task(name, total=None)
-        self._bar, self._name = bar, name
+        self._bar = bar
         with bar:
             yield
 
@@ -41,8 +38,3 @@ class StageBar(StagedProgress):
         """Show how far a motion has come: what came before it, as compilation, is over."""
         if self._bar is not None:
             self._bar.update(self._bar.task_ids[0], description="integrating", total=1.0, completed=share)
-
-    def wait_for(self, stage: str) -> None:
-        """Show what the motion waits for in place of the stage."""
-        if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], description=stage or self._name)

@@ -67,6 +67,7 @@ T_START: Final = 35
 CASE: Final = 36  # of many, the one that is computed, whether it has begun, and how many have ended
 CASE_BEGUN: Final = 37
 CASES_ENDED: Final = 38
+LANE_CODE: Final = 39  # of side by side motions: what `advance` would have returned
 HEADER: Final = 40
 
 # The method, behind the header: places in it, then nodes c, where each row begins, and its entries.

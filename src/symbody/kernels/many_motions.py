@@ -1,7 +1,7 @@
 """Many motions of one mechanism, one after the other.
 
-`cases` holds a row for each: its first state, its tolerances, where its breakpoints begin, p and c of the
-right-hand side, p and c of what projects, scales and sizes as there. `verdicts` holds a row for each, `x` the
+`cases` holds a row for each: its first state, its tolerances, its breakpoints, p and c of the right-hand
+side, p and c of what projects, scales and sizes as there. `verdicts` holds a row for each, `x` the
 samples (cases, times, n); rows of samples that were not reached stay as they were.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from symbody.kernels.block import (
     ACCEPTED,
+    BREAKS,
     CASE,
     CASE_BEGUN,
     CASES_ENDED,
@@ -59,7 +60,10 @@ def set_case(B: Reals, row: Reals) -> None:
     """Set the numbers of a case that are not part of its state."""
     n = int(B[N])
     copy(n, part(row, n, n), part(B, VECTORS + TOLERANCES * n, n))
-    place = 2 * n + 1
+    place = 2 * n
+    breaks = int(B[FUNCTION]) - int(B[BREAKS])
+    copy(breaks, part(row, place, breaks), part(B, int(B[BREAKS]), breaks))
+    place = place + breaks
     place = place + set_numbers(part(B, int(B[FUNCTION]), 1), part(row, place, 1))
     if B[PROJECTOR] != 0.0:
         P = part(B, int(B[PROJECTOR]), 1)
@@ -74,15 +78,15 @@ def prepare(B: Reals, row: Reals) -> None:
     set_case(B, row)
     copy(n, row, part(B, VECTORS + STATE_OLD * n, n))
     # What a case before left there would decide whose fault a failure is.
-    for i in range(int(B[FUNCTION]) - VECTORS - VECTOR_ROWS * n):
+    for i in range(int(B[BREAKS]) - VECTORS - VECTOR_ROWS * n):
         B[VECTORS + VECTOR_ROWS * n + i] = 0.0
     for k in range(COUNTS):
         B[k] = 0.0
     B[TIME] = B[T_START]
     B[STEP] = 0.0
     B[ERROR] = 0.0
-    B[FIRST_BREAK] = row[2 * n]
-    B[NEXT_BREAK] = row[2 * n]
+    B[FIRST_BREAK] = B[BREAKS]
+    B[NEXT_BREAK] = B[BREAKS]
 
 
 def conclude(B: Reals, code: int, verdict: Reals) -> None:

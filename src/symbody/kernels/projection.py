@@ -84,7 +84,7 @@ def worst_residual(count: int, residuals: Reals, scales: Reals) -> float:
     return worst
 
 
-def wanted_move(g: Function, B: Reals, t: float, x: Reals, rounded: Reals) -> float:
+def rounding_move(g: Function, B: Reals, t: float, x: Reals, rounded: Reals) -> float:
     """Return how far the constraints would move a state if rounding had it, in the measure of `project`.
 
     A closed state whose last digits change shows what rounding makes of small parts of large motions, such
@@ -152,6 +152,6 @@ def project_new_state(g: Function, B: Reals, t_new: float) -> float:
     limit = B[int(B[PROJECTOR]) + P_LIMIT]
     if not moved <= limit:
         old = part(B, VECTORS + STATE_OLD * n, n)
-        if not moved <= limit * wanted_move(g, B, B[TIME], old, part(B, VECTORS + ERROR_2 * n, n)):
+        if not moved <= limit * rounding_move(g, B, B[TIME], old, part(B, VECTORS + ERROR_2 * n, n)):
             return -1.0
     return moved

@@ -66,16 +66,16 @@ def plan_trial(B: Reals, t: float, h: float) -> None:
     """
     t_end = B[T_END]
     direction = B[DIRECTION]
-    rest = t_end - t
+    ahead = t_end - t
     place = bound_step(B, t, h)
     length = B[LENGTH]
     # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed,
     # and a step that ends beside the end by the rounding of times alone ends there
     allowed = length + 4.0 * EPSILON * abs(t_end)
-    if length == abs(h) and abs(rest) <= abs(B[int(B[NEXT_BREAK]) + BREAK_TIME] - t):
+    if length == abs(h) and abs(ahead) <= abs(B[int(B[NEXT_BREAK]) + BREAK_TIME] - t):
         allowed = 1.01 * length
-    if abs(rest) <= allowed and abs(rest) <= B[MAX_STEP] * (1.0 + 1e-9):
-        B[LENGTH] = rest
+    if abs(ahead) <= allowed and abs(ahead) <= B[MAX_STEP] * (1.0 + 1e-9):
+        B[LENGTH] = ahead
         B[T_NEW] = t_end
         return
     if place >= 0:

@@ -16,7 +16,6 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.outputs.joint_outputs import effort_names
 from symbody.errors import Problem, UsageError
-from symbody.simulation.progress import StagedProgress
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
 from symbody.visual.scene import make_motion, make_scene, motion_to_json, scene_to_json
@@ -40,7 +39,7 @@ class FinishedRun:
 _FINISHED: Final[list[FinishedRun]] = []
 
 
-class PipeProgress(StagedProgress):
+class PipeProgress:
     """Reports how far a motion has come."""
 
     def __init__(self, report: Report, stage: str) -> None:
@@ -54,10 +53,6 @@ class PipeProgress(StagedProgress):
         if percent > self._percent:
             self._percent = percent
             self._report(self._stage, percent)
-
-    def wait_for(self, stage: str) -> None:
-        """Report what is waited for."""
-        self._report(stage or self._stage, None)
 
 
 def simulate_model(payload: Mapping[str, Any], report: Report) -> Answer:

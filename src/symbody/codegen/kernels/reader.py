@@ -79,7 +79,14 @@ def _constants(module: str) -> Mapping[str, Literal]:
     for node in ast.parse(_text(module)).body:
         if isinstance(node, ast.AnnAssign):
             source.define_constant(node)
+        elif isinstance(node, ast.ImportFrom) and _is_kernel_file(node.module or ""):
+            others = _constants(node.module or "")
+            source.constants.update({a.name: others[a.name] for a in node.names if a.name in others})
     return source.constants
+
+
+def _is_kernel_file(module: str) -> bool:
+    return module.startswith(f"{PACKAGE}.") and module != LANGUAGE
 
 
 def _file(module: str) -> str:
@@ -94,7 +101,7 @@ def _import(source: KernelSource, node: ast.ImportFrom) -> Mapping[str, KernelTr
     module = node.module or ""
     if module in {LANGUAGE, "__future__", "typing"}:
         return {}
-    if not module.startswith(f"{PACKAGE}."):
+    if not _is_kernel_file(module):
         source.refuse(node, f"kernels import nothing from {module}", f"import from {PACKAGE} alone")
     kernels, constants = _read(module), _constants(module)
     for alias in node.names:

@@ -9,7 +9,7 @@ import llvmlite.binding as binding
 
 from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
 from symbody.codegen.kernels.reader import read_kernels
-from symbody.codegen.llvm.machine import SMALL, environment, optimized_code, target_machine
+from symbody.codegen.llvm.machine import SMALL, environment, lanes, optimized_code, target_machine
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
 
 _LIBRARIES: Final[list[binding.ResourceTracker]] = []  # functions live as long as these
@@ -21,7 +21,7 @@ def load_kernels(module: str, names: Sequence[str]) -> Mapping[str, int]:
     key = key and key + environment().encode()
     stored = read_module(key)
     if stored is None:
-        code = optimized_code(llvm_text(read_kernels(module, *names), names))
+        code = optimized_code(llvm_text(read_kernels(module, *names), names, lanes=lanes()))
         stored = Module((code,), 0, calls_runtime=False)
         store_module(key, stored)
     builder = binding.JITLibraryBuilder().add_current_process()

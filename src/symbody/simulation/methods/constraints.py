@@ -136,14 +136,13 @@ def make_projector(
         empty,
         empty,
         function.constants(),
-        np.zeros(function.work_size),
-        np.zeros(1),
+        function.work_size,
         n_q,
         tolerance * ones,
         method.limit,
         sizes.coordinates(eqs),
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
-        np.zeros((1, function.sequence.output_size)),
+        function.sequence.output_size,
     )
 
 

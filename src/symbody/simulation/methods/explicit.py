@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -26,21 +25,9 @@ from symbody.simulation.native.segments import Watch
 Floats = NDArray[np.float64]
 
 _NOTHING: Final = np.zeros(0)
-NO_FUNCTION: Final = RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.zeros(1))
+NO_FUNCTION: Final = RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0)
 NOTHING_TO_PROJECT: Final = Projector(
-    0,
-    0,
-    _NOTHING,
-    _NOTHING,
-    _NOTHING,
-    _NOTHING,
-    np.zeros(1),
-    0,
-    _NOTHING,
-    math.inf,
-    _NOTHING,
-    0.0,
-    np.zeros((1, 0)),
+    0, 0, _NOTHING, _NOTHING, _NOTHING, 0, 0, _NOTHING, math.inf, _NOTHING, 0.0, 0
 )
 
 # An rtol below this is finer than rounding allows.
@@ -139,10 +126,11 @@ def integrate(
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
     (start, end), x = check_span(t_span), _check_state(x0, n_u + n_q)
-    goal = _goal((start, end), method, check_rtol(rtol), check_atol(atol, x.size), breakpoints)
+    bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
+    goal = make_goal((start, end), check_rtol(rtol), check_atol(atol, x.size), method.max_step, bounds)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
-    rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
+    rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size)
     first_step = 0.0 if method.first_step is None else float(method.first_step)
     block = make_block(rhs, projector, method.tableau, goal, x, start, first_step)
     run = NativeRun(rhs.address, projector.address, block)
@@ -150,45 +138,14 @@ def integrate(
     return drive(run, record, progress, watch)
 
 
-def _goal(
-    span: tuple[float, float],
-    method: Explicit | FixedStep,
-    rtol: float,
-    atol: Floats,
-    breakpoints: Breakpoints,
-) -> Goal:
-    bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
-    return make_goal(
-        span, rtol, atol, math.inf if method.max_step is None else float(method.max_step), [bounds]
-    )
-
-
 def make_goal(
-    span: tuple[float, float],
-    rtol: float,
-    atol: Floats,
-    max_step: float,
-    breakpoints: Sequence[Breakpoints],
+    span: tuple[float, float], rtol: float, atol: Floats, max_step: float | None, breakpoints: Breakpoints
 ) -> Goal:
-    """Return the goal of a motion over a span, with the breakpoints of each case."""
+    """Return the goal of a motion over a span; its steps are not limited in number."""
     direction = 1.0 if span[1] >= span[0] else -1.0
-    breaks, longest, jumps, margins = (
-        np.concatenate(parts)
-        for parts in zip(*(own.order_along(direction) for own in breakpoints), strict=True)
-    )
-    return Goal(
-        span[1],
-        direction,
-        rtol,
-        atol,
-        max_step,
-        0,
-        False,
-        breaks,
-        longest,
-        np.asarray(jumps, dtype=np.bool_),
-        margins,
-    )
+    longest = math.inf if max_step is None else float(max_step)
+    breaks = np.column_stack(breakpoints.order_along(direction)).astype(np.float64)
+    return Goal(span[1], direction, rtol, atol, longest, 0, False, breaks)
 
 
 def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:

@@ -136,7 +136,7 @@ class IntegrationProblem:
         """Return what bounds the steps, each by a share of the piece of time it is in."""
         bounds = self.breakpoints
         bounds = replace(bounds, longest=share * bounds.longest)
-        goal = make_goal(self.span, self.rtol, np.zeros(1), np.inf, [bounds])
+        goal = make_goal(self.span, self.rtol, NOTHING, None, bounds)
         return StepEnds(
             make_block(NO_FUNCTION, NOTHING_TO_PROJECT, DORMAND_PRINCE_8, goal, NOTHING, self.span[0])
         )
@@ -202,7 +202,7 @@ class StateProjector:
     _block: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        goal = make_goal((0.0, 1.0), self.rtol, self.atol, np.inf, [NO_BREAKPOINTS])
+        goal = make_goal((0.0, 1.0), self.rtol, self.atol, None, NO_BREAKPOINTS)
         rhs = NO_FUNCTION._replace(n_u=self.projector.n_u)
         block = make_block(rhs, self.projector, DORMAND_PRINCE_8, goal, np.zeros(self.atol.size), 0.0)
         object.__setattr__(self, "_block", block)

@@ -8,9 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Places = NDArray[np.uintp]
-Flags = NDArray[np.bool_]
 
 
 class RightHandSide(NamedTuple):
@@ -22,10 +19,10 @@ class RightHandSide(NamedTuple):
         Where the function lies.
     n_u : int
         Number of speeds, which come first in the state.
-    inputs, parameters, constants, work : arrays
-        The groups r, p, c and the function's scratch.
-    clock : array of one
-        Scratch for the time.
+    inputs, parameters, constants : arrays
+        The groups r, p and c.
+    work_size : int
+        How many numbers of scratch it needs.
     """
 
     address: int
@@ -33,8 +30,7 @@ class RightHandSide(NamedTuple):
     inputs: Floats
     parameters: Floats
     constants: Floats
-    work: Floats
-    clock: Floats
+    work_size: int
 
 
 class Projector(NamedTuple):
@@ -51,13 +47,13 @@ class Projector(NamedTuple):
     scales : array (n,)
         The largest position residuals that count as closed; velocity residuals have none, being linear.
     limit : float
-        Moves above so many tolerated errors, or what the old state asks for, reject the step.
+        Moves above so many tolerated errors, or what rounding makes of the old state, reject the step.
     sizes : array (n_q,)
         What counts as a large coordinate: 1 rad, or the size of the mechanism [m].
     rounding : float
         How exactly residuals are known at coordinates that are not large, over what counts as closed.
-    out : array (1, size)
-        What the function writes.
+    out_size : int
+        How many numbers the function writes.
     """
 
     address: int
@@ -65,44 +61,13 @@ class Projector(NamedTuple):
     inputs: Floats
     parameters: Floats
     constants: Floats
-    work: Floats
-    clock: Floats
+    work_size: int
     n_q: int
     scales: Floats
     limit: float
     sizes: Floats
     rounding: float
-    out: Floats
-
-
-class Method(NamedTuple):
-    """A `runge_kutta.Tableau` as arrays.
-
-    Attributes
-    ----------
-    first : (k + 2 + d + 1,) array of int
-        Where each row of A, of the two error estimates and of the dense output begins in the next two.
-    columns, weights : arrays
-        The coefficients that are not zero, and which stages they belong to.
-    c : (k,) array
-        The nodes.
-    split : bool
-        Whether coordinates wait for the new speeds, see `runge_kutta.SEMI_IMPLICIT`.
-    """
-
-    first: Integers
-    columns: Places
-    weights: Floats
-    c: Floats
-    order: int
-    stages: int
-    error_reads_end: bool
-    exponent: float
-    memory: float
-    shrink: float
-    growth: float
-    stiff_bound: float
-    split: bool
+    out_size: int
 
 
 class Goal(NamedTuple):
@@ -110,15 +75,13 @@ class Goal(NamedTuple):
 
     Attributes
     ----------
-    breaks : (m,) array
-        Times where the pieces of `inputs.breakpoints` meet, in the order of the motion; those of every motion
-        end with an infinite one [s].
-    longest : (m,) array
-        How long a step may be that enters the piece before each [s].
-    jumps : (m,) array of bool
-        Whether what depends on time jumps there, so that a step has to end before and another begin behind.
-    margins : (m,) array
-        A jump happens within so much of its time [s].
+    atol : (n,) array
+        Absolute tolerance of each state.
+    breaks : (m, 4) array
+        Where the pieces of `inputs.breakpoints` meet, in the order of the motion, the last at an infinite
+        time: when [s], how long a step may be that enters the piece before [s], whether what depends on time
+        jumps there, so that a step has to end before and another begin behind, and within what of its time
+        that happens [s].
     """
 
     t_end: float
@@ -129,33 +92,6 @@ class Goal(NamedTuple):
     max_trials: int
     stop_when_stiff: bool
     breaks: Floats
-    longest: Floats
-    jumps: Flags
-    margins: Floats
-
-
-class Memory(NamedTuple):
-    """What a step leaves for the next.
-
-    Attributes
-    ----------
-    vectors : (6, n) array
-        Old state, state of the last stage, new state, two error estimates, zeros.
-    K : (k, n) array
-        The derivatives of the stages.
-    F : (1, 4 + d, n) array
-        The dense output of the last step, see `dense_output`, where it is not kept.
-    real : array
-        Time, next step, error norm of the step before.
-    counts : array of int
-        Counters; the places are named at the top of this file.
-    """
-
-    vectors: Floats
-    K: Floats
-    F: Floats
-    real: Floats
-    counts: Integers
 
 
 class Record(NamedTuple):

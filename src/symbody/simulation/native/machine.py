@@ -15,13 +15,17 @@ _INTEGER: Final = ctypes.c_int64
 _REAL: Final = ctypes.c_double
 _RECORD: Final = [_POINTER] * 5  # times, t, x, breaks, pieces
 
+# How many cases, of which size, in which rows; times, t, x, verdicts; how many steps.
+_CASES: Final = [_INTEGER, _INTEGER, *[_POINTER] * 5, _INTEGER]
+
 # Results and arguments, f and g and the block first.
 _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "begin": (_INTEGER, [_POINTER, _POINTER, *_RECORD[:4]]),
     "advance": (_INTEGER, [_POINTER, _POINTER, _POINTER, *_RECORD, _INTEGER]),
     "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
     "longest_step": (None, [_POINTER, _REAL, _POINTER]),
-    "run_cases": (_INTEGER, [*[_POINTER] * 3, _INTEGER, _INTEGER, *[_POINTER] * 5, _INTEGER]),
+    "run_cases": (_INTEGER, [*[_POINTER] * 3, *_CASES]),
+    "run_lanes": (_INTEGER, [*[_POINTER] * 4, *_CASES]),
 }
 
 
@@ -33,12 +37,13 @@ class StepMachine(NamedTuple):
     project: Callable[..., float]
     longest_step: Callable[..., None]
     run_cases: Callable[..., int]
+    run_lanes: Callable[..., int]
 
 
 @once
 def step_machine() -> StepMachine:
     """Return the integrator, ready to be called."""
-    addresses = load_kernels("many_motions", tuple(_SIGNATURES))
+    addresses = load_kernels("lane_motions", tuple(_SIGNATURES))
     functions = [
         ctypes.CFUNCTYPE(result, *arguments)(addresses[name])
         for name, (result, arguments) in _SIGNATURES.items()

@@ -9,6 +9,7 @@ import numpy as np
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import SymbodyError
+from symbody.kernels import block as at
 from symbody.simulation.hybrid.concatenate import Piecewise
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
@@ -16,7 +17,6 @@ from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.native import layout
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.records import NOT_STARTED, CaseDetails, Records
 from symbody.simulation.sweeps.sweep_job import SweepJob
@@ -62,12 +62,12 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     records.codes[row] = OTHERS + list(Status).index(run.status)
     statistics = run.statistics
     counts = {
-        layout.ACCEPTED: statistics.accepted,
-        layout.REJECTED: statistics.rejected or 0,
-        layout.EVALUATIONS: statistics.evaluations,
-        layout.SAMPLES: samples,
+        at.ACCEPTED: statistics.accepted,
+        at.REJECTED: statistics.rejected or 0,
+        at.EVALUATIONS: statistics.evaluations,
+        at.SAMPLES: samples,
     }
-    records.counts[row] = [counts.get(k, 0) for k in range(layout.COUNTS)]
+    records.counts[row] = [counts.get(k, 0) for k in range(at.COUNTS)]
     records.reached[row] = run.t[-1] if samples else np.nan
     parts = run.evaluate if isinstance(run.evaluate, Piecewise) and run.evaluate.modes else None
     records.details[case] = CaseDetails(

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
+from symbody.kernels import block as at
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.native import layout
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -150,7 +150,7 @@ class Records:
         The samples, not a number where a motion did not reach.
     codes : (cases,) array of int
         How each ended.
-    counts : (cases, `layout.COUNTS`) array of int
+    counts : (cases, `at.COUNTS`) array of int
         What each cost, and what is to blame.
     reached : (cases,) array
         Time up to which each is known [s].
@@ -172,7 +172,7 @@ class Records:
             first,
             np.full((count, samples, states), np.nan),
             np.full(count, NOT_ENDED, dtype=np.int64),
-            np.zeros((count, layout.COUNTS), dtype=np.int64),
+            np.zeros((count, at.COUNTS), dtype=np.int64),
             np.full(count, np.nan),
         )
 

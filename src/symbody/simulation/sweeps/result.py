@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.kernels import block as at
 from symbody.notebook import Displayed
-from symbody.simulation.native import layout
 from symbody.simulation.native.run import VERDICTS, Statistics
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
@@ -199,7 +199,7 @@ def sweep_result(job: SweepJob, records: Records, notes: tuple[str, ...]) -> Swe
         np.moveaxis(records.x, 1, 2),
         job.table.columns(),
         tuple(verdicts[code] for code in codes),
-        records.counts[:, [layout.ACCEPTED, layout.REJECTED, layout.EVALUATIONS, layout.SAMPLES]],
+        records.counts[:, [at.ACCEPTED, at.REJECTED, at.EVALUATIONS, at.SAMPLES]],
         records.reached,
         Evaluation(eqs, job.table, job.laws, options.span, records.details, options.scales),
         eqs.coordinate_names,
@@ -226,12 +226,12 @@ def _status(code: int) -> Status:
 def _stop_notes(records: Records, names: Sequence[str]) -> dict[int, str]:
     """Return when, and on whose account, motions in the compiled loop ended early."""
     notes = {}
-    codes = (layout.COLLAPSED, layout.NOT_FINITE, layout.SINGULAR, layout.TOO_MANY)
+    codes = (at.COLLAPSED, at.NOT_FINITE, at.SINGULAR, at.TOO_MANY)
     for case in np.flatnonzero(np.isin(records.codes, codes)).tolist():
         code = int(records.codes[case])
         note = f"the motion is known up to t = {records.reached[case]:.9g} s"
-        if code in (layout.COLLAPSED, layout.NOT_FINITE):
-            verb = "changes too fast" if code == layout.COLLAPSED else "has no finite derivative"
-            note += f"; there {names[records.counts[case, layout.STATE]]} {verb}"
+        if code in (at.COLLAPSED, at.NOT_FINITE):
+            verb = "changes too fast" if code == at.COLLAPSED else "has no finite derivative"
+            note += f"; there {names[records.counts[case, at.STATE]]} {verb}"
         notes[case] = note
     return notes

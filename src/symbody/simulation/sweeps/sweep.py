@@ -15,15 +15,15 @@ from numpy.typing import ArrayLike
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
+from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
+from symbody.kernels import block as at
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.input_laws import Law, input_laws
 from symbody.simulation.methods.change_point import is_overconstrained
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
-from symbody.simulation.native import layout
-from symbody.simulation.native.lanes.arithmetic import WIDTH
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -48,7 +48,7 @@ from symbody.simulation.sweeps.workers import (
 )
 
 # Lanes run empty at the end of a part: the more cases it has, the less that matters.
-_LEAST_IN_LANES: Final = 4 * WIDTH
+_LEAST_IN_LANES: Final = 4 * machine.lanes()
 
 
 @checked_arguments
@@ -248,9 +248,9 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
 
 def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
     """Return cases that `simulate` integrates by another method than the loop over many cases."""
-    codes = [layout.STIFF]
+    codes = [at.STIFF]
     if job.eqs.multiplier_names and job.options.constraints is None:
-        codes += [layout.COLLAPSED, layout.SINGULAR, layout.NOT_FINITE]
+        codes += [at.COLLAPSED, at.SINGULAR, at.NOT_FINITE]
     return np.flatnonzero(np.isin(records.codes, codes)).tolist()
 
 

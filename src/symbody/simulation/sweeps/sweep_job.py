@@ -16,11 +16,11 @@ from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
+from symbody.kernels.block import COUNTS
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.input_laws import InputLaws, Law
 from symbody.simulation.methods.explicit import check_rtol, check_single_atol, check_times
 from symbody.simulation.methods.integration import Constraints, Integrator
-from symbody.simulation.native.layout import COUNTS
 from symbody.simulation.native.run import memory_limit
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate

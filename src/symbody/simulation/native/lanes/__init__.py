@@ -1,1 +1,0 @@
-"""Motions side by side in the lanes of wide registers."""
