@@ -77,9 +77,21 @@ class Watched:
 
 
 @cache
-def watched_runtime() -> list[bytes]:
-    texts = [runtime.text(), *runtime.kernel_texts()]
-    return object_codes([watched_text(text) for text in texts], THOROUGH)
+def watched_function(name: str) -> tuple[bytes, tuple[str, ...]]:
+    """The code of a function of the runtime, and the functions that it calls."""
+    text = runtime.function_text(name)[0]
+    return object_codes([watched_text(text)], THOROUGH)[0], tuple(runtime.called_functions(text))
+
+
+def watched_runtime(names: list[str]) -> list[bytes]:
+    """The code of functions of the runtime, and of those that they call."""
+    codes: dict[str, bytes] = {}
+    while names:
+        name = names.pop()
+        if name not in codes:
+            codes[name], called = watched_function(name)
+            names.extend(called)
+    return list(codes.values())
 
 
 def watched(
@@ -103,7 +115,8 @@ def watched(
             found.written[address - start : address - start + count] = b"\1" * count
 
     text = "\n".join(line for line in plain.ir.splitlines() if leave_out not in line)
-    codes = [*object_codes([watched_text(text)], QUICK), *watched_runtime()]
+    called = [name for name in runtime.called_functions(text) if not name.startswith(NAME)]
+    codes = [*object_codes([watched_text(text)], QUICK), *watched_runtime(called)]
     watch = {"watch_read": SEEN(read), "watch_write": SEEN(write)}
     builder = binding.JITLibraryBuilder().add_current_process()
     for code in codes:

@@ -21,6 +21,8 @@ from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.llvm.loops import INTEGER, POINTER, REAL, Array, count, integer
 from symbody.codegen.llvm.machine import optimized_code, target_machine
+from symbody.codegen.llvm.runtime import address
+from symbody.codegen.llvm.saddles import saddle_function
 from symbody.expr.saddle import solve_saddle
 from symbody.kernels.solve_saddle import work_size
 from tests.saddle_systems import systems
@@ -177,6 +179,37 @@ def test_llvm_kernel_gives_the_bits_of_the_reference(llvm_kernel: Kernel) -> Non
 
 def test_c_kernel_gives_the_bits_of_the_reference(c_kernel: Kernel) -> None:
     check_bits(c_kernel, edge_cases() + random_cases(2, 200))
+
+
+def chosen_kernel(arguments: Arguments) -> tuple[int, list[float]]:
+    """What compiled sequences call for a size: written out, for long loops, or for any size."""
+    name = saddle_function(len(arguments[2]), len(arguments[3]))
+    return kernel_at(address(name), ctypes.c_int64)(arguments)
+
+
+def test_kernels_chosen_by_size_give_the_bits_of_the_reference() -> None:
+    cases = edge_cases() + random_cases(6, 150)
+    names = {saddle_function(len(F), len(gamma)) for _, _, F, gamma in cases}
+    assert len(names) > 10 and {"symbody_solve_saddle", "symbody_solve_saddle_long"} < names
+    check_bits(chosen_kernel, cases)
+
+
+def test_rows_and_coordinates_in_any_order_of_pivots() -> None:
+    """Rows that come in the order of their distance from each other, reversed, and mixed."""
+    rng = np.random.default_rng(1)
+    cases: list[Arguments] = []
+    for _ in range(60):
+        n, m = 5, int(rng.integers(0, 5))
+        A = rng.normal(size=(n, n)) * 10.0 ** rng.uniform(-4, 4, n)
+        J = rng.normal(size=(m, n)) * (rng.random((m, n)) < 0.6) + 1e-3 * rng.normal(size=n)
+        parts = (A @ A.T, J, rng.normal(size=n), rng.normal(size=m))
+        cases.append(tuple(part.ravel().tolist() for part in parts))
+    check_bits(chosen_kernel, cases)
+
+
+@pytest.mark.exhaustive
+def test_kernels_chosen_by_size_on_two_thousand_systems() -> None:
+    check_bits(chosen_kernel, random_cases(7, 2000))
 
 
 @pytest.mark.exhaustive

@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 
 from symbody.codegen.kernels.llvm_kernels import kernel_name
+from symbody.codegen.llvm.machine import lanes
+from symbody.codegen.llvm.runtime import address
+from symbody.codegen.llvm.saddles import saddle_function
 from symbody.kernels.solve_saddle import work_size
 from tests.codegen.test_saddle_kernels import Arguments, bits, edge_cases, kernel_library, reference
 from tests.saddle_systems import System, systems
@@ -94,3 +97,22 @@ def test_edge_cases_in_all_lanes_and_in_one(kernel: Kernel) -> None:
     for case, other in pairwise(cases):
         if [len(part) for part in case] == [len(part) for part in other]:
             check(kernel, [case] * (WIDTH - 1) + [other])
+
+
+def test_lanes_of_a_known_size_have_the_bits_of_each_alone() -> None:
+    """Also where rows depend on others, or one lane goes another way: then lane after lane is computed."""
+    width = lanes()
+    pointer = ctypes.POINTER(ctypes.c_double)
+    for system in systems(9, 60):
+        n, m = len(system.F), len(system.gamma)
+        cases = [near(system, lane) for lane in range(width)]
+        cases[-1] = ([0.0] * (n * n), *cases[-1][1:]) if n % 3 == 0 else cases[-1]
+        function = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_int64, *[pointer] * 3)
+        call = function(address(saddle_function(n, m, width)))
+        given = np.concatenate([np.array([case[k] for case in cases]).T.ravel() for k in range(4)])
+        result = np.zeros((n + m + 1) * width)
+        work = np.zeros((n * (n + m + 1) + m + n + m + 1 + work_size(n, m)) * width)
+        status = call(n, m, *(array.ctypes.data_as(pointer) for array in (given, result, work)))
+        expected = [reference(case) for case in cases]
+        assert status == max(alone for alone, _ in expected)
+        assert [bits(lane) for lane in result.reshape(-1, width).T.tolist()] == [bits(x) for _, x in expected]

@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 
 from symbody import storage
-from symbody.codegen.llvm import machine, stored_module
+from symbody.codegen.llvm import machine, runtime, stored_module
 from symbody.codegen.llvm.native import compile_sequence
-from symbody.codegen.llvm.runtime import Runtime
+from symbody.codegen.llvm.runtime import lane_counts, lane_sincos
+from symbody.codegen.llvm.trig import SINCOS_NAME
 from symbody.storage import VARIABLE, folder, load_stored, store
 from tests.codegen.native import call
 from tests.codegen.sequences import EXACT, TRIGONOMETRIC, random_sequence, same_bits
@@ -167,6 +168,7 @@ def test_the_next_process_finds_it(place: Path) -> None:
     assert subprocess.run(command, capture_output=True, check=False).returncode != 0
     sequence, _ = random_sequence(5, 60, (*EXACT, *TRIGONOMETRIC))
     compile_sequence(sequence)
-    Runtime()  # in this process it may have been made before this test
+    for name in (SINCOS_NAME, *map(lane_sincos, lane_counts())):
+        runtime._module(name)  # in this process they may have been made before this test
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -1,5 +1,8 @@
 """The factorization behind `solve_saddle`: scaling, rank and null space of J, reduced mass matrix.
 
+Rows of J and coordinates of the null space are exchanged in place, so that every index follows from the
+sizes. Where these are known when a kernel is compiled, all numbers can stay in registers.
+
 Sources: [GVL] Golub and Van Loan, Matrix Computations, 4th ed.; [H] Higham, Accuracy and Stability of
 Numerical Algorithms, 2nd ed.
 """
@@ -65,151 +68,231 @@ def factor_rows(
     m: int,
     rank_cut: float,
     A: Reals,
-    order: Reals,
-    diagonal: Reals,
+    rows: Reals,
+    r: Reals,
+    inverse: Reals,
     beta: Reals,
-    size: Reals,
+    weight: Reals,
     share: Reals,
 ) -> int:
     """Factor A^T P = Q R by Householder reflections with pivots [GVL 5.2.2, 5.4.2]; return the rank.
 
-    Rows stay in place, `order` (n,) names them. In kept rows A becomes columns of R, then the Householder
-    vector; `diagonal` (n,) is that of R, a reflection is I - beta v v^T. `size` and `share` (m,) are scratch.
-    Returns -1 if A is not finite.
+    Kept rows move to the front, `r` (m,) with them, and `rows` (m,) names where they were. They become
+    columns of R, then the Householder vector; `inverse` (n,) is that of the diagonal of R, a reflection is
+    I - beta v v^T. `weight` and `share` (m,) are scratch. Returns -1 if A is not finite.
+    """
+    if measure_rows(n, m, A, rows, weight, share) > 0:
+        return -1
+    most = n
+    if m < n:
+        most = m
+    for k in range(most):
+        pivot = next_row(m, k, rank_cut, share)
+        if pivot < 0:
+            return k
+        if pivot > k:
+            move_row(n, m, pivot, k, A, rows, r, weight, share)
+        reflect(n, k, A, inverse, beta)
+        if k + 1 < n:
+            for i in range(k + 1, m):
+                eliminate(n, k, i, A, beta)
+                share[i] = tail_product(n, A, i, i, k + 1) * weight[i]
+    return most
+
+
+def measure_rows(n: int, m: int, A: Reals, rows: Reals, weight: Reals, share: Reals) -> int:
+    """Set `rows` to 0, 1, ... and `weight` to 1 over squared lengths; return 1 if one is not finite.
+
+    `share` is the squared sine of the angle to the span of the rows taken. Rows of zeros have no weight and
+    no share, and are never taken.
     """
     for i in range(m):
-        size[i] = tail_product(n, A, i, i, 0)  # squared length of a row; 0 once it is taken
-        if not size[i] < INFINITY:
-            return -1
-    rank = 0
-    while rank < n and rank < m:
-        pivot = next_row(n, m, rank, rank_cut, A, size, share)
-        if pivot < 0:
-            break
-        order[rank] = float(pivot)
-        size[pivot] = 0.0
-        reflect(n, pivot, rank, A, diagonal, beta)
-        for i in range(m):
-            if size[i] > 0.0:
-                factor = tail_product(n, A, pivot, i, rank) * beta[rank]
-                for j in range(rank, n):
-                    A[i * n + j] = A[i * n + j] - factor * A[pivot * n + j]
-        rank = rank + 1
-    return rank
+        rows[i] = float(i)
+        weight[i] = 0.0
+        share[i] = 0.0
+        square = tail_product(n, A, i, i, 0)
+        if not square < INFINITY:
+            return 1
+        if square > 0.0:
+            weight[i] = 1.0 / square
+            share[i] = 1.0
+    return 0
+
+
+def eliminate(n: int, k: int, i: int, A: Reals, beta: Reals) -> None:
+    """Apply the reflection of row k to row i."""
+    factor = tail_product(n, A, k, i, k) * beta[k]
+    for j in range(k, n):
+        A[i * n + j] = A[i * n + j] - factor * A[k * n + j]
 
 
 def tail_product(n: int, A: Reals, first: int, second: int, start: int) -> float:
-    """Return the inner product of two rows of A from column `start` on."""
-    total = 0.0
-    for j in range(start, n):
+    """Return the inner product of two rows of A from column `start` on, which there is unless n is 0."""
+    if n == 0:
+        return 0.0
+    total = A[first * n + start] * A[second * n + start]
+    for j in range(start + 1, n):
         total = total + A[first * n + j] * A[second * n + j]
     return total
 
 
-def next_row(n: int, m: int, k: int, rank_cut: float, A: Reals, size: Reals, share: Reals) -> int:
-    """Return the earliest row that is far enough from the span of the k rows taken, or -1.
-
-    `share` becomes the squared sine of each row's angle to that span.
-    """
+def next_row(m: int, k: int, rank_cut: float, share: Reals) -> int:
+    """Return the earliest row, from row k on, that is far enough from the span of the k rows taken, or -1."""
     best = 0.0
-    for i in range(m):
-        share[i] = 0.0
-        if size[i] > 0.0:
-            share[i] = tail_product(n, A, i, i, k) / size[i]
-            best = max(best, share[i])
-    if not best > rank_cut * rank_cut:
-        return -1
-    row = 0
-    while not share[row] > PIVOT_SHARE * best:
-        row = row + 1
-    return row
+    for i in range(k, m):
+        best = max(best, share[i])
+    if best > rank_cut * rank_cut:
+        for i in range(k, m):
+            if share[i] > PIVOT_SHARE * best:
+                return i
+    return -1
 
 
-def reflect(n: int, i: int, k: int, A: Reals, diagonal: Reals, beta: Reals) -> None:
-    """Turn row i into R[k, k] and a Householder vector, without cancellation [GVL 5.1.3]."""
-    square = tail_product(n, A, i, i, k)
+def move_row(
+    n: int, m: int, start: int, k: int, A: Reals, rows: Reals, r: Reals, weight: Reals, share: Reals
+) -> None:
+    """Move row `start` up to row k; the rows between keep their order."""
+    for i in range(m - 1, k, -1):
+        if i <= start:
+            for j in range(n):
+                exchange(A, i * n + j, i * n - n + j)
+            exchange(rows, i, i - 1)
+            exchange(r, i, i - 1)
+            exchange(weight, i, i - 1)
+            exchange(share, i, i - 1)
+
+
+def exchange(x: Reals, i: int, j: int) -> None:
+    """Exchange two entries."""
+    kept = x[i]
+    x[i] = x[j]
+    x[j] = kept
+
+
+def reflect(n: int, k: int, A: Reals, inverse: Reals, beta: Reals) -> None:
+    """Turn row k into R[k, k] and a Householder vector, without cancellation [GVL 5.1.3]."""
+    square = tail_product(n, A, k, k, k)
     length = sqrt(square)
-    head = A[i * n + k]
+    head = A[k * n + k]
     beta[k] = 1.0 / (square + length * abs(head))
     if head < 0.0:
-        diagonal[k] = length
-        A[i * n + k] = head - length
+        inverse[k] = 1.0 / length
+        A[k * n + k] = head - length
     else:
-        diagonal[k] = -length
-        A[i * n + k] = head + length
+        inverse[k] = -1.0 / length
+        A[k * n + k] = head + length
 
 
-def apply_reflection(n: int, k: int, A: Reals, order: Reals, beta: Reals, x: Reals) -> None:
+def apply_reflection(n: int, k: int, A: Reals, beta: Reals, x: Reals) -> None:
     """Overwrite x (n,) with its reflection number k."""
-    v = int(order[k]) * n
-    total = 0.0
-    for j in range(k, n):
-        total = total + A[v + j] * x[j]
+    total = A[k * n + k] * x[k]
+    for j in range(k + 1, n):
+        total = total + A[k * n + j] * x[j]
     total = total * beta[k]
     for j in range(k, n):
-        x[j] = x[j] - total * A[v + j]
+        x[j] = x[j] - total * A[k * n + j]
 
 
-def multiply_q(n: int, rank: int, A: Reals, order: Reals, beta: Reals, x: Reals) -> None:
+def multiply_q(n: int, rank: int, A: Reals, beta: Reals, x: Reals) -> None:
     """Overwrite x (n,) with Q x; the columns of Q from `rank` on span the null space of the scaled J."""
     for k in range(rank - 1, -1, -1):
-        apply_reflection(n, k, A, order, beta, x)
+        apply_reflection(n, k, A, beta, x)
 
 
 # Mass matrix on the null space
 
 
-def rotate_mass(n: int, rank: int, A: Reals, order: Reals, beta: Reals, B: Reals, p: Reals) -> None:
+def rotate_mass(n: int, rank: int, A: Reals, beta: Reals, B: Reals, p: Reals) -> None:
     """Replace B by Q^T B Q, one symmetric change of rank two a reflection [GVL 8.3.1]; p is scratch."""
     for k in range(rank):
-        v = int(order[k]) * n
-        for i in range(n):
-            total = 0.0
-            for j in range(k, n):
-                total = total + B[i * n + j] * A[v + j]
-            p[i] = total * beta[k]
-        total = 0.0
-        for j in range(k, n):
-            total = total + p[j] * A[v + j]
+        multiply_mass(n, k, A, beta, B, p)
+        total = p[k] * A[k * n + k]
+        for j in range(k + 1, n):
+            total = total + p[j] * A[k * n + j]
         share = 0.5 * (total * beta[k])
         for j in range(k, n):
-            p[j] = p[j] - share * A[v + j]
+            p[j] = p[j] - share * A[k * n + j]
         for i in range(k):
             for j in range(k, n):
-                B[i * n + j] = B[i * n + j] - p[i] * A[v + j]
+                B[i * n + j] = B[i * n + j] - p[i] * A[k * n + j]
                 B[j * n + i] = B[i * n + j]
         for i in range(k, n):
             for j in range(k, n):
-                B[i * n + j] = B[i * n + j] - (p[i] * A[v + j] + A[v + i] * p[j])
+                B[i * n + j] = B[i * n + j] - (p[i] * A[k * n + j] + A[k * n + i] * p[j])
 
 
-def factor_mass(n: int, rank: int, B: Reals, order: Reals) -> int:
-    """Factor the trailing block by Cholesky with diagonal pivots [GVL 4.2.8]; return how far that went.
+def multiply_mass(n: int, k: int, A: Reals, beta: Reals, B: Reals, p: Reals) -> None:
+    """Set p (n,) to beta B v of reflection number k; B is symmetric, so its rows serve as columns."""
+    for i in range(n):
+        p[i] = B[k * n + i] * A[k * n + k]
+    for j in range(k + 1, n):
+        for i in range(n):
+            p[i] = p[i] + B[j * n + i] * A[k * n + j]
+    for i in range(n):
+        p[i] = p[i] * beta[k]
 
-    `order` names the pivots from `rank` on.
+
+def factor_mass(n: int, rank: int, B: Reals, columns: Reals, inverse: Reals) -> int:
+    """Factor the trailing block as L D L^T with diagonal pivots [GVL 4.1, 4.2.8]; return how far that went.
+
+    Rows of D L^T take the place of the upper half of B, whose other entries are no longer of use from row
+    `rank` on; `inverse` (n,) gets those of D, `columns` (n,) the exchanges, from `rank` on.
     """
     floor = CUT_FACTOR * n * EPSILON  # absolute, since diag(M) is about 1 after scaling
     for k in range(rank, n):
-        order[k] = float(k)
+        columns[k] = float(k)
     for k in range(rank, n):
-        best = k
-        for c in range(k + 1, n):
-            candidate = int(order[c])
-            largest = int(order[best])
-            if B[candidate * n + candidate] > B[largest * n + largest]:
-                best = c
-        i = int(order[best])
-        order[best] = order[k]
-        order[k] = float(i)
-        if not B[i * n + i] > floor:
-            return k
-        B[i * n + i] = sqrt(B[i * n + i])
-        for c in range(k + 1, n):
-            row = int(order[c]) * n
-            B[row + i] = B[row + i] / B[i * n + i]
-        for a in range(k + 1, n):
-            row = int(order[a]) * n
+        best = largest_pivot(n, k, B)
+        columns[k] = float(best)
+        if best > k:
             for c in range(k + 1, n):
-                column = int(order[c])
-                B[row + column] = B[row + column] - B[row + i] * B[column * n + i]
+                if c == best:
+                    exchange_coordinates(n, k, c, B)
+        if not B[k * n + k] > floor:
+            return k
+        inverse[k] = 1.0 / B[k * n + k]
+        for i in range(k + 1, n):
+            factor = B[k * n + i] * inverse[k]
+            for j in range(i, n):
+                B[i * n + j] = B[i * n + j] - factor * B[k * n + j]
     return n
+
+
+def largest_pivot(n: int, k: int, B: Reals) -> int:
+    """Return the first of the largest entries of the diagonal from k on."""
+    best = k
+    top = B[k * n + k]
+    for c in range(k + 1, n):
+        if B[c * n + c] > top:
+            best = c
+            top = B[c * n + c]
+    return best
+
+
+def exchange_coordinates(n: int, k: int, c: int, B: Reals) -> None:
+    """Exchange coordinates k and c > k of a symmetric matrix, of which the upper half is stored."""
+    for j in range(k):
+        exchange(B, j * n + k, j * n + c)
+    exchange(B, k * n + k, c * n + c)
+    for j in range(k + 1, c):
+        exchange(B, k * n + j, j * n + c)
+    for j in range(c + 1, n):
+        exchange(B, k * n + j, c * n + j)
+
+
+def permute(n: int, rank: int, columns: Reals, x: Reals) -> None:
+    """Exchange the entries of x (n,) from `rank` on as `factor_mass` exchanged coordinates."""
+    for k in range(rank, n):
+        if columns[k] > float(k):
+            for c in range(k + 1, n):
+                if columns[k] == float(c):
+                    exchange(x, k, c)
+
+
+def permute_back(n: int, rank: int, columns: Reals, x: Reals) -> None:
+    """Undo `permute`."""
+    for k in range(n - 1, rank - 1, -1):
+        if columns[k] > float(k):
+            for c in range(k + 1, n):
+                if columns[k] == float(c):
+                    exchange(x, k, c)

@@ -196,16 +196,24 @@ class KernelTree:
 
 # Contents
 
+# Names of the fields by class, None for what is no node: finding them takes longer than all the rest.
+_FIELDS: Final[dict[type, tuple[str, ...] | None]] = {}
+
 
 def walk(node: object) -> Iterator[object]:
     """Yield a node of a tree, or each of several, and all nodes below."""
     if isinstance(node, tuple):
         for item in node:
             yield from walk(item)
-    elif is_dataclass(node):
+        return
+    kind = type(node)
+    if kind not in _FIELDS:
+        _FIELDS[kind] = tuple(entry.name for entry in fields(kind)) if is_dataclass(kind) else None
+    names = _FIELDS[kind]
+    if names is not None:
         yield node
-        for entry in fields(node):
-            yield from walk(getattr(node, entry.name))
+        for name in names:
+            yield from walk(getattr(node, name))
 
 
 def variable_names(node: object) -> set[str]:

@@ -39,7 +39,7 @@ class Direct:
         key = written_by() and written_by() + environment().encode() + NAME.encode()
         module = read_module(key)
         if module is None:
-            module = Module(tuple(object_codes([text()], THOROUGH)), 0, calls_runtime=False)
+            module = Module(tuple(object_codes([text()], THOROUGH)), 0, ())
             store_module(key, module)
         builder = binding.JITLibraryBuilder().add_object_img(module.codes[0])
         linker = binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL)

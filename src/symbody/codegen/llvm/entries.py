@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from symbody.codegen.llvm.numbers import declarations
-from symbody.codegen.llvm.runtime import (
-    GATHER,
-    LANE_SADDLE,
-    SADDLE_NAME,
-    SCATTER,
-    lane_counts,
-    lane_sincos,
-)
+from symbody.codegen.llvm.runtime import GATHER, SCATTER, lane_counts, lane_sincos
+from symbody.codegen.llvm.saddles import LANE_SADDLES, SADDLE
 from symbody.codegen.llvm.trig import SINCOS_NAME
 from symbody.codegen.llvm.writing import GROUPS, PARAMETERS, first_status
 
@@ -23,11 +18,12 @@ ALIGNMENT: Final = 8
 _ARGUMENTS: Final = ", ".join(f"ptr %{name}" for name in (*GROUPS, "out", "work"))
 _ARRAYS: Final = (*GROUPS, "out")
 _BATCH: Final = ", ".join(f"ptr %{a}, i64 %{a}.stride" for a in _ARRAYS)
+# The kernels by their names without sizes.
+_SADDLES: Final = {SADDLE: "i64, i64, ptr, ptr, ptr, ptr, ptr, ptr", LANE_SADDLES: "i64, i64, ptr, ptr, ptr"}
+_SADDLE_CALL: Final = re.compile(rf"@(({SADDLE}|{LANE_SADDLES})(?:_\w+)?)\(")
 _OWN: Final = {
     "llvm.memset.p0.i64": "void @llvm.memset.p0.i64(ptr, i8, i64, i1)",
     SINCOS_NAME: f"{{double, double}} @{SINCOS_NAME}(double)",
-    SADDLE_NAME: f"i64 @{SADDLE_NAME}(i64, i64, ptr, ptr, ptr, ptr, ptr, ptr)",
-    LANE_SADDLE: f"i64 @{LANE_SADDLE}(i64, i64, ptr, ptr, ptr)",
     GATHER: f"void @{GATHER}(ptr, i64, i64, ptr)",
     SCATTER: f"void @{SCATTER}(ptr, i64, i64, ptr)",
 }
@@ -113,6 +109,7 @@ def all_declarations(text: str) -> str:
     for n in lane_counts():
         vector = f"<{n} x double>"
         known[lane_sincos(n)] = f"{{{vector}, {vector}}} @{lane_sincos(n)}({vector})"
+    known |= {name: f"i64 @{name}({_SADDLES[kind]})" for name, kind in _SADDLE_CALL.findall(text)}
     own = [f"declare {known[name]} nounwind\n" for name in known if f"@{name}(" in text]
     for n in lane_counts():
         name = f"llvm.masked.store.v{n}f64.p0"

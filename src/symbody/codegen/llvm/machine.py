@@ -72,19 +72,39 @@ def object_codes(texts: Items[str], level: int) -> list[bytes]:
                 piece.cancel()
 
 
-def optimized_code(text: str) -> bytes:
+def optimized_code(text: str, *, vectors: bool = False) -> bytes:
     """Return the object code of a module of loops and variables in memory, which LLVM's passes improve.
 
-    No pass changes a result: the text grants no freedom to reorder or fuse operations.
+    No pass changes a result: the text grants no freedom to reorder or fuse operations. With `vectors`, loops
+    compute several entries at once: twice the code, which pays for long loops.
     """
     initialize()
     module = binding.parse_assembly(text, binding.create_context())
     machine = target_machine()
-    # Vectors and unrolling double the code; systems of up to ten unknowns lose 10 to 30 %, those of 30 gain.
     options = binding.create_pipeline_tuning_options(speed_level=2)
-    options.loop_vectorization = options.slp_vectorization = options.loop_unrolling = False
+    options.loop_vectorization = vectors
+    options.slp_vectorization = options.loop_unrolling = False
     builder = binding.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def light_code(text: str) -> bytes:
+    """Return the object code of a module whose variables move from memory to registers, and no more.
+
+    Kernels of known sizes gain nothing by other passes; those of any size lose 10 % and compile in a third of
+    the time.
+    """
+    initialize()
+    module = binding.parse_assembly(text, binding.create_context())
+    machine = target_machine()
+    options = binding.create_pipeline_tuning_options(speed_level=1)
+    builder = binding.create_pass_builder(machine, options)
+    passes = binding.create_new_function_pass_manager()
+    passes.add_sroa_pass()
+    for function in module.functions:
+        if not function.is_declaration:
+            passes.run(function, builder)
     return bytes(machine.emit_object(module))
 
 

@@ -20,10 +20,10 @@ from symbody.codegen.llvm.entries import (
     lane_batch_function,
 )
 from symbody.codegen.llvm.items import ItemPlan, plan_items
-from symbody.codegen.llvm.machine import QUICK, SMALL, THOROUGH, lanes, object_codes, target_machine
+from symbody.codegen.llvm.machine import QUICK, THOROUGH, lanes, object_codes
 from symbody.codegen.llvm.numbers import words
 from symbody.codegen.llvm.order import order_operations
-from symbody.codegen.llvm.runtime import runtime
+from symbody.codegen.llvm.runtime import called_functions, load
 from symbody.codegen.llvm.stored_module import Module, key_of, read_module, store_module
 from symbody.codegen.llvm.writing import GROUPS, piece_function
 from symbody.codegen.lowering import constant_values, refuse_user_functions
@@ -111,7 +111,7 @@ def compile_sequence(
     if module is None:
         module, text = _compile_text(sequence, piece_size, level, width)
         store_module(key, module)
-    library = _load(module)
+    library = load(module, NAME, BATCH_NAME)
     return NativeFunction(
         library[NAME],
         library[BATCH_NAME],
@@ -137,10 +137,10 @@ def _compile_text(sequence: Sequence, piece_size: int, level: int, width: int) -
     beyond = (items.end + outside) * width
     if beyond and (width > 1 or items.maps):
         beyond += 2 * ALIGNMENT  # the entry may move on what the batch has moved
-    calls = any("@symbody_s" in text or "@symbody_g" in text for text in texts)
+    calls = {called for text in texts for called in called_functions(text) if not called.startswith(NAME)}
     begin("object code")
     codes = tuple(object_codes(texts, level))
-    return Module(codes, beyond, calls), "\n".join(texts)
+    return Module(codes, beyond, tuple(sorted(calls))), "\n".join(texts)
 
 
 def _module_texts(
@@ -163,15 +163,3 @@ def _module_texts(
     else:
         bodies = [*functions, "".join(declaration(name) for name in names) + entry]
     return [body + all_declarations(body) for body in bodies]
-
-
-def _load(module: Module) -> binding.ResourceTracker:
-    """Bring object code into memory."""
-    linker = binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL)
-    builder = binding.JITLibraryBuilder().add_current_process()
-    for code in module.codes:
-        builder.add_object_img(code)
-    if module.calls_runtime:
-        for name, address in runtime().addresses.items():
-            builder.import_symbol(name, address)
-    return builder.export_symbol(NAME).export_symbol(BATCH_NAME).link(linker, NAME)

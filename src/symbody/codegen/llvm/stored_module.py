@@ -32,13 +32,13 @@ class Module:
         Of the modules that are linked together.
     work_size : int
         Doubles of scratch that the function needs.
-    calls_runtime : bool
-        Whether it calls functions of `runtime`.
+    calls : tuple of str
+        The functions of `runtime` that it calls.
     """
 
     codes: tuple[bytes, ...]
     work_size: int
-    calls_runtime: bool
+    calls: tuple[str, ...]
 
 
 def key_of(sequence: Sequence, *asked: int) -> bytes:
@@ -73,7 +73,7 @@ def read_module(key: bytes) -> Module | None:
     header = json.loads(head)
     bounds = accumulate(header["sizes"], initial=0)
     codes = tuple(body[start:stop] for start, stop in pairwise(bounds))
-    return Module(codes, header["work_size"], header["calls_runtime"])
+    return Module(codes, header["work_size"], tuple(header["calls"]))
 
 
 def store_module(key: bytes, module: Module) -> None:
@@ -82,7 +82,7 @@ def store_module(key: bytes, module: Module) -> None:
         header = {
             "sizes": [len(code) for code in module.codes],
             "work_size": module.work_size,
-            "calls_runtime": module.calls_runtime,
+            "calls": module.calls,
         }
         store(key, json.dumps(header).encode() + b"\n" + b"".join(module.codes))
 

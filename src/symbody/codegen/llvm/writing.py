@@ -11,7 +11,8 @@ from typing import Final
 
 from symbody.codegen.llvm.items import ItemPlan, program_lines
 from symbody.codegen.llvm.numbers import Words
-from symbody.codegen.llvm.runtime import LANE_SADDLE, SADDLE_NAME, lane_counts, lane_sincos
+from symbody.codegen.llvm.runtime import lane_counts, lane_sincos
+from symbody.codegen.llvm.saddles import saddle_function
 from symbody.codegen.llvm.trig import SINCOS_NAME
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Piece, Plan, argument_places
@@ -222,11 +223,11 @@ class _LlvmPieceWriter:
             if count % BLOCK == 0:
                 self._begin_block()
         places = [*argument_places(kernel, plan.arguments), plan.results[k], plan.scratch]
-        called = SADDLE_NAME
         if self._words.width > 1:
-            called, places = LANE_SADDLE, [plan.arguments, plan.results[k], plan.scratch]
+            places = [plan.arguments, plan.results[k], plan.scratch]
         arguments = [f"i64 {kernel.n}", f"i64 {kernel.m}"]
         arguments += [f"ptr {self._address('work', place)}" for place in places]
+        called = saddle_function(kernel.n, kernel.m, self._words.width)
         self._lines.append(f"%f{k} = call i64 @{called}({', '.join(arguments)})")
         self._lines.append(f"%f{k}.bad = icmp ne i64 %f{k}, 0")
         self._lines.append(f"%f{k}.code = select i1 %f{k}.bad, i32 {datum + 1}, i32 0")
