@@ -8,7 +8,10 @@ the processor overlaps calls that do not wait for each other, and their time sta
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import ctypes
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -19,7 +22,7 @@ import symbody as sb
 from benchmarks.mechanisms import EXAMPLES
 from benchmarks.table import Table, seconds_text
 from benchmarks.timing import Settings, seconds
-from symbody.simulation.native.interface import RightHandSide, call, compile_loop
+from symbody.codegen.llvm.kernel_library import compile_kernels
 
 Floats = NDArray[np.float64]
 
@@ -103,22 +106,23 @@ def _call_seconds(eqs: sb.EquationSet, run: sb.Trajectory, link: float) -> float
     function = sb.compile(eqs, ["xdot", "power"])
     inputs, work = np.zeros(len(eqs.input_names)), np.zeros(function.work_size)
     n_u = len(eqs.speed_names)
-    groups = (inputs, np.zeros(0), function.constants(), work, np.zeros(1))
     states = np.ascontiguousarray(np.vstack([run.u, run.q]).T)
-    place, out = np.zeros((1, states.shape[1])), np.zeros((1, states.shape[1] + 1))
-    rhs = RightHandSide(function.address, n_u, *groups)
-    _calls(rhs, states, link, place, out)
-    return min(seconds(lambda: _calls(rhs, states, link, place, out)) for _ in range(20)) / len(states)
+    arrays = [states, np.zeros(1), inputs, function.constants(), work, *np.zeros((2, states.shape[1] + 1))]
+    places = [array.ctypes.data for array in arrays]
+    sizes = len(states), n_u, states.shape[1] - n_u
+
+    def calls() -> None:
+        _chain_calls()(function.address, *sizes, places[0], link, *places[1:])
+
+    calls()
+    return min(seconds(calls) for _ in range(20)) / len(states)
 
 
-@compile_loop
-def _calls(rhs: RightHandSide, states: Floats, link: float, place: Floats, out: Floats) -> None:
-    """Call a right-hand side at all states; unless `link` is 0, each waits for the result before."""
-    n = states.shape[1]
-    for k in range(states.shape[0]):
-        if link == 0.0:
-            call(rhs, states, k * n, out, 0)
-            continue
-        for i in range(n):
-            place[0, i] = states[k, i] + link * out[0, i]
-        call(rhs, place, 0, out, 0)
+@cache
+def _chain_calls() -> Callable[..., None]:
+    """Return `chained_calls.chain_calls` as machine code."""
+    file = Path(__file__).with_name("chained_calls.py")
+    place = compile_kernels(file.read_text(encoding="utf-8"), file.name)["chain_calls"]
+    pointer, integer = ctypes.c_void_p, ctypes.c_int64
+    kinds = [pointer, *[integer] * 3, pointer, ctypes.c_double, *[pointer] * 6]
+    return ctypes.CFUNCTYPE(None, *kinds)(place)

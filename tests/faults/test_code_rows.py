@@ -52,7 +52,7 @@ def started(program: str, cwd: Path, **environment: str) -> subprocess.Popen[str
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("library", ["llvmlite", "numba"])
+@pytest.mark.parametrize("library", ["llvmlite"])
 def test_row_70_a_missing_compiler_is_told_with_the_line_that_mends_it(library: str, tmp_path: Path) -> None:
     model = ROOT / "examples" / "spring_mass_damper" / "spring_mass_damper.toml"
     program = MISSING.format(library=library, model=str(model), output=str(tmp_path / "x.png"))

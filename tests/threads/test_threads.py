@@ -42,7 +42,7 @@ def test_all_calls_in_16_threads_again_and_again(time: int, tmp_path: Path) -> N
 
 @pytest.mark.exhaustive
 def test_all_calls_in_16_threads_with_no_loop_compiled(tmp_path: Path) -> None:
-    run("every_call", 16, 19, cache=tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "loops"))
+    run("every_call", 16, 19, cache=tmp_path)
 
 
 @pytest.mark.exhaustive

@@ -15,6 +15,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 from symbody.codegen.kernels.dialect import PREFIX
+from symbody.codegen.kernels.llvm_words import (
+    INTEGER,
+    INTEGER_TESTS,
+    REAL,
+    REAL_TESTS,
+    intrinsic_name,
+    real_type,
+    width_of,
+)
 from symbody.codegen.kernels.tree import (
     Apply,
     ArrayEntry,
@@ -37,13 +46,6 @@ from symbody.codegen.kernels.tree import (
     always_returns,
 )
 
-_REAL: Final = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
-_INTEGER: Final = {"+": "add nsw", "-": "sub nsw", "*": "mul nsw"}
-# Comparisons with NaN are false, but "not equal" is true.
-_REAL_TESTS: Final = {"<": "olt", "<=": "ole", ">": "ogt", ">=": "oge", "==": "oeq", "!=": "une"}
-_INTEGER_TESTS: Final = {"<": "slt", "<=": "sle", ">": "sgt", ">=": "sge", "==": "eq", "!=": "ne"}
-_INFINITY: Final = "0x7FF0000000000000"
-
 
 def llvm_text(
     kernels: Mapping[str, KernelTree], public: Sequence[str], width: int = 1, lanes: int = 1
@@ -54,9 +56,9 @@ def llvm_text(
     and a pointer to the flag follows the arguments. Values of the type `Lanes` have `lanes` entries.
     """
     declarations = [
-        f"declare {real} @{_intrinsic_name(word, real)}({real})"
+        f"declare {real} @{intrinsic_name(word, real)}({real})"
         for word in ("fabs", "sqrt")
-        for real in dict.fromkeys([_real_type(width), _real_type(lanes)])
+        for real in dict.fromkeys([real_type(width), real_type(lanes)])
     ]
     written = (
         "\n".join(_FunctionWriter(tree, tree.name in public, width, lanes).lines())
@@ -70,19 +72,6 @@ def kernel_name(kernel: str, width: int = 1) -> str:
     return f"{PREFIX}{kernel}" + ("_in_lanes" if width > 1 else "")
 
 
-def _real_type(width: int) -> str:
-    return "double" if width == 1 else f"<{width} x double>"
-
-
-def _intrinsic_name(word: str, real: str) -> str:
-    return f"llvm.{word}.f64" if real == "double" else f"llvm.{word}.v{_width(real)}f64"
-
-
-def _width(kind: str) -> int:
-    """Return how many entries a value of a type has."""
-    return int(kind[1:].partition(" ")[0]) if kind.startswith("<") else 1
-
-
 class _FunctionWriter:
     """Writes one kernel."""
 
@@ -92,8 +81,8 @@ class _FunctionWriter:
         self._width = width
         self._lanes = lanes
         self._types = {
-            Type.REAL: _real_type(width), Type.INTEGER: "i64", Type.ARRAY: "ptr", Type.FUNCTION: "ptr",
-            Type.LANES: _real_type(lanes), Type.MASK: f"<{lanes} x i1>",
+            Type.REAL: real_type(width), Type.INTEGER: "i64", Type.ARRAY: "ptr", Type.FUNCTION: "ptr",
+            Type.LANES: real_type(lanes), Type.MASK: f"<{lanes} x i1>",
         }  # fmt: skip
         self._parameters = {p.name for p in tree.parameters}
         self._count = 0
@@ -288,11 +277,11 @@ class _FunctionWriter:
         if operator == "not":
             return self._value(f"xor i1 {texts[0]}, true")
         kind, is_real = self._type(operand), operand.type in {Type.REAL, Type.LANES}
-        if operator in _REAL:
-            word = (_REAL if is_real else _INTEGER)[operator]
+        if operator in REAL:
+            word = (REAL if is_real else INTEGER)[operator]
             return self._value(f"{word} {kind} {', '.join(texts)}")
-        if operator in _REAL_TESTS:
-            word = f"fcmp {_REAL_TESTS[operator]}" if is_real else f"icmp {_INTEGER_TESTS[operator]}"
+        if operator in REAL_TESTS:
+            word = f"fcmp {REAL_TESTS[operator]}" if is_real else f"icmp {INTEGER_TESTS[operator]}"
             truth = self._value(f"{word} {kind} {', '.join(texts)}")
             return self._common(truth) if operand.type == Type.REAL else truth
         return _WORDS[operator](self, kind, *texts)
@@ -313,11 +302,11 @@ class _FunctionWriter:
         if kind == "double":
             return value
         first = self._value(f"insertelement {kind} poison, double {value}, i64 0")
-        zeros = f"<{_width(kind)} x i32> zeroinitializer"
+        zeros = f"<{width_of(kind)} x i32> zeroinitializer"
         return self._value(f"shufflevector {kind} {first}, {kind} poison, {zeros}")
 
     def _mask(self, kind: str) -> str:
-        return f"<{_width(kind)} x i1>" if kind.startswith("<") else "i1"
+        return f"<{width_of(kind)} x i1>" if kind.startswith("<") else "i1"
 
     def _integers(self) -> str:
         return "i64" if self._width == 1 else f"<{self._width} x i64>"
@@ -346,7 +335,7 @@ class _FunctionWriter:
         )
 
     def _intrinsic(self, word: str, kind: str, a: str) -> str:
-        return self._value(f"call {kind} @{_intrinsic_name(word, kind)}({kind} {a})")
+        return self._value(f"call {kind} @{intrinsic_name(word, kind)}({kind} {a})")
 
     def _exponent(self, kind: str, a: str) -> str:
         """Return the exponent from the bits of a double; subnormal numbers have the least."""

@@ -30,25 +30,41 @@ _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
 
 
 class StepMachine(NamedTuple):
-    """The kernels as functions of addresses and numbers; none holds the interpreter's lock."""
+    """The kernels of one motion as functions of addresses and numbers.
+
+    None of the functions of this file holds the interpreter's lock.
+    """
 
     begin: Callable[..., int]
     advance: Callable[..., int]
     project: Callable[..., float]
     longest_step: Callable[..., None]
-    run_cases: Callable[..., int]
-    run_lanes: Callable[..., int]
 
 
 @once
 def step_machine() -> StepMachine:
-    """Return the integrator, ready to be called."""
-    addresses = load_kernels("lane_motions", tuple(_SIGNATURES))
-    functions = [
-        ctypes.CFUNCTYPE(result, *arguments)(addresses[name])
-        for name, (result, arguments) in _SIGNATURES.items()
+    """Return the integrator of one motion, ready to be called."""
+    return StepMachine(*_functions("step_machine", *StepMachine._fields))
+
+
+@once
+def many_motions() -> Callable[..., int]:
+    """Return `run_cases`, ready to be called."""
+    return _functions("many_motions", "run_cases")[0]
+
+
+@once
+def lane_motions() -> Callable[..., int]:
+    """Return `run_lanes`, ready to be called."""
+    return _functions("lane_motions", "run_lanes")[0]
+
+
+def _functions(module: str, *names: str) -> list[Callable[..., Any]]:
+    addresses = load_kernels(module, names)
+    kinds = [
+        ctypes.CFUNCTYPE(result, *arguments) for result, arguments in map(_SIGNATURES.__getitem__, names)
     ]
-    return StepMachine(*functions)
+    return [kind(addresses[name]) for kind, name in zip(kinds, names, strict=True)]
 
 
 def address(array: Floats) -> int:

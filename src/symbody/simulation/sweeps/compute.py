@@ -20,7 +20,7 @@ from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Floats, Projector, RightHandSide
 from symbody.simulation.native.lane_blocks import make_lane_block
-from symbody.simulation.native.machine import address, step_machine
+from symbody.simulation.native.machine import address, lane_motions, many_motions
 from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, Signal, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
@@ -50,9 +50,9 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     if job.lanes and chunk.count >= lanes() and job.state_size:
         wide = job.function.in_lanes()
         block = make_lane_block(block, rhs, wide.work_size, job.method.tableau)
-        run = partial(step_machine().run_lanes, rhs.address, wide.address, projector, address(block))
+        run = partial(lane_motions(), rhs.address, wide.address, projector, address(block))
     else:
-        run = partial(step_machine().run_cases, rhs.address, projector, address(block))
+        run = partial(many_motions(), rhs.address, projector, address(block))
     verdicts = _verdicts(records)
     x, scratch = np.ascontiguousarray(records.x), np.zeros(job.times.size)
     arrays = [*map(address, (rows, job.times, scratch, x, verdicts))]
