@@ -152,7 +152,7 @@ def test_stored_sequences_keep_their_programs(tmp_path: Path, monkeypatch: pytes
     assert read is not None and read[0] == sequence
 
 
-@pytest.mark.parametrize("language", ["c", "python", "fortran", "matlab", "julia"])
+@pytest.mark.parametrize("language", ["c", "python", "fortran", "matlab", "julia", "rust", "javascript"])
 def test_texts_write_every_item_out(language: str) -> None:
     sequence = random_programs(31)
     text = source_text(sequence, language, SIGNATURE)

@@ -351,7 +351,7 @@ model = sb.Model("p", [body, slider], inputs=["F"], parameters={"m": 1.0, "d": 0
 eqs = sb.form_equations(model)
 print(eqs.dynamic_equations())
 assert False, "assertions are off"
-for language in ("c", "python", "fortran", "matlab", "julia", "jax", "casadi"):
+for language in ("c", "python", "fortran", "matlab", "julia", "rust", "javascript", "jax", "casadi"):
     sb.generate_code(eqs, "udot", language)
 print(sb.linearize(eqs).verdict, sb.find_equilibrium(eqs).verdict)
 from symbody.cli.entry import run

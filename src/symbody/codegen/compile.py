@@ -96,7 +96,8 @@ def generate_code(
     ----------
     language : str
         "c" for C99, "python" for a module that needs NumPy alone, "fortran" for Fortran 2008, "matlab"
-        (or "octave"), "julia", "jax", or "casadi"; each text explains itself at its head.
+        (or "octave"), "julia", "rust", "javascript" for an ES module, "jax", or "casadi"; each text explains
+        itself at its head.
     parameters : mapping, optional
         Values to put in; None leaves every parameter an argument, in the order of ``eqs.parameters``.
 

@@ -81,7 +81,8 @@ def factor_rows(
     columns of R, then the Householder vector; `inverse` (n,) is that of the diagonal of R, a reflection is
     I - beta v v^T. `weight` and `share` (m,) are scratch. Returns -1 if A is not finite.
     """
-    if measure_rows(n, m, A, rows, weight, share) > 0:
+    status = measure_rows(n, m, A, rows, weight, share)
+    if status > 0:
         return -1
     most = n
     if m < n:

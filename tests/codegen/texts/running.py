@@ -6,7 +6,9 @@ import ctypes
 import importlib.util
 import json
 import os
+import re
 import shutil
+import struct
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,12 +18,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symbody.codegen.texts import fortran
+from symbody.codegen.texts import fortran, javascript, rust
 from symbody.codegen.texts.languages import TEXTS
 from symbody.expr.sequence import Sequence
 
 Point = dict[str, list[float]]
 GFORTRAN, OCTAVE, JULIA = shutil.which("gfortran"), shutil.which("octave-cli"), shutil.which("julia")
+RUSTC, NODE = shutil.which("rustc"), shutil.which("node")
 # JAX is large: it may live in an environment of its own.
 JAX = sys.executable if importlib.util.find_spec("jax") else os.environ.get("SYMBODY_JAX_PYTHON")
 CASADI = sys.executable if importlib.util.find_spec("casadi") else None
@@ -36,6 +39,8 @@ FORTRAN = pytest.param("fortran", marks=pytest.mark.skipif(GFORTRAN is None, rea
 MATLAB = pytest.param("matlab", marks=pytest.mark.skipif(OCTAVE is None, reason="needs octave-cli"))
 CASADI_ = pytest.param("casadi", marks=pytest.mark.skipif(CASADI is None, reason="needs the package casadi"))
 JULIA_ = pytest.param("julia", marks=pytest.mark.skipif(JULIA is None, reason="needs julia"))
+RUST = pytest.param("rust", marks=pytest.mark.skipif(RUSTC is None, reason="needs rustc"))
+JAVASCRIPT = pytest.param("javascript", marks=pytest.mark.skipif(NODE is None, reason="needs node"))
 JAX_ = pytest.param(
     "jax",
     marks=[
@@ -43,7 +48,13 @@ JAX_ = pytest.param(
         pytest.mark.exhaustive,  # some seconds to compile each
     ],
 )
-ALL = (FORTRAN, MATLAB, CASADI_, JULIA_, JAX_)
+ALL = (FORTRAN, MATLAB, CASADI_, JULIA_, RUST, JAVASCRIPT, JAX_)
+
+IN_PIECES: dict[str, Callable[..., str]] = {
+    "fortran": fortran.generate,
+    "rust": rust.generate,
+    "javascript": javascript.generate,
+}
 
 
 def run(
@@ -51,7 +62,7 @@ def run(
 ) -> list[list[float]]:
     """What the text of the sequence gives at each point; arguments as long as the first point has them."""
     names = {group: [f"{group}{k}" for k in range(len(points[0].get(group, ())))] for group in "qurpc"}
-    write = partial(fortran.generate, **options) if options else TEXTS[language]
+    write = partial(IN_PIECES[language], **options) if options else TEXTS[language]
     return RUNNERS[language](write(sequence, name, names), sequence, points, folder, name)
 
 
@@ -136,6 +147,92 @@ def _julia(text: str, sequence: Sequence, points: list[Point], folder: Path, nam
     return _numbers(_done([JULIA, "--startup-file=no", "caller.jl"], folder))
 
 
+# Numbers go in and out as bits; a matrix is flattened by its rows.
+RUST_CALLER = """
+mod made;
+
+trait Flat {{ fn put(&self, line: &mut Vec<String>); }}
+impl Flat for f64 {{
+    fn put(&self, line: &mut Vec<String>) {{ line.push(format!("{{:016x}}", self.to_bits())); }}
+}}
+impl<T: Flat, const N: usize> Flat for [T; N] {{
+    fn put(&self, line: &mut Vec<String>) {{ for x in self {{ x.put(line); }} }}
+}}
+
+fn main() {{
+    for line in std::io::stdin().lines() {{
+        let text = line.unwrap();
+        let given: Vec<f64> = text.split_whitespace()
+            .map(|word| f64::from_bits(u64::from_str_radix(word, 16).unwrap())).collect();
+        let out = made::{name}(given[0]{slices});
+        let mut line = Vec::new();
+        {put}
+        println!("{{}}", line.join(" "));
+    }}
+}}
+"""
+
+
+def _rust(text: str, sequence: Sequence, points: list[Point], folder: Path, name: str) -> list[list[float]]:
+    (folder / "made.rs").write_text(text, encoding="ascii")
+    slices, start = "", 1
+    for group in _groups(sequence)[1:]:
+        stop = start + max(len(points[0].get(group, ())), sequence.group_size(group))
+        slices += f", given[{start}..{stop}].try_into().unwrap()"
+        start = stop
+    words = re.findall(r"^    pub (\w+): ", text, re.MULTILINE)
+    put = " ".join(f"out.{word}.put(&mut line);" for word in words)
+    caller = RUST_CALLER.format(name=name, slices=slices, put=put)
+    (folder / "caller.rs").write_text(caller, encoding="ascii")
+    assert RUSTC is not None
+    _done(
+        [RUSTC, "--edition", "2021", "-D", "warnings", "-A", "dead_code", "-O", "caller.rs", "-o", "caller"],
+        folder,
+    )
+    lines = []
+    for point in points:
+        values = [x for group in _groups(sequence) for x in point.get(group, [0.0] if group == "t" else [])]
+        lines.append(" ".join(struct.pack(">d", x).hex() for x in values))
+    printed = _done([str(folder / "caller")], folder, "\n".join(lines))
+    return [
+        [struct.unpack(">d", bytes.fromhex(word))[0] for word in line.split()]
+        for line in printed.splitlines()
+    ]
+
+
+NODE_CALLER = """
+import {{ {name}, outputs }} from "./made.mjs";
+import {{ readFileSync }} from "node:fs";
+const kept = outputs();
+const bits = new Float64Array(1), bytes = new BigUint64Array(bits.buffer);
+const read = (word) => {{ bytes[0] = BigInt("0x" + word); return bits[0]; }};
+const write = (x) => {{ bits[0] = x; return bytes[0].toString(16).padStart(16, "0"); }};
+const flat = (made) => Object.values(made).flatMap((x) => (typeof x === "number" ? [x] : [...x]));
+for (const line of readFileSync(0, "utf8").split("\\n").filter((text) => text)) {{
+    const [t, ...groups] = line.split(";").map((part) => part.split(" ").filter((w) => w).map(read));
+    const once = flat({name}(t[0], ...groups)).map(write).join(" ");
+    {name}(t[0], ...groups, kept);
+    if (flat(kept).map(write).join(" ") !== once) throw new Error("another result when filled again");
+    console.log(once);
+}}
+"""
+
+
+def _node(text: str, sequence: Sequence, points: list[Point], folder: Path, name: str) -> list[list[float]]:
+    (folder / "made.mjs").write_text(text, encoding="ascii")
+    (folder / "caller.mjs").write_text(NODE_CALLER.format(name=name), encoding="ascii")
+    lines = []
+    for point in points:
+        groups = (point.get(group, [0.0] if group == "t" else []) for group in _groups(sequence))
+        lines.append(";".join(" ".join(struct.pack(">d", x).hex() for x in values) for values in groups))
+    assert NODE is not None
+    printed = _done([NODE, "caller.mjs"], folder, "\n".join(lines))
+    return [
+        [struct.unpack(">d", bytes.fromhex(word))[0] for word in line.split()]
+        for line in printed.splitlines()
+    ]
+
+
 PYTHON_CALLER = """
 import json, sys
 import numpy as np
@@ -170,6 +267,8 @@ RUNNERS: dict[str, Callable[..., list[list[float]]]] = {
     "fortran": _fortran,
     "matlab": _octave,
     "julia": _julia,
+    "rust": _rust,
+    "javascript": _node,
     "jax": _python(JAX, "import jax\nfunction = jax.jit(function)"),
     "casadi": _python(CASADI, ""),
 }

@@ -93,7 +93,7 @@ def test_the_head_tells_arguments_and_results_in_order(language: str) -> None:
     eqs = equations_of("slider_crank")
     text = sb.generate_code(eqs, ["udot", "mass_matrix", "kinetic_energy"], language)
     one = language in ("fortran", "matlab", "octave", "julia")
-    opening, closing = "[]" if language in ("julia", "jax", "casadi") else "()"
+    opening, closing = "[]" if language not in ("fortran", "matlab", "octave") else "()"
     place = 0
     for group, names in (("q", eqs.coordinate_names), ("u", eqs.speed_names), ("p", eqs.parameter_names)):
         for k, name in enumerate(names):
@@ -114,7 +114,7 @@ def test_functions_need_a_name(language: str) -> None:
         "f;",
         "z1",
         "_f",
-        "sin" if language != "casadi" and language != "jax" else "lambda",
+        {"casadi": "lambda", "jax": "lambda", "rust": "fn", "javascript": "function"}.get(language, "sin"),
     ):
         with pytest.raises(CompileError, match="cannot be the name") as caught:
             TEXTS[language](single(op.ADD, 2), name, None)

@@ -41,6 +41,15 @@ def _head(tree: KernelTree, names: Names) -> Iterator[str]:
         yield f"    let {', '.join(variables)};"
 
 
+# The arguments one after the other, the solution and scratch, all in one array.
+SADDLE_CALL: Final = """\
+function symbody_saddle(work, n, m, first, results, scratch) {
+    const jacobian = first + n * n, force = jacobian + m * n, gamma = force + n;
+    symbody_solve_saddle(
+        n, m, work, first, work, jacobian, work, force, work, gamma, work, results, work, scratch);
+}
+"""
+
 JAVASCRIPT: Final = KernelDialect(
     literal=literal,
     head=_head,

@@ -36,7 +36,7 @@ def _head(tree: KernelTree, names: Names) -> Iterator[str]:
     parameters = ", ".join(f"{names.get(p.name, p.name)}: {_TYPES[p.type]}" for p in tree.parameters)
     result = "" if tree.result is None else f" -> {_TYPES[tree.result]}"
     yield f"/// {tree.summary}"
-    yield "#[allow(non_snake_case, unused_assignments)]"
+    yield "#[allow(non_snake_case, unused_assignments, unused_parens)]"
     yield f"fn {PREFIX}{tree.name}({parameters}){result} {{"
     counters = _counters(tree)
     for name, kind in tree.variables.items():
@@ -48,6 +48,18 @@ def _counters(tree: KernelTree) -> set[str]:
     """Return the counters of loops, which their loop declares."""
     return {node.name for node in walk(tree.body) if isinstance(node, Count)}
 
+
+# The arguments one after the other, the solution and scratch, all in one array.
+SADDLE_CALL: Final = """\
+fn symbody_saddle(work: &mut [f64], n: usize, m: usize, first: usize, results: usize, scratch: usize) {
+    let cells = std::cell::Cell::from_mut(work).as_slice_of_cells();
+    let (jacobian, force, gamma) = (first + n * n, first + n * n + m * n, first + n * n + m * n + n);
+    symbody_solve_saddle(
+        n as isize, m as isize, &cells[first..], &cells[jacobian..], &cells[force..], &cells[gamma..],
+        &cells[results..], &cells[scratch..],
+    );
+}
+"""
 
 RUST: Final = KernelDialect(
     literal=_literal,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from symbody.codegen.texts import c, casadi, fortran, jax, julia, matlab, python
+from symbody.codegen.texts import c, casadi, fortran, javascript, jax, julia, matlab, python, rust
 from symbody.codegen.texts.layout import Arguments
 from symbody.expr.sequence import Sequence
 
@@ -17,6 +17,8 @@ TEXTS: Final[Mapping[str, Callable[[Sequence, str, Arguments | None], str]]] = {
     "matlab": matlab.generate,  # Octave reads it too
     "octave": matlab.generate,
     "julia": julia.generate,
+    "rust": rust.generate,
+    "javascript": javascript.generate,
     "jax": jax.generate,
     "casadi": casadi.generate,
 }

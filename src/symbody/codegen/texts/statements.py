@@ -25,6 +25,8 @@ class Dialect:
     expressions : mapping of operation code to format
     assignment : str
         Format of a statement, with ``name`` and ``value``, indented.
+    definition : str
+        The same for a new variable, where that is written otherwise.
     number : callable
         Text of a double, in parentheses if negative.
     entry : callable
@@ -40,7 +42,7 @@ class Dialect:
         reads and writes the work array.
     kernel_call : str
         Format of that call, with ``n``, ``m``, entries of ``work`` where ``M``, ``J``, ``F``, ``gamma`` and
-        ``solution`` begin, and how many numbers lie before the ``arguments`` and the ``results``.
+        ``solution`` begin, and how many numbers lie before the ``arguments``, ``results`` and ``scratch``.
     """
 
     expressions: Mapping[int, str]
@@ -53,6 +55,7 @@ class Dialect:
     is_true: str = ""
     kernel: Callable[[str, int, int, Items[str]], Items[str]] | None = None
     kernel_call: str = ""
+    definition: str = ""
 
 
 class Statements:
@@ -150,7 +153,8 @@ class Statements:
     def _define(self, k: int, expression: str, name: str = "", *, is_condition: bool = False) -> None:
         self._names[k] = name or f"z{k}"
         (self.conditions if is_condition else self.reals).append(self._names[k])
-        self._assign(self._names[k], expression)
+        form = self._dialect.definition or self._dialect.assignment
+        self._lines.append(form.format(name=self._names[k], value=expression))
 
     def _power(self, k: int, base: str, exponent: int) -> None:
         names = [base]
@@ -172,7 +176,7 @@ class Statements:
         begins = {word: self._dialect.entry("work", place) for word, place in zip(words, places, strict=True)}
         call = self._dialect.kernel_call
         numbers = {"n": kernel.n, "m": kernel.m, "arguments": plan.arguments, "results": plan.results[k]}
-        self._lines.append(call.format(**numbers, **begins))
+        self._lines.append(call.format(**numbers, scratch=plan.scratch, **begins))
 
     def _store(self, place: int, text: str) -> None:
         self._assign(self._dialect.entry("work", place), text)

@@ -1,0 +1,176 @@
+"""JavaScript text of a sequence: one ES module for browsers and Node, arrays are Float64Arrays.
+
+Every operation is one statement, in the order of the sequence; long functions are cut into pieces as in C.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import prod
+from typing import Final
+
+from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT, SADDLE_CALL
+from symbody.codegen.kernels.text_writer import saddle_text
+from symbody.codegen.pieces import PIECE_SIZE
+from symbody.codegen.texts.layout import Arguments, Language, TextLayout
+from symbody.codegen.texts.statements import Dialect, Statements
+from symbody.expr import opcodes as op
+from symbody.expr.sequence import Sequence
+
+_LANGUAGE: Final = Language(
+    "JavaScript",
+    frozenset(
+        """
+        arguments async await break case catch class const continue debugger default delete do else enum eval
+        export extends false finally for function if implements import in instanceof interface let new null
+        package private protected public return static super switch this throw true try typeof undefined var
+        void while with yield
+        Math Number Float64Array Uint32Array Infinity NaN constructor prototype __proto__ then
+        t q u r p c out outputs work
+        """.split()
+    ),
+)
+
+_EXPRESSIONS: Final = {
+    op.NEG: "-{0}",
+    op.ADD: "{0} + {1}",
+    op.SUB: "{0} - {1}",
+    op.MUL: "{0} * {1}",
+    op.DIV: "{0} / {1}",
+    op.POW: "symbody_power({0}, {1})",
+    op.SIN: "Math.sin({0})",
+    op.COS: "Math.cos({0})",
+    op.TAN: "Math.tan({0})",
+    op.ASIN: "Math.asin({0})",
+    op.ACOS: "Math.acos({0})",
+    op.ATAN: "Math.atan({0})",
+    op.SINH: "Math.sinh({0})",
+    op.COSH: "Math.cosh({0})",
+    op.TANH: "Math.tanh({0})",
+    op.EXP: "Math.exp({0})",
+    op.LOG: "Math.log({0})",
+    op.SQRT: "Math.sqrt({0})",
+    op.ABS: "Math.abs({0})",
+    # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
+    op.SIGN: "{0} > 0 ? 1 : {0} < 0 ? -1 : {0} + 0",
+    op.FLOOR: "Math.floor({0})",
+    # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
+    op.ATAN2: "Math.atan2({0} + 0, {1})",
+    op.MIN: "{0} < {1} ? {0} : {1}",  # the second where either is nan, as for max
+    op.MAX: "{1} < {0} ? {0} : {1}",
+    op.LT: "{0} < {1}",
+    op.LE: "{0} <= {1}",
+    op.EQ: "{0} === {1}",
+    op.AND: "{0} && {1}",
+    op.OR: "{0} || {1}",
+    op.NOT: "!{0}",
+    op.SELECT: "{0} ? {1} : {2}",
+    op.FMA: "{0} * {1} + {2}",  # there is none
+}
+
+# Powers of 1, and of -1 with an infinite exponent, are 1 as in C; here they would be nan.
+_FUNCTIONS: Final = {
+    "symbody_power": """
+function symbody_power(base, exponent) {
+    if (base === 1 || (base === -1 && Math.abs(exponent) === Infinity)) return 1;
+    return Math.pow(base, exponent);
+}
+""",
+}
+
+
+def _number(value: float) -> str:
+    text = repr(value)  # the shortest that reads back as the same double
+    return f"({text})" if text.startswith("-") else text
+
+
+def _entry(array: str, k: int) -> str:
+    return "t" if array == "t" else f"{array}[{k}]"
+
+
+_DIALECT: Final = Dialect(
+    _EXPRESSIONS, "    {name} = {value};", _number, _entry,
+    truth="{0} ? 1 : 0", is_true="{0} !== 0",
+    kernel_call="    symbody_saddle(work, {n}, {m}, {arguments}, {results}, {scratch});",
+    definition="    const {name} = {value};",
+)  # fmt: skip
+
+
+def generate(
+    sequence: Sequence,
+    name: str = "f",
+    arguments: Arguments | None = None,
+    *,
+    piece_size: int = PIECE_SIZE,
+) -> str:
+    """Return an ES module with ``name(t, q, u, r, p, out)`` and ``outputs()``.
+
+    Parameters
+    ----------
+    name : str
+        Name of the function, which the module exports.
+    arguments : mapping of group to names, optional
+        All arguments in order, for those that the sequence does not read.
+    piece_size : int
+        About how many operations go into one function; results do not depend on it.
+
+    Raises
+    ------
+    CompileError
+        If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
+        beyond the doubles.
+    """
+    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments, piece_size)
+    lines = [*_head(layout), *_function(layout), *_pieces(layout)]
+    body = "\n".join(lines)
+    lines += [text.rstrip("\n") for called, text in _FUNCTIONS.items() if f" {called}(" in body]
+    kernel = saddle_text(JAVASCRIPT, SADDLE_CALL).rstrip("\n").split("\n") if layout.plan.results else []
+    return "\n".join([*lines, *([""] if kernel else []), *kernel]) + "\n"
+
+
+def _call(layout: TextLayout) -> str:
+    optional = (group if group in "tqu" else f"{group} = []" for group in layout.sizes)
+    return f"{layout.name}({', '.join(optional)}, out = outputs())"
+
+
+def _head(layout: TextLayout) -> Iterator[str]:
+    yield from (f"// {line}".rstrip() for line in layout.heading(_entry, _call(layout)))
+    yield "// Arguments are arrays of any kind. The result has one property for each output: a number, or a"
+    yield "// Float64Array, matrices by rows. A result given as out is filled again instead of a new one."
+    yield ""
+    yield "export function outputs() {"
+    yield "    return {"
+    for output, word in zip(layout.sequence.outputs, layout.results, strict=True):
+        value = f"new Float64Array({prod(output.shape)})" if output.shape else "0"
+        yield f"        {word}: {value},"
+    yield "    };"
+    yield "}"
+
+
+def _function(layout: TextLayout) -> Iterator[str]:
+    given = ", ".join([*layout.sizes, "out"])
+    yield ""
+    yield f"const work = new Float64Array({layout.plan.work_size});"
+    yield ""
+    yield f"export function {_call(layout)} {{"
+    yield from (f"    symbody_piece_{k}({given});" for k in range(len(layout.plan.pieces)))
+    yield "    return out;"
+    yield "}"
+
+
+def _pieces(layout: TextLayout) -> Iterator[str]:
+    targets = _targets(layout)
+    for k, piece in enumerate(layout.plan.pieces):
+        yield ""
+        yield f"function symbody_piece_{k}({', '.join([*layout.sizes, 'out'])}) {{"
+        yield from Statements(layout, piece, _DIALECT, targets).lines()
+        yield "}"
+
+
+def _targets(layout: TextLayout) -> dict[int, str]:
+    """Return what each number of the output is assigned to; matrices are flat."""
+    places: list[str] = []
+    for output, word in zip(layout.sequence.outputs, layout.results, strict=True):
+        size = len(output.values)
+        places += [f"out.{word}[{k}]" for k in range(size)] if output.shape else [f"out.{word}"]
+    return dict(enumerate(places))
