@@ -22,7 +22,7 @@ def load_kernels(module: str, names: Sequence[str]) -> Mapping[str, int]:
     stored = read_module(key)
     if stored is None:
         code = optimized_code(llvm_text(read_kernels(module, *names), names, lanes=lanes()))
-        stored = Module((code,), 0, calls_runtime=False)
+        stored = Module((code,), 0, ())
         store_module(key, stored)
     return _link(stored.codes[0], module, names)
 

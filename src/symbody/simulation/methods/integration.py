@@ -154,7 +154,7 @@ def run_explicit(
         constants=function.constants(),
         times=integration.times,
         rtol=integration.rtol,
-        atol=[*integration.tolerances, _work_tolerance(integration)],
+        atol=[*integration.tolerances, work_tolerance(integration)],
         max_steps=integration.max_steps,
         stop_when_stiff=stop_when_stiff,
         progress=integration.progress,
@@ -173,7 +173,7 @@ def run_explicit(
     raise python_laws.error
 
 
-def _work_tolerance(integration: IntegrationProblem) -> float:
+def work_tolerance(integration: IntegrationProblem) -> float:
     """Return how large a local error of the work may be.
 
     Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism

@@ -1,0 +1,1 @@
+"""Programs of whole simulations in other languages: functions, the integrator and its numbers in one text."""
