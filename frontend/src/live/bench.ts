@@ -28,14 +28,14 @@ class ControlRow {
   private readonly slider: HTMLInputElement;
   private readonly number = create("span", { class: "sb-number" });
 
-  constructor(readonly control: Control, change: (value: number) => void) {
+  constructor(readonly control: Control, symbol: Node | string, change: (value: number) => void) {
     const { name, min, max, value } = control;
     this.slider = create("input", { type: "range", min, max, step: (max - min) / 500, "aria-label": name });
     this.slider.addEventListener("input", () => {
       this.showNumber(Number(this.slider.value));
       change(Number(this.slider.value));
     });
-    this.element = create("label", { class: "sb-slider" }, create("span", { class: "sb-symbol", title: name }, name), this.slider, this.number);
+    this.element = create("label", { class: "sb-slider" }, create("span", { class: "sb-symbol", title: name }, symbol), this.slider, this.number);
     this.show(value);
   }
 
@@ -52,7 +52,7 @@ class ControlRow {
 
   private showNumber(value: number): void {
     const { unit } = this.control;
-    const text = `${shortNumber(value)}${unit === "" ? "" : `\u202f${unit}`}`;
+    const text = `${shortNumber(value)}${unit === "" ? "" : `\u202f${shownUnit(unit)}`}`;
     setText(this.number, text);
     this.slider.setAttribute("aria-valuetext", text);
   }
@@ -65,10 +65,10 @@ export class Bench {
   private readonly readings: Record<keyof Readings, HTMLElement>;
   private readonly message = create("p", { class: "sb-note", role: "alert" });
 
-  constructor(controls: readonly Control[], equations: Node | null, hint: string, actions: BenchActions) {
+  constructor(controls: readonly Control[], symbols: readonly Node[], equations: Node | null, hint: string, actions: BenchActions) {
     this.play = button("play", "Play", "Space", () => { actions.togglePlaying(); });
     this.readings = { time: reading(), total: reading(), change: reading(), violation: reading() };
-    this.rows = controls.map((control) => new ControlRow(control, (value) => { actions.change(control, value); }));
+    this.rows = controls.map((control, k) => new ControlRow(control, symbols[k] ?? control.name, (value) => { actions.change(control, value); }));
     this.message.hidden = true;
     this.element = create(
       "aside",
@@ -100,8 +100,8 @@ export class Bench {
   showReadings({ time, total, change, violation }: Readings): void {
     setText(this.readings.time, `${time.toFixed(2)}\u202fs`);
     setText(this.readings.total, `${fixedNumber(total)}\u202fJ`);
-    setText(this.readings.change, `${change === 0 ? "0" : change.toExponential(0)}\u202fJ`);
-    setText(this.readings.violation, violation === 0 ? "none" : violation.toExponential(0));
+    setText(this.readings.change, `${roughNumber(change)}\u202fJ`);
+    setText(this.readings.violation, roughNumber(violation));
   }
 
   /** Say why something did not work; nothing with an empty text. */
@@ -151,6 +151,18 @@ function speedChoice(change: (speed: number) => void): HTMLElement {
 
 function shortNumber(value: number): string {
   return String(Number(value.toPrecision(4))).replace("-", "\u2212");
+}
+
+/** Return a small number by its size. */
+function roughNumber(value: number): string {
+  return value === 0 ? "0" : value.toExponential(0).replaceAll("-", "\u2212");
+}
+
+const RAISED: Readonly<Record<string, string>> = { "-": "\u207b", "1": "\u00b9", "2": "\u00b2", "3": "\u00b3", "4": "\u2074" };
+
+/** Return a unit with raised exponents. */
+function shownUnit(unit: string): string {
+  return unit.replace(/\^(-?)(\d)/g, (_, sign: string, power: string) => `${RAISED[sign] ?? ""}${RAISED[power] ?? `^${power}`}`);
 }
 
 function fixedNumber(value: number): string {

@@ -21,6 +21,12 @@ const CAUSES: Readonly<Record<string, string>> = {
   FINISHED: "The page simulates no further than this time. Reset it to go on.",
 };
 
+/** What Python wrote as MathML: the symbols of the sliders, and the equations if they can be read. */
+export interface Formulas {
+  readonly symbols: readonly Node[];
+  readonly equations: Node | null;
+}
+
 export class LivePage {
   readonly simulation: Simulation;
   readonly player: Player;
@@ -41,7 +47,7 @@ export class LivePage {
     private readonly sceneJson: unknown,
     private readonly live: LiveData,
     makeSimulation: () => Simulation,
-    equations: Node | null,
+    formulas: Formulas,
   ) {
     const host = create("div", { class: "sb-live-picture" });
     const simulation = makeSimulation();
@@ -51,7 +57,7 @@ export class LivePage {
     this.held = live.controls.filter(({ kind }) => kind === "initial").map(({ name }) => name);
     this.firstParameters = new Map(live.tables.map(({ parameter }) => [parameter, simulation.parameter(parameter)]));
     const hint = simulation.numbers.pull === null ? "" : "Drag a body to pull it; drag beside it, or with Shift, to turn the view.";
-    this.bench = new Bench(live.controls, equations, hint, {
+    this.bench = new Bench(live.controls, formulas.symbols, formulas.equations, hint, {
       togglePlaying: () => { this.setPlaying(!this.playing); },
       step: () => { this.step(); },
       reset: () => { this.reset(); },

@@ -5,7 +5,7 @@ import { decodeData } from "../player/data";
 import { create } from "../player/dom";
 import "../player/style.css";
 import "./style.css";
-import { LivePage } from "./live_page";
+import { LivePage, type Formulas } from "./live_page";
 import { readLive, type Simulation } from "./simulation";
 
 declare global {
@@ -24,13 +24,18 @@ function start(): void {
     const data = decodeData(value);
     const live = readLive(value?.["live"]);
     if (window.symbodySimulation === undefined) throw new DataError("page", "its simulation is missing");
-    const equations = document.getElementById("symbody-equations");
-    const shown = equations instanceof HTMLTemplateElement && equations.content.childElementCount > 0 ? equations.content : null;
     document.title = data.title;
-    window.symbodyLive = new LivePage(root, data, value?.["scene"], live, window.symbodySimulation, shown);
+    window.symbodyLive = new LivePage(root, data, value?.["scene"], live, window.symbodySimulation, readFormulas());
   } catch (error) {
     root.append(damaged(error));
   }
+}
+
+/** Return the children of the template: one for each slider, then the equations. */
+function readFormulas(): Formulas {
+  const template = document.getElementById("symbody-formulas");
+  const children = template instanceof HTMLTemplateElement ? Array.from(template.content.children) : [];
+  return { symbols: children.filter((each) => each.localName === "span"), equations: children.find((each) => each.localName === "div") ?? null };
 }
 
 function damaged(error: unknown): HTMLElement {

@@ -199,7 +199,7 @@ def _numbers(
             "mass": spring.mass, "frequency": spring.frequency, "interval": _PULL_INTERVAL,
         }  # fmt: skip
     places = {name: getattr(block, name) for name in _PLACES}
-    places |= {"ASSEMBLY_HELD": assembly_block.HEADER, "ASSEMBLY_NUMBERS": assembly_block.NUMBERS}
+    places |= {"ASSEMBLY_HELD": assembly_block.HELD, "ASSEMBLY_NUMBERS": assembly_block.NUMBERS}
     first_step = motion.method.first_step or 0.0
     return {
         "at": places,

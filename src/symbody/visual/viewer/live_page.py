@@ -6,7 +6,7 @@ import base64
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.display import mathml_sides
 from symbody.errors import Problem, UsageError, nearest
+from symbody.expr.printing.mathml import mathml_name
 from symbody.expr.printing.mathml_tables import math_element, mathml_equations
 from symbody.expr.rewrite import tree_sizes
 from symbody.model.model import Model, resolve_parameters
@@ -25,6 +26,7 @@ from symbody.simulation.programs.javascript_simulation import (
     javascript_simulation,
 )
 from symbody.simulation.programs.motion_request import MotionRequest
+from symbody.simulation.simulate import simulate
 from symbody.visual.scene import make_motion, make_scene, scene_to_json
 from symbody.visual.scene.body_poses import chain_of
 from symbody.visual.scene.scene import Scene
@@ -38,6 +40,8 @@ _SHARE: Final = 0.5  # of a parameter's value, to both sides, without bounds
 _TABLE: Final = 9  # values of a parameter for which shapes are made
 _MOST_SPEEDS: Final = 6  # of equations that are written out
 _MOST_OPERATIONS: Final = 1200
+_PREVIEW: Final = 8.0  # seconds of the motion that the picture has to hold
+_MOST_STEPS: Final = 20_000
 _PULL: Final = 4.0  # times the frequency of a pendulum as long as the mechanism: of a held body on its spring
 _FREQUENCIES: Final = (6.0, 100.0)  # [rad/s]
 
@@ -68,14 +72,14 @@ class LivePage:
         What the page holds beside the program.
     program : SimulationText
         The program.
-    equations : str
-        The equations as MathML, empty where they are too long to be read.
+    formulas : str
+        MathML of the symbols of the sliders, and of the equations where they are short enough to be read.
     title : str
     """
 
     data: PageData
     program: SimulationText
-    equations: str
+    formulas: str
     title: str
 
     @property
@@ -92,8 +96,8 @@ class LivePage:
         return fill_page(
             "live.html", self.data,
             {"'sha256-program'": f"'sha256-{digest}'",
-             '<template id="symbody-equations"></template>':
-                 f'<template id="symbody-equations">{self.equations}</template>',
+             '<template id="symbody-formulas"></template>':
+                 f'<template id="symbody-formulas">{self.formulas}</template>',
              '<script id="symbody-program">0</script>': f'<script id="symbody-program">{script}</script>'},
         )  # fmt: skip
 
@@ -142,19 +146,17 @@ def make_live_page(
     program = javascript_simulation(eqs, request, view, _spring(scene))
     first = program.motion.first
     controls = [_control(eqs, first, values, name, kinds[name], bounds) for name, bounds in sliders.items()]
-    courses = {name: np.array([value]) for name, value in first.q.items()}
+    courses = _courses(eqs, request, first)
     scene = make_scene(eqs.model, values, courses)
     motion = make_motion(run_of_state(first), scene, curves=(), vectors="none")
     name = title or eqs.model.name
     data = page_data(scene, motion, name, options)
     tables = list(_scene_tables(eqs.model, values, courses, controls))
     data["live"] = {"controls": [control.to_json() for control in controls], "tables": tables}
-    return LivePage(data, program, _equations(eqs), name)
+    return LivePage(data, program, "".join([*map(_symbol, sliders), _equations(eqs)]), name)
 
 
 def _with_sliders(request: MotionRequest, kinds: Mapping[str, Kind]) -> MotionRequest:
-    from dataclasses import replace
-
     return replace(
         request,
         tunable=tuple(name for name, kind in kinds.items() if kind == "parameter"),
@@ -197,6 +199,20 @@ def _control(
                     fix="choose bounds around it, or another first value by initial= or parameters=")
         )  # fmt: skip
     return LiveControl(name, kind, low, high, value, unit)
+
+
+def _courses(eqs: EquationSet, request: MotionRequest, first: State) -> dict[str, Any]:
+    """Return the coordinates over the first seconds, which say how far guides and tracks reach."""
+    start = request.span[0]
+    run = simulate(
+        eqs, (start, start + _PREVIEW), request.initial, None, request.parameters,
+        {name: law for name, law in request.inputs.items() if name not in request.free_inputs},
+        np.linspace(start, start + _PREVIEW, 81), request.integrator, request.constraints,
+        rtol=1e-6, max_steps=_MOST_STEPS,
+    )  # fmt: skip
+    if run.t.size < 2:
+        return {name: np.array([value]) for name, value in first.q.items()}
+    return dict(zip(run.coordinate_names, run.q, strict=True))
 
 
 def _spring(scene: Scene) -> PointerSpring:
@@ -244,4 +260,12 @@ def _equations(eqs: EquationSet) -> str:
     sides = [*eqs.textbook.inertial_side.nodes, *eqs.textbook.forcing_side.nodes]
     if sum(tree_sizes(eqs.textbook.formed.graph, sides)) > _MOST_OPERATIONS:
         return ""
-    return str(math_element(mathml_equations(mathml_sides(eqs)), block=True))
+    return f"<div>{math_element(mathml_equations(mathml_sides(eqs)), block=True)}</div>"
+
+
+def _symbol(name: str) -> str:
+    """Return the name of a slider as MathML."""
+    for order, ending in ((2, "_ddot"), (1, "_dot")):
+        if name.endswith(ending):
+            return f"<span>{math_element(mathml_name(name.removesuffix(ending), order))}</span>"
+    return f"<span>{math_element(mathml_name(name))}</span>"
