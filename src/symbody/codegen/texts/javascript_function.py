@@ -15,9 +15,7 @@ from symbody.expr.sequence import Sequence
 
 GROUPS: Final = ("q", "u", "r", "p", "c", "out", "work")
 
-_TAKEN: Final = frozenset(
-    {"status", "clock", "clock_0", "c", "c_0", *(f"{group}_0" for group in GROUPS)}
-)
+_TAKEN: Final = frozenset({"status", "clock", "clock_0", "c", "c_0", *(f"{group}_0" for group in GROUPS)})
 _RAW_LANGUAGE: Final = replace(LANGUAGE, words=LANGUAGE.words | _TAKEN)
 
 

@@ -1,4 +1,4 @@
-"""A whole simulation as JavaScript: equations, integrator, projection, assembly, and the numbers of one motion.
+"""A whole simulation as JavaScript: equations, integrator, projection, assembly, and numbers.
 
 The text needs nothing else; `SimulationText.module` is an ES module for Node and browsers.
 """
@@ -180,7 +180,9 @@ def _table(functions: Mapping[str, _Function]) -> str:
         function = functions.get(name)
         entries.append(f"{name}: {'null' if function is None else name + '_f'}")
         has_values = function is not None and function.values_text
-        values = f"{{ call: {name}_values, work: {function.values_work} }}" if function and has_values else "null"
+        values = (
+            f"{{ call: {name}_values, work: {function.values_work} }}" if function and has_values else "null"
+        )
         entries.append(f"{name}Values: {values}")
     return f"const functions = {{ {', '.join(entries)} }};"
 
@@ -237,7 +239,9 @@ def _block(motion: PosedMotion, functions: Mapping[str, _Function]) -> Floats:
     projector = NOTHING_TO_PROJECT
     if motion.is_projected:
         projector = _projector(motion, functions["projection"])
-    made = make_block(rhs, projector, method.tableau, goal, motion.x0, motion.span[0], method.first_step or 0.0)
+    made = make_block(
+        rhs, projector, method.tableau, goal, motion.x0, motion.span[0], method.first_step or 0.0
+    )
     made[block.KEEP_DENSE] = made[block.STEP_ROOM] = 1.0
     return made
 

@@ -200,13 +200,13 @@ def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
     ]  # fmt: skip
     if not isinstance(request.integrator, Explicit | FixedStep | None):
         problems.append(
-            Problem("animation.live_integrator", "integrator", f"{request.integrator!r} does not run in a page",
+            Problem("animation.live_integrator", "integrator", f"{request.integrator!r} runs in no page",
                     "it is implicit", "give sb.Explicit() or sb.FixedStep(1e-3), or leave it out")
         )  # fmt: skip
     if not isinstance(request.constraints, Projection | Baumgarte | None):
         problems.append(
             Problem("animation.live_constraints", "constraints",
-                    f"{request.constraints!r} does not run in a page", "it needs Python",
+                    f"{request.constraints!r} runs in no page", "it needs Python",
                     "give sb.Projection() or sb.Baumgarte(), or leave it out")
         )  # fmt: skip
     return problems
@@ -216,7 +216,7 @@ def _switching(eqs: EquationSet) -> list[Problem]:
     if not switches(eqs.formed):
         return []
     return [
-        Problem("animation.live_switching", eqs.model.name, "joints stick and slip, or ropes are taut and slack",
+        Problem("animation.live_switching", eqs.model.name, "joints stick, or ropes become slack",
                 "the equations change while it moves, which a page cannot do yet",
                 "animate a motion from simulate, or give the friction a smooth law")
     ]  # fmt: skip

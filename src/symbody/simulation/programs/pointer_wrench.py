@@ -19,7 +19,7 @@ MOST_BODIES: Final = 40
 
 @dataclass(frozen=True, slots=True)
 class PointerWrench:
-    """Names of inputs: the components of a wrench in ground's axes [N, N m], and the weights of the bodies."""
+    """Names of inputs: components of a wrench in ground's axes [N, N m], and weights of the bodies."""
 
     components: tuple[str, ...]
     weights: tuple[str, ...]
@@ -48,8 +48,8 @@ def add_pointer_wrench(eqs: EquationSet) -> tuple[EquationSet, PointerWrench | N
         for load in _loads(body, weight, wrench.components)
     ]  # fmt: skip
     pulled = Model(
-        model.name, [*model.elements, *loads], model.gravity, model.parameters, [*model.inputs, *wrench.names],
-        model.initial, model.ground, (), model.ground_shapes,
+        model.name, [*model.elements, *loads], model.gravity, model.parameters,
+        [*model.inputs, *wrench.names], model.initial, model.ground, (), model.ground_shapes,
     )  # fmt: skip
     topology = eqs.formed.topology
     dependent = eqs.formed.dependent_names

@@ -105,6 +105,20 @@ class LivePage:
         return f"<LivePage {self.title!r}: {len(self.data['live']['controls'])} sliders>"
 
 
+def slider_bounds(
+    sliders: Sequence[str | tuple[str, float, float]] | Mapping[str, Bounds | None],
+) -> dict[str, Bounds | None]:
+    """Return the bounds of sliders by name, None for those without."""
+    if isinstance(sliders, Mapping):
+        return dict(sliders)
+    return {
+        slider if isinstance(slider, str) else slider[0]: None
+        if isinstance(slider, str)
+        else (slider[1], slider[2])
+        for slider in sliders
+    }
+
+
 def make_live_page(
     eqs: EquationSet,
     sliders: Mapping[str, Bounds | None],
@@ -174,14 +188,17 @@ def _kind(eqs: EquationSet, name: str) -> Kind:
     listed = (*eqs.parameter_names, *eqs.input_names, *eqs.state_names)
     raise UsageError(
         Problem("animation.unknown_slider", name,
-                f"{name!r} is neither a parameter nor an input, coordinate or speed", fix=nearest(name, listed))
+                f"{name!r} is neither a parameter nor an input, coordinate or speed",
+                fix=nearest(name, listed))
     )  # fmt: skip
 
 
 def _control(
     eqs: EquationSet, first: State, values: Mapping[str, float], name: str, kind: Kind, bounds: Bounds | None
 ) -> LiveControl:
-    value = {"parameter": values.get(name, 0.0), "input": 0.0}.get(kind, {**first.q, **first.u}.get(name, 0.0))
+    value = {"parameter": values.get(name, 0.0), "input": 0.0}.get(
+        kind, {**first.q, **first.u}.get(name, 0.0)
+    )
     unit = eqs.units.get(name, "")
     if bounds is None:
         reach = (_SHARE * abs(value) or 1.0) if kind == "parameter" else math.pi if unit == "rad" else 1.0
@@ -242,10 +259,14 @@ def _scene_tables(
 def _differences(way: tuple[Any, ...], items: Sequence[Any]) -> Iterator[tuple[tuple[Any, ...], list[float]]]:
     """Yield the ways to numbers that differ between values of one form, and these numbers."""
     first = items[0]
-    if isinstance(first, dict) and all(isinstance(each, dict) and each.keys() == first.keys() for each in items):
-        for key in first:
+    if isinstance(first, dict) and all(
+        isinstance(each, dict) and each.keys() == first.keys() for each in items
+    ):
+        for key in (key for key in first if key != "mass"):  # which is not drawn
             yield from _differences((*way, key), [each[key] for each in items])
-    elif isinstance(first, list) and all(isinstance(each, list) and len(each) == len(first) for each in items):
+    elif isinstance(first, list) and all(
+        isinstance(each, list) and len(each) == len(first) for each in items
+    ):
         for k in range(len(first)):
             yield from _differences((*way, k), [each[k] for each in items])
     elif all(isinstance(each, int | float) and not isinstance(each, bool) for each in items):
