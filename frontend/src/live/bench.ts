@@ -65,7 +65,7 @@ export class Bench {
   private readonly readings: Record<keyof Readings, HTMLElement>;
   private readonly message = create("p", { class: "sb-note", role: "alert" });
 
-  constructor(controls: readonly Control[], symbols: readonly Node[], equations: Node | null, hint: string, actions: BenchActions) {
+  constructor(controls: readonly Control[], symbols: readonly Node[], equations: Node | null, hint: string, speed: number, actions: BenchActions) {
     this.play = button("play", "Play", "Space", () => { actions.togglePlaying(); });
     this.readings = { time: reading(), total: reading(), change: reading(), violation: reading() };
     this.rows = controls.map((control, k) => new ControlRow(control, symbols[k] ?? control.name, (value) => { actions.change(control, value); }));
@@ -79,7 +79,7 @@ export class Bench {
         button("toStart", "Reset", "R", () => { actions.reset(); }),
         this.play,
         button("stepForward", "Step", ".", () => { actions.step(); }),
-        speedChoice((speed) => { actions.setSpeed(speed); }),
+        speedChoice(speed, (chosen) => { actions.setSpeed(chosen); }),
       ),
       this.readingList(),
       this.message,
@@ -143,8 +143,9 @@ function button(name: IconName, label: string, key: string, act: () => void): HT
   return element;
 }
 
-function speedChoice(change: (speed: number) => void): HTMLElement {
-  const select = create("select", { "aria-label": "Speed" }, ...SPEEDS.map((speed) => create("option", { value: speed, selected: speed === 1 }, `${speed}\u00d7`)));
+function speedChoice(first: number, change: (speed: number) => void): HTMLElement {
+  const speeds = [...new Set([...SPEEDS, first])].sort((a, b) => a - b);
+  const select = create("select", { "aria-label": "Speed" }, ...speeds.map((speed) => create("option", { value: speed, selected: speed === first }, `${speed}\u00d7`)));
   select.addEventListener("change", () => { change(Number(select.value)); });
   return select;
 }

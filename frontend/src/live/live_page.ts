@@ -36,7 +36,7 @@ export class LivePage {
   private readonly held: readonly string[];
   private readonly firstParameters: ReadonlyMap<string, number>;
   private playing = false;
-  private speed = 1;
+  private speed: number;
   private request = 0;
   private before = 0;
   private firstEnergy = 0;
@@ -49,6 +49,7 @@ export class LivePage {
     makeSimulation: () => Simulation,
     formulas: Formulas,
   ) {
+    this.speed = data.settings.speed;
     const host = create("div", { class: "sb-live-picture" });
     const simulation = makeSimulation();
     this.simulation = simulation;
@@ -57,7 +58,7 @@ export class LivePage {
     this.held = live.controls.filter(({ kind }) => kind === "initial").map(({ name }) => name);
     this.firstParameters = new Map(live.tables.map(({ parameter }) => [parameter, simulation.parameter(parameter)]));
     const hint = simulation.numbers.pull === null ? "" : "Drag a body to pull it; drag beside it, or with Shift, to turn the view.";
-    this.bench = new Bench(live.controls, formulas.symbols, formulas.equations, hint, {
+    this.bench = new Bench(live.controls, formulas.symbols, formulas.equations, hint, this.speed, {
       togglePlaying: () => { this.setPlaying(!this.playing); },
       step: () => { this.step(); },
       reset: () => { this.reset(); },

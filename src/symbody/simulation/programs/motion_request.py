@@ -161,7 +161,7 @@ def pose_motion(eqs: EquationSet, request: MotionRequest) -> PosedMotion:
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
     laws = input_laws(eqs.input_names, request.inputs, request.span)
-    problems = [*_refusals(request, laws), *_switching(eqs)]
+    problems = [*_refusals(request, laws), *_switching_problems(eqs)]
     if problems:
         raise UsageError(*problems)
     made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
@@ -212,7 +212,7 @@ def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
     return problems
 
 
-def _switching(eqs: EquationSet) -> list[Problem]:
+def _switching_problems(eqs: EquationSet) -> list[Problem]:
     if not switches(eqs.formed):
         return []
     return [

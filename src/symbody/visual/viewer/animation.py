@@ -142,8 +142,7 @@ def animate(
     Parameters
     ----------
     run : Trajectory, State or EquationSet
-        With its model. A state makes a still picture, equations a live one: with a path, a page that
-        simulates itself while the user moves sliders and pulls bodies.
+        With its model. A state makes a still picture; equations a live one, with a path a page that simulates.
     path : path, optional
         Of the page, ``"motion.html"``. It holds everything it needs.
     curves : sequence of str, optional
@@ -156,15 +155,12 @@ def animate(
     times : (start, end) or (N,) array, optional
         The part of the motion that is shown, or all samples [s]. By default there are as many samples as the
         eye needs: what is interpolated between them is within a thousandth of the mechanism's size.
-    title : str, optional
-        By default the model's name.
-    model : Model, optional
-        The mechanism that moves, for motions from files of older versions.
+    title, model : str, Model, optional
+        By default the model's name; the mechanism that moves, for motions from files of older versions.
     view : "front", "top", "right", "isometric" or "auto"
         By default planar mechanisms are seen against the normal of their plane, others isometrically.
-    theme : "light", "dark", "contrast" or "auto"
-    speed : float
-        Seconds of the motion in a second.
+    theme, speed : "light", "dark", "contrast" or "auto", float
+        Colours; seconds of the motion in a second.
     live, sliders : bool, sequence of str or (name, lowest, highest), or mapping of name to (lowest, highest)
         In a notebook: share time with Python; coordinates and parameters of equations to move by sliders. On
         a page of equations: parameters, inputs, first values of coordinates and speeds.
@@ -181,18 +177,16 @@ def animate(
     target = None if path is None else _page_path(path)
     options = {"view": view, "theme": theme, "speed": speed}
     request = MotionRequest(
-        initial or {},
-        parameters or {},
-        inputs or {},
-        integrator=integrator,
-        constraints=constraints,
-        rtol=rtol,
-    )
+        initial or {}, parameters or {}, inputs or {}, (), (), integrator, constraints, rtol
+    )  # fmt: skip
     if isinstance(run, EquationSet):
         return live_mechanism(run, sliders, title, target, options, request)
     animation = make_animation(run, curves, vectors, traces, times, title, model, options)
-    if live:
-        return LiveAnimation(new_widget(animation.data))
+    return LiveAnimation(new_widget(animation.data)) if live else _present(animation, target)
+
+
+def _present(animation: Animation, target: Path | None) -> Animation:
+    """Return an animation, written to a page or shown in the browser; a notebook shows it by itself."""
     if target is not None:
         animation.save(target)
     elif not in_notebook():
