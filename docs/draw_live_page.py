@@ -30,14 +30,15 @@ def main() -> None:
         page = browser.new_page(viewport={"width": 1200, "height": 680})
         page.goto(path.as_uri())
         page.wait_for_timeout(1500)
+        page.keyboard.press(" ")  # what stands still can be pressed
         x, y = page.evaluate(
             "(() => { const p = symbodyLive.simulation.computePose().positions; "
             "return symbodyLive.player.viewer.pagePlace([p[6], p[7], p[8]]); })()"
         )
         page.mouse.move(x, y)
         page.mouse.down()
-        page.mouse.move(x + 80, y - 60, steps=4)
-        page.wait_for_timeout(600)
+        page.mouse.move(x + 70, y - 90, steps=4)
+        page.wait_for_timeout(2500)
         page.screenshot(path=HERE / "pictures" / "live_page.png")
         browser.close()
 
