@@ -20,7 +20,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 SOURCES = Path("frontend")
 PAGES = Path("src/symbody/visual/pages")
-FILES = ("player.html", "widget.js", "LICENSES.txt")
+FILES = ("player.html", "live.html", "widget.js", "LICENSES.txt")
 BUILDER = Path("src/symbody/builder/pages/index.html")
 STAMP = "sources.sha256"
 WITHOUT = "SYMBODY_WITHOUT_PAGES"
@@ -79,7 +79,7 @@ def is_current(root: Path) -> bool:
 def fingerprint(root: Path) -> str:
     """Return a hash of all that the pages are made from."""
     top = root / SOURCES
-    files = [top / name for name in ("package.json", "package-lock.json", "player.html")]
+    files = [top / name for name in ("package.json", "package-lock.json", "player.html", "live.html")]
     files += [path for folder in ("src", "scripts") for path in (top / folder).rglob("*") if path.is_file()]
     digest = hashlib.sha256()
     for path in sorted(files):

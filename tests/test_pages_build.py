@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("player.html", "widget.js", "LICENSES.txt", "index.html", "page.js")
+PAGES = ("player.html", "live.html", "widget.js", "LICENSES.txt", "index.html", "page.js")
 NPM = """#!/bin/sh
 echo "$@" >> "$LOG"
 [ "$1" = "$FAILING" ] && { echo "npm error the registry is away" >&2; exit 1; }
 [ "$1" = ci ] && mkdir -p node_modules && touch node_modules/.package-lock.json
-[ "$1" = run ] && mkdir -p ../src/symbody/visual/pages && for name in player.html widget.js LICENSES.txt; do
+[ "$1" = run ] && mkdir -p ../src/symbody/visual/pages && for name in player.html live.html widget.js LICENSES.txt; do
     cat src/main.ts > ../src/symbody/visual/pages/$name
 done
 [ "$1" = run ] && mkdir -p ../src/symbody/builder/pages/assets && for name in index.html assets/page.js; do

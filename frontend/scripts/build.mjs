@@ -34,17 +34,18 @@ async function bundle(entry, format) {
   return { script: chunks[0].code.trim(), style: style.map((each) => String(each.source)).join("\n") };
 }
 
-async function writePlayer() {
-  const { script, style } = await bundle("src/player/main.ts", "iife");
+/** Write a page of its own: a template with the code and the style of an entry. */
+async function writePage(name, entry) {
+  const { script, style } = await bundle(entry, "iife");
   // nothing in the code may end its element
   const safe = script.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
   const hash = `sha256-${createHash("sha256").update(safe, "utf8").digest("base64")}`;
-  const template = await readFile(`${root}/player.html`, "utf8");
+  const template = await readFile(`${root}/${name}`, "utf8");
   const page = template
     .replace("%STYLE%", () => style)
     .replace("%SCRIPT%", () => safe)
     .replace("%SCRIPT_HASH%", () => hash);
-  await write("player.html", page);
+  await write(name, page);
 }
 
 async function writeWidget() {
@@ -77,7 +78,8 @@ async function write(name, text) {
 }
 
 await mkdir(pages, { recursive: true });
-await writePlayer();
+await writePage("player.html", "src/player/main.ts");
+await writePage("live.html", "src/live/main.ts");
 await writeWidget();
 await writeBuilder();
 await writeLicenses();

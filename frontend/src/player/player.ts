@@ -25,6 +25,8 @@ export interface PlayerContext {
   readonly keysFrom?: Document;
   /** Whether the player is part of a longer page: the wheel scrolls that page until the picture is chosen. */
   readonly embedded?: boolean;
+  /** Whether somebody else moves what is shown: there is no time to choose, whatever the source covers. */
+  readonly still?: boolean;
   onTime?(time: number): void;
   onPlaying?(playing: boolean): void;
   onSelect?(element: SceneElement | null): void;
@@ -55,7 +57,7 @@ export class Player {
     private readonly context: PlayerContext = {},
   ) {
     const { scene, source, title, settings } = data;
-    this.clock = new Clock(source.start, source.end);
+    this.clock = new Clock(source.start, context.still === true ? source.start : source.end);
     this.settings = new Settings(settings);
     root.classList.add("sb-player");
     root.append(this.stage); // before the picture, which takes its size
@@ -117,7 +119,8 @@ export class Player {
 
   /** Show another scene of the same mechanism in the same picture; return whether that can be. */
   replaceScene(scene: Scene, source: StateSource): boolean {
-    const still = source.end <= source.start && this.clock.duration <= 0 && source.vectors.length === 0;
+    const isStill = this.context.still === true || source.end <= source.start;
+    const still = isStill && this.clock.duration <= 0 && source.vectors.length === 0;
     if (this.viewer === null || !still || castOf(scene) !== castOf(this.data.scene)) return false;
     this.data = { ...this.data, scene, source };
     this.viewer.replaceScene(scene, source);

@@ -6,7 +6,6 @@ Exit codes: 0 done, 2 usage, 3 model, 4 numerics, 5 environment, 130 interrupted
 from __future__ import annotations
 
 import shutil
-import webbrowser
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -21,6 +20,7 @@ from symbody.cli.doctor import run_doctor
 from symbody.cli.flags import FlagCommand, FlagGroup
 from symbody.cli.motion_lines import motion_json, motion_lines
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
+from symbody.cli.pages import open_page, read_sliders, write_live_page, write_motion_page
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
 from symbody.cli.stages import StageBar
@@ -30,7 +30,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.outputs.equation_lines import equation_lines
 from symbody.equations.outputs.textbook import MOST_SPEEDS
-from symbody.errors import EnvironmentFault, Problem, UsageError, nearest, number_in_words
+from symbody.errors import Problem, UsageError, nearest, number_in_words
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
 from symbody.model.model import Model
 from symbody.simulation.native.run import check_memory
@@ -158,7 +158,7 @@ def simulate(
         symbody.save_plot(ax, picture)
         if csv is not None:
             motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()))
-        pages = [_write_page(motion, picture.with_suffix(".html"), curves, None, ())] if page else []
+        pages = [write_motion_page(motion, picture.with_suffix(".html"), curves, None, ())] if page else []
     _print(
         [motion_json(eqs, motion)] if as_json else [*motion_lines(eqs, motion), f"plot: {picture}", *pages]
     )
@@ -186,34 +186,36 @@ def animate(
     ] = None,
     out: Annotated[Path | None, option("--out", "-o", text="Page; by default beside the model.")] = None,
     show: Annotated[bool, option("--open", text="Open the page in the browser.")] = False,
+    live: Annotated[
+        bool, option("--live", text="The page simulates itself; bodies can be pulled in it.")
+    ] = False,
+    sliders: Annotated[
+        Pairs,
+        option("--slider", metavar="NAME[=LOW:HIGH]", text="A parameter, input or first value; with --live."),
+    ] = None,
     tree: Tree = None,
     force: Force = False,
 ) -> None:
     """Compute the motion and write a page that shows it in any browser, without a network."""
     if out is not None:
         _refuse_overwriting(out, force)
+    target = model.with_suffix(".html") if out is None else out
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
+    if live or sliders:
+        _print([write_live_page(_form(load_model(model), tree), target, read_sliders(sliders), given, show)])
+        return
     bar = StageBar()
     with bar.stage("forming the equations"):
         eqs = _form(load_model(model), tree)
         settings = Settled.resolve(eqs, *given)
     with bar.stage("compiling"):
         motion = _motion(eqs, end, settings, None, 1e-8, None, bar)
-    target = model.with_suffix(".html") if out is None else out
     with bar.stage("drawing"):
-        page = _write_page(motion, target, curves, vectors, traces or ())
+        page = write_motion_page(motion, target, curves, vectors, traces or ())
     _print([*motion_lines(eqs, motion), page])
-    if show and not webbrowser.open(target.resolve().as_uri()):
-        fix = f"open {target} by hand"
-        raise EnvironmentFault(Problem("animation.no_browser", str(target), "no browser opened", fix=fix))
+    if show:
+        open_page(target)
     _exit_unless_done(motion)
-
-
-def _write_page(motion: Trajectory, path: Path, curves: Pairs, vectors: Pairs, traces: Iterable[str]) -> str:
-    """Write the page of a motion and return what is said of it."""
-    chosen = vectors[0] if vectors is not None and len(vectors) == 1 else vectors
-    symbody.animate(motion, path, curves=curves, vectors=chosen, traces=tuple(traces))
-    return f"page: {path}"
 
 
 def _check_samples(samples: int | None) -> None:

@@ -53,7 +53,7 @@ def _head(tree: KernelTree, names: Names) -> Iterator[str]:
 SADDLE_CALL: Final = """\
 function symbody_saddle(work, n, m, first, results, scratch) {
     const jacobian = first + n * n, force = jacobian + m * n, gamma = force + n;
-    symbody_solve_saddle(
+    return symbody_solve_saddle(
         n, m, work, first, work, jacobian, work, force, work, gamma, work, results, work, scratch);
 }
 """

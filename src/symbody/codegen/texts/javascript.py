@@ -17,7 +17,7 @@ from symbody.codegen.texts.statements import Dialect, Statements
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Sequence
 
-_LANGUAGE: Final = Language(
+LANGUAGE: Final = Language(
     "JavaScript",
     frozenset(
         """
@@ -37,7 +37,7 @@ _EXPRESSIONS: Final = {
     op.SUB: "{0} - {1}",
     op.MUL: "{0} * {1}",
     op.DIV: "{0} / {1}",
-    op.POW: "symbody_power({0}, {1})",
+    op.POW: "symbody_pow({0}, {1})",
     op.SIN: "Math.sin({0})",
     op.COS: "Math.cos({0})",
     op.TAN: "Math.tan({0})",
@@ -69,9 +69,9 @@ _EXPRESSIONS: Final = {
 }
 
 # Powers of 1, and of -1 with an infinite exponent, are 1 as in C; here they would be nan.
-_FUNCTIONS: Final = {
-    "symbody_power": """
-function symbody_power(base, exponent) {
+FUNCTIONS: Final = {
+    "symbody_pow": """
+function symbody_pow(base, exponent) {
     if (base === 1 || (base === -1 && Math.abs(exponent) === Infinity)) return 1;
     return Math.pow(base, exponent);
 }
@@ -88,7 +88,7 @@ def _entry(array: str, k: int) -> str:
     return "t" if array == "t" else f"{array}[{k}]"
 
 
-_DIALECT: Final = Dialect(
+DIALECT: Final = Dialect(
     _EXPRESSIONS, "    {name} = {value};", _number, _entry,
     truth="{0} ? 1 : 0", is_true="{0} !== 0",
     kernel_call="    symbody_saddle(work, {n}, {m}, {arguments}, {results}, {scratch});",
@@ -120,10 +120,10 @@ def generate(
         If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
         beyond the doubles.
     """
-    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments, piece_size)
+    layout = TextLayout.for_sequence(sequence, name, LANGUAGE, arguments, piece_size)
     lines = [*_head(layout), *_function(layout), *_pieces(layout)]
     body = "\n".join(lines)
-    lines += [text.rstrip("\n") for called, text in _FUNCTIONS.items() if f" {called}(" in body]
+    lines += [text.rstrip("\n") for called, text in FUNCTIONS.items() if f" {called}(" in body]
     kernel = saddle_text(JAVASCRIPT, SADDLE_CALL).rstrip("\n").split("\n") if layout.plan.results else []
     return "\n".join([*lines, *([""] if kernel else []), *kernel]) + "\n"
 
@@ -163,7 +163,7 @@ def _pieces(layout: TextLayout) -> Iterator[str]:
     for k, piece in enumerate(layout.plan.pieces):
         yield ""
         yield f"function symbody_piece_{k}({', '.join([*layout.sizes, 'out'])}) {{"
-        yield from Statements(layout, piece, _DIALECT, targets).lines()
+        yield from Statements(layout, piece, DIALECT, targets).lines()
         yield "}"
 
 

@@ -1,1 +1,1 @@
-"""Whole simulations as programs that stand alone."""
+"""Programs of whole simulations in other languages: functions, the integrator and its numbers in one text."""

@@ -18,14 +18,19 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.model.model import Model
+from symbody.simulation.inputs.input_laws import Law
+from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.programs.motion_request import MotionRequest
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.scene import make_motion, make_scene
 from symbody.visual.scene.scene import Scene, SceneMotion
 from symbody.visual.scene.view import seen_along
 from symbody.visual.viewer.live import Slider, SliderMechanism, slider_mechanism
+from symbody.visual.viewer.live_page import LivePage, make_live_page, slider_bounds
 from symbody.visual.viewer.page import PageData, page_data, page_text, write_page
 from symbody.visual.viewer.still import run_of_state
 
@@ -124,8 +129,11 @@ def animate(
     curves: Sequence[str] | None = None, vectors: str | Sequence[str] | None = None,
     traces: Sequence[str] = (), times: ArrayLike | None = None, title: str | None = None,
     model: Model | None = None, view: View = "auto", theme: Theme = "auto", speed: float = 1.0,
-    live: bool = False, sliders: Sequence[Slider] = (),
-) -> Animation | LiveAnimation:  # fmt: skip
+    live: bool = False, sliders: Sequence[Slider] | Mapping[str, tuple[float, float] | None] = (),
+    initial: Mapping[str, Value] | None = None, parameters: Mapping[str, Value] | None = None,
+    inputs: Mapping[str, Law] | None = None, integrator: Integrator | None = None,
+    constraints: Constraints | None = None, rtol: float = 1e-8,
+) -> Animation | LiveAnimation | LivePage:  # fmt: skip
     """Show a motion: as a page that any browser opens, without a network, or in a notebook.
 
     With a path the page is written there. Without one, a notebook shows what is returned; elsewhere the page
@@ -134,7 +142,8 @@ def animate(
     Parameters
     ----------
     run : Trajectory, State or EquationSet
-        With its model. A state makes a still picture, equations a live one.
+        With its model. A state makes a still picture; equations a live one, with a path a page that
+        simulates.
     path : path, optional
         Of the page, ``"motion.html"``. It holds everything it needs.
     curves : sequence of str, optional
@@ -147,17 +156,17 @@ def animate(
     times : (start, end) or (N,) array, optional
         The part of the motion that is shown, or all samples [s]. By default there are as many samples as the
         eye needs: what is interpolated between them is within a thousandth of the mechanism's size.
-    title : str, optional
-        By default the model's name.
-    model : Model, optional
-        The mechanism that moves, for motions from files of older versions.
+    title, model : str, Model, optional
+        By default the model's name; the mechanism that moves, for motions from files of older versions.
     view : "front", "top", "right", "isometric" or "auto"
         By default planar mechanisms are seen against the normal of their plane, others isometrically.
-    theme : "light", "dark", "contrast" or "auto"
-    speed : float
-        Seconds of the motion in a second.
-    live, sliders : bool, sequence of str or (name, lowest, highest)
-        In a notebook: share time with Python; coordinates and parameters of equations to move by sliders.
+    theme, speed : "light", "dark", "contrast" or "auto", float
+        Colours; seconds of the motion in a second.
+    live, sliders : bool, sequence of str or (name, lowest, highest), or mapping of name to (lowest, highest)
+        In a notebook: share time with Python; coordinates and parameters of equations to move by sliders. On
+        a page of equations: parameters, inputs, first values of coordinates and speeds.
+    initial, parameters, inputs, integrator, constraints, rtol
+        Of a page of equations, as `simulate` takes them, without Python functions and implicit methods.
 
     Raises
     ------
@@ -168,11 +177,17 @@ def animate(
     """
     target = None if path is None else _page_path(path)
     options = {"view": view, "theme": theme, "speed": speed}
+    request = MotionRequest(
+        initial or {}, parameters or {}, inputs or {}, (), (), integrator, constraints, rtol
+    )  # fmt: skip
     if isinstance(run, EquationSet):
-        return live_mechanism(run, sliders, title, target, options)
+        return live_mechanism(run, sliders, title, target, options, request)
     animation = make_animation(run, curves, vectors, traces, times, title, model, options)
-    if live:
-        return LiveAnimation(new_widget(animation.data))
+    return LiveAnimation(new_widget(animation.data)) if live else _present(animation, target)
+
+
+def _present(animation: Animation, target: Path | None) -> Animation:
+    """Return an animation, written to a page or shown in the browser; a notebook shows it by itself."""
     if target is not None:
         animation.save(target)
     elif not in_notebook():
@@ -182,17 +197,26 @@ def animate(
 
 def live_mechanism(
     eqs: EquationSet,
-    sliders: Sequence[Slider],
+    sliders: Sequence[Slider] | Mapping[str, tuple[float, float] | None],
     title: str | None,
     path: Path | None,
     options: Mapping[str, Any],
-) -> LiveAnimation:
-    """Return a mechanism with sliders; see `animate`."""
+    request: MotionRequest,
+) -> LiveAnimation | LivePage:
+    """Return a mechanism with sliders, and write its page if a path is given; see `animate`."""
     if path is not None:
+        _check_options(options)
+        page = make_live_page(eqs, slider_bounds(sliders), request, title, options)
+        write_page(path, page.html)
+        return page
+    if request != MotionRequest():
         raise UsageError(
-            Problem("animation.live_page", str(path), "a page cannot move a mechanism by sliders",
-                    fix="leave path out, or give a motion")
+            Problem("animation.live_widget", "animate", "sliders in a notebook move a mechanism at rest",
+                    "initial, parameters, inputs, integrator and constraints are of pages that simulate",
+                    "give a path: animate(eqs, 'live.html', ...)")
         )  # fmt: skip
+    if isinstance(sliders, Mapping):
+        sliders = [name if bounds is None else (name, *bounds) for name, bounds in sliders.items()]
     _check_options(options)
     mechanism = slider_mechanism(eqs, sliders)
     data = mechanism.data(mechanism.first, title or eqs.model.name, options)

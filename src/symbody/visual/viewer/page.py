@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+import re
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -41,10 +42,28 @@ def page_text(data: PageData) -> str:
     UsageError
         If a length is not finite.
     """
-    template = built_file("player.html")
-    holder = _EMPTY.replace("null", _json_text(data))
-    title = f"<title>{html.escape(str(data['title']))}</title>"
-    return template.replace(_TITLE, title, 1).replace(_EMPTY, holder, 1)
+    return fill_page("player.html", data, {})
+
+
+def fill_page(name: str, data: PageData, further: Mapping[str, str]) -> str:
+    """Return a page of the package with its data; `further` replaces parts of its template.
+
+    Raises
+    ------
+    EnvironmentFault
+        If this installation has no pages.
+    UsageError
+        If a length is not finite.
+    """
+    parts = {
+        _TITLE: f"<title>{html.escape(str(data['title']))}</title>",
+        _EMPTY: _EMPTY.replace("null", _json_text(data)),
+        **further,
+    }
+    # All places are looked for in the template alone: what is put in may look like one.
+    template, ways = built_file(name), re.compile("|".join(re.escape(part) for part in parts))
+    left = dict(parts)
+    return ways.sub(lambda place: left.pop(place.group(), place.group()), template)
 
 
 def built_file(name: str) -> str:

@@ -1,0 +1,135 @@
+/** The simulation that a page holds, as `symbody.simulation.programs` writes it, and what the page adds to it. */
+
+import { DataError, type Motion } from "../viewer";
+
+export interface Simulation {
+  readonly time: number;
+  readonly code: number;
+  /** Speeds, coordinates, and the work done. */
+  readonly state: Float64Array;
+  readonly isPulled: boolean;
+  readonly numbers: {
+    readonly codes: Readonly<Record<string, number>>;
+    readonly startTime: number;
+    readonly pull: object | null;
+  };
+  /** Go on to a time [s] with at most so many trials of steps; return whether it was reached. */
+  advanceTo(time: number, trials?: number): boolean;
+  computePose(): { readonly positions: Float64Array; readonly axes: Float64Array };
+  placeOf(body: number, point: readonly number[]): number[];
+  hold(body: number, point: readonly number[], target: readonly number[]): void;
+  moveTarget(target: readonly number[]): void;
+  release(): void;
+  setParameter(name: string, value: number, held?: readonly string[]): boolean;
+  setInput(name: string, value: number): void;
+  setInitial(values: Readonly<Record<string, number>>, chosen: string): boolean;
+  parameter(name: string): number;
+  input(name: string): number;
+  initial(name: string): number;
+  reset(): void;
+  violation(): number;
+  energies(): { readonly kinetic: number; readonly potential: number; readonly work: number };
+}
+
+export const KINDS = ["parameter", "input", "initial"] as const;
+export type Kind = (typeof KINDS)[number];
+
+/** A slider of the page: what it moves, between which values, and where it starts. */
+export interface Control {
+  readonly name: string;
+  readonly kind: Kind;
+  readonly min: number;
+  readonly max: number;
+  readonly value: number;
+  readonly unit: string;
+}
+
+/** Numbers of the scene, by their way in it, at equal distances of a parameter. */
+export interface SceneTable {
+  readonly parameter: string;
+  readonly min: number;
+  readonly max: number;
+  readonly entries: readonly (readonly [readonly (string | number)[], readonly number[]])[];
+}
+
+export interface LiveData {
+  readonly controls: readonly Control[];
+  readonly tables: readonly SceneTable[];
+}
+
+/** Return what a page says of its sliders, or throw a `DataError`. */
+export function readLive(value: unknown): LiveData {
+  if (typeof value !== "object" || value === null) throw new DataError("live", "this page carries no sliders");
+  const { controls, tables } = value as Record<string, unknown>;
+  if (!Array.isArray(controls) || !Array.isArray(tables)) throw new DataError("live", "is cut off");
+  for (const control of controls as Partial<Control>[]) {
+    if (typeof control.name !== "string" || !KINDS.includes(control.kind!) || !(control.min! < control.max!)) {
+      throw new DataError("live.controls", "is damaged");
+    }
+  }
+  return { controls: controls as Control[], tables: tables as SceneTable[] };
+}
+
+/** Return JSON of a scene with the numbers that parameters change: those of each table add up. */
+export function sceneFor(base: unknown, tables: readonly SceneTable[], value: (parameter: string) => number, first: (parameter: string) => number): unknown {
+  const scene = structuredClone(base);
+  for (const table of tables) {
+    for (const [way, values] of table.entries) {
+      const change = tabulated(table, values, value(table.parameter)) - tabulated(table, values, first(table.parameter));
+      const holder = way.slice(0, -1).reduce<unknown>((each, key) => (each as Record<string | number, unknown>)[key], scene) as Record<string | number, number>;
+      const key = way[way.length - 1]!;
+      holder[key] = holder[key]! + change;
+    }
+  }
+  return scene;
+}
+
+function tabulated({ min, max }: SceneTable, values: readonly number[], x: number): number {
+  const place = Math.min(Math.max((x - min) / (max - min), 0), 1) * (values.length - 1);
+  const before = Math.min(Math.floor(place), values.length - 2);
+  return values[before]! + (place - before) * (values[before + 1]! - values[before]!);
+}
+
+/** Return quaternions (4 each, scalar first) of rotation matrices (9 each, by rows). */
+export function quaternionsOf(axes: Float64Array): number[] {
+  const result: number[] = [];
+  for (let at = 0; at < axes.length; at += 9) {
+    const [a, b, c, d, e, f, g, h, i] = axes.subarray(at, at + 9) as unknown as [number, number, number, number, number, number, number, number, number];
+    const sizes = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i];
+    const rows = [
+      [sizes[0]!, h - f, c - g, d - b],
+      [h - f, sizes[1]!, b + d, c + g],
+      [c - g, b + d, sizes[2]!, f + h],
+      [d - b, c + g, f + h, sizes[3]!],
+    ];
+    const row = rows[sizes.indexOf(Math.max(...sizes))]!;
+    const length = Math.hypot(...row);
+    result.push(...row.map((each) => each / length));
+  }
+  return result;
+}
+
+const PREVIEW = 8; // seconds
+const SAMPLES = 80;
+
+/** Return the first seconds of a motion, as far as it can be computed. */
+export function previewOf(simulation: Simulation): Motion {
+  const times: number[] = [];
+  const [positions, quaternions]: [number[], number[]] = [[], []];
+  const { startTime, codes } = simulation.numbers;
+  for (let k = 0; k < SAMPLES; k += 1) {
+    const time = startTime + (PREVIEW * k) / (SAMPLES - 1);
+    simulation.advanceTo(time, 2000);
+    const pose = simulation.computePose();
+    times.push(time);
+    positions.push(...pose.positions);
+    quaternions.push(...quaternionsOf(pose.axes));
+    if (simulation.code !== codes["RUNNING"]) break;
+  }
+  return {
+    times: Float64Array.from(times),
+    positions: Float32Array.from(positions),
+    quaternions: Float32Array.from(quaternions),
+    curves: [], vectors: [], events: [],
+  }; // prettier-ignore
+}

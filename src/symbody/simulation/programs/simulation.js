@@ -1,0 +1,316 @@
+// One motion that goes on as far as it is asked to, with inputs, parameters and first values that change.
+// What it calls, `symbody_*`, are the kernels; `functions` are those of the mechanism, `numbers` its data.
+function makeSimulation() {
+    const { at, codes, view } = numbers;
+    const n = numbers.block[at.N], speeds = numbers.block[at.N_U];
+    const block = Float64Array.from(numbers.block);
+    const isProjected = block[at.PROJECTOR] !== 0;
+    const rows = block[at.METHOD + at.DENSE_ROWS];
+    const pieces = new Float64Array(rows * n), ends = new Float64Array(2), nothing = new Float64Array(1);
+    const parameters = Float64Array.from(numbers.parameters.values);
+    const inputs = new Float64Array(numbers.inputs.names.length);
+    const state = Float64Array.from(numbers.start), first = Float64Array.from(numbers.start);
+    const shown = new Float64Array(view.size);
+    const pose = { positions: new Float64Array(3 * view.parents.length), axes: new Float64Array(9 * view.parents.length) };
+    const assembly = numbers.assembly === null ? null : Float64Array.from(numbers.assembly);
+    const seen = Float64Array.from(view.numbers);
+
+    // Each function with the array in which its numbers lie, and where they begin.
+    const calls = [{ values: functions.motionValues, array: block, place: block[at.FUNCTION] }];
+    calls.push({ values: functions.viewValues, array: seen, place: 0 });
+    if (isProjected) {
+        const place = block[at.PROJECTOR] + block[block[at.PROJECTOR] + at.P_FUNCTION];
+        calls.push({ values: functions.projectionValues, array: block, place });
+    }
+    if (assembly !== null) {
+        calls.push({ values: functions.assemblyValues, array: assembly, place: assembly[at.ASSEMBLY_NUMBERS] });
+    }
+
+    let time = numbers.startTime;
+    let from = time, to = time; // of the step whose dense output is at hand
+    let code = codes.RUNNING;
+    let isFresh = true; // the integrator has to begin at `state`
+    let pull = null;
+
+    function writeArguments() {
+        for (const { values, array, place } of calls) {
+            const p = place + array[place + at.P_PLACE], c = place + array[place + at.C_PLACE];
+            array.set(inputs, place + at.R_PLACE);
+            array.set(parameters, p);
+            if (values !== null) {
+                const work = new Float64Array(values.work);
+                values.call(nothing, 0, nothing, 0, nothing, 0, nothing, 0, array, p, array, c, array, c, work, 0);
+            }
+        }
+        isFresh = true;
+    }
+
+    function begin() {
+        block[at.TIME] = time;
+        block.set(state, at.VECTORS + at.STATE_OLD * n);
+        block[at.KERNEL] = block[at.STEPS] = block[at.SAMPLES] = 0;
+        block[at.AFTER_REJECTION] = block[at.STIFF_VOTES] = block[at.OTHER_VOTES] = block[at.UNJUDGED] = 0;
+        code = symbody_begin(functions.motion, block, 0, nothing, 0, nothing, 0, nothing, 0, ends, 0);
+        from = to = time;
+        isFresh = false;
+        block[at.FIRST_STEP] = numbers.isFixed ? block[at.MAX_STEP] : Math.abs(block[at.STEP]);
+    }
+
+    function step() {
+        const before = block[at.TIME];
+        code = symbody_advance(
+            functions.motion, functions.projection, block, 0, nothing, 0, nothing, 0, nothing, 0, ends, 0, pieces, 0, 1);
+        if (block[at.STEPS] !== 0) {
+            block[at.STEPS] = 0;
+            from = before;
+            to = block[at.T_NEW];
+            if (!numbers.isFixed) block[at.FIRST_STEP] = Math.abs(block[at.STEP]);
+        }
+    }
+
+    function showState() {
+        if (time < to) {
+            symbody_interpolate(n, rows, pieces, 0, (time - from) / (to - from), state, 0);
+            if (isProjected) symbody_project(functions.projection, block, 0, time, state, 0);
+        } else {
+            state.set(block.subarray(at.VECTORS + at.STATE_OLD * n, at.VECTORS + (at.STATE_OLD + 1) * n));
+        }
+    }
+
+    // Go on to a time [s] with at most so many trials of steps; return whether it was reached.
+    function goTo(target, trials) {
+        if (isFresh) begin();
+        const end = Math.min(target, block[at.T_END]);
+        let left = trials;
+        while (code === codes.RUNNING && block[at.TIME] < end && left > 0) {
+            step();
+            left -= 1;
+        }
+        const reached = block[at.TIME] >= end;
+        time = reached ? end : block[at.TIME];
+        showState();
+        return reached;
+    }
+
+    // The same with a body pulled: the wrench is renewed often, since the pointer is a spring of its own.
+    function advanceTo(target, trials = Infinity) {
+        if (pull === null) return goTo(target, trials);
+        const parts = Math.max(1, Math.ceil((target - time) / numbers.pull.interval));
+        const start = time;
+        for (let k = 1; k <= parts; k += 1) {
+            const goal = start + ((target - start) * k) / parts;
+            applyPull(goal - time);
+            if (!goTo(goal, trials)) return false;
+        }
+        return true;
+    }
+
+    function evaluateView(x) {
+        symbody_call(functions.view, speeds, seen, 0, time, x, 0, shown, 0);
+    }
+
+    // Poses of all bodies for a state: each from the one that it is placed from.
+    function computePose(x) {
+        evaluateView(x);
+        const { parents, order } = view;
+        const { positions, axes } = pose;
+        for (const k of order) {
+            const parent = parents[k], r = 3 * k, R = 3 * parents.length + 9 * k;
+            for (let i = 0; i < 3; i += 1) {
+                let place = parent < 0 ? 0 : positions[3 * parent + i];
+                for (let j = 0; j < 3; j += 1) {
+                    place += axisEntry(parent, i, j) * shown[r + j];
+                    let entry = 0;
+                    for (let m = 0; m < 3; m += 1) entry += axisEntry(parent, i, m) * shown[R + 3 * m + j];
+                    axes[9 * k + 3 * i + j] = entry;
+                }
+                positions[3 * k + i] = place;
+            }
+        }
+        return pose;
+    }
+
+    function axisEntry(body, i, j) {
+        return body < 0 ? (i === j ? 1 : 0) : pose.axes[9 * body + 3 * i + j];
+    }
+
+    // Where a point of a body, in its axes, is in ground's axes; of the pose computed last.
+    function placeOf(body, point) {
+        return [0, 1, 2].map((i) => {
+            let place = pose.positions[3 * body + i];
+            for (let j = 0; j < 3; j += 1) place += pose.axes[9 * body + 3 * i + j] * point[j];
+            return place;
+        });
+    }
+
+    function writeWrench(force, arm) {
+        const { wrench, weights } = numbers.pull;
+        const torque = [0, 1, 2].map((i) => arm[(i + 1) % 3] * force[(i + 2) % 3] - arm[(i + 2) % 3] * force[(i + 1) % 3]);
+        wrench.forEach((place, i) => { inputs[place] = i < 3 ? force[i] : torque[i - 3]; });
+        weights.forEach((place, body) => { inputs[place] = pull !== null && body === pull.body ? 1 : 0; });
+        for (const { array, place } of calls) array.set(inputs, place + at.R_PLACE);
+        isFresh = true;
+    }
+
+    // The mass that a point of a body has in a direction: what the constraints and the other bodies make of it.
+    function massAt(point, direction) {
+        const slopes = [0, 1].map((size) => {
+            const centre = [0, 1, 2].map((i) => pose.positions[3 * pull.body + i]);
+            writeWrench(direction.map((each) => each * size), point.map((each, i) => each - centre[i]));
+            const slope = new Float64Array(n);
+            symbody_call(functions.motion, speeds, block, block[at.FUNCTION], time, state, 0, slope, 0);
+            return slope;
+        });
+        const small = 1e-6 / Math.max(1e-300, ...Array.from(slopes[1].subarray(0, speeds), (each, k) => Math.abs(each - slopes[0][k])));
+        const moved = Float64Array.from(state), rate = new Float64Array(n), rest = new Float64Array(n);
+        for (let k = 0; k < speeds; k += 1) moved[k] = state[k] + small * (slopes[1][k] - slopes[0][k]);
+        symbody_call(functions.motion, speeds, block, block[at.FUNCTION], time, moved, 0, rate, 0);
+        symbody_call(functions.motion, speeds, block, block[at.FUNCTION], time, state, 0, rest, 0);
+        moved.set(state);
+        for (let k = speeds; k < n - 1; k += 1) moved[k] += rate[k] - rest[k];
+        computePose(moved);
+        const there = placeOf(pull.body, pull.point);
+        computePose(state);
+        const mobility = there.reduce((sum, each, i) => sum + (each - point[i]) * direction[i], 0) / small;
+        const most = numbers.pull.mass;
+        return mobility > 1 / most ? 1 / mobility : most;
+    }
+
+    function applyPull(interval) {
+        computePose(state);
+        const point = placeOf(pull.body, pull.point);
+        const way = point.map((each, i) => pull.target[i] - each);
+        const length = Math.hypot(...way);
+        if (pull.age % 4 === 0) pull.mass = massAt(point, length > 0 ? way.map((each) => each / length) : [1, 0, 0]);
+        pull.age += 1;
+        const before = pull.before ?? point, { frequency } = numbers.pull;
+        const stiffness = pull.mass * frequency * frequency, damping = 1.4 * pull.mass * frequency;
+        const force = way.map((each, i) => stiffness * each - (damping * (point[i] - before[i])) / (pull.interval || interval));
+        pull.before = point;
+        pull.interval = interval;
+        writeWrench(force, point.map((each, i) => each - pose.positions[3 * pull.body + i]));
+    }
+
+    function hold(body, point, target) {
+        pull = { body, point, target, mass: 0, age: 0, before: null, interval: 0 };
+    }
+
+    function release() {
+        if (pull === null) return;
+        pull = null;
+        writeWrench([0, 0, 0], [0, 0, 0]);
+    }
+
+    // Bring a state onto the constraints, with the states at some places held; return whether that can be.
+    function assemble(x, held) {
+        if (assembly === null) return true;
+        const flags = assembly[at.ASSEMBLY_HELD];
+        for (let k = 0; k < n - 1; k += 1) assembly[flags + k] = held.includes(k) ? 1 : 0;
+        const ended = symbody_assemble(functions.assembly, assembly, 0, numbers.startTime, x, 0);
+        return ended === 0 && x.every(Number.isFinite);
+    }
+
+    // Try other parameters: the state shown and the first one follow in steps, or all stays as it is.
+    function tryParameters(values, held, parts) {
+        const before = Float64Array.from(parameters), now = Float64Array.from(state), start = Float64Array.from(first);
+        let fits = true;
+        for (let k = 1; k <= parts && fits; k += 1) {
+            for (let i = 0; i < parameters.length; i += 1) parameters[i] = before[i] + ((values[i] - before[i]) * k) / parts;
+            writeArguments();
+            fits = assemble(now, []) && assemble(start, held);
+        }
+        if (!fits) {
+            parameters.set(before);
+            writeArguments();
+            return false;
+        }
+        state.set(now);
+        first.set(start);
+        return true;
+    }
+
+    function setParameter(name, value, held = []) {
+        const place = numbers.parameters.names.indexOf(name);
+        const values = Float64Array.from(parameters);
+        values[place] = value;
+        const places = held.map((each) => numbers.states.indexOf(each));
+        return [1, 12].some((parts) => tryParameters(values, places, parts)) && refresh();
+    }
+
+    function setInput(name, value) {
+        inputs[numbers.inputs.names.indexOf(name)] = value;
+        writeArguments();
+    }
+
+    // Start anew with first values by name; those that contradict the one chosen follow it.
+    function setInitial(values, chosen) {
+        const names = Object.keys(values);
+        for (const kept of [names, [chosen]]) {
+            for (const parts of [1, 12]) {
+                const start = Float64Array.from(first);
+                const places = kept.map((name) => numbers.states.indexOf(name));
+                const fits = Array.from({ length: parts }, (_, k) => (k + 1) / parts).every((share) => {
+                    kept.forEach((name, k) => { start[places[k]] = first[places[k]] + share * (values[name] - first[places[k]]); });
+                    return assemble(start, places);
+                });
+                if (fits) {
+                    first.set(start);
+                    reset();
+                    return true;
+                }
+            }
+        }
+        return false;
+    }
+
+    function refresh() {
+        code = codes.RUNNING;
+        isFresh = true;
+        return true;
+    }
+
+    function reset() {
+        time = numbers.startTime;
+        state.set(first);
+        release();
+        block[at.FIRST_STEP] = numbers.firstStep;
+        block[at.NEXT_BREAK] = block[at.FIRST_BREAK];
+        refresh();
+    }
+
+    // The largest position residual over the size of the mechanism.
+    function violation() {
+        if (!isProjected) return 0;
+        const place = block[at.PROJECTOR], out = place + block[place + at.P_OUT];
+        symbody_call(
+            functions.projection, speeds, block, place + block[place + at.P_FUNCTION], time, state, 0, block, out);
+        let worst = 0;
+        for (let k = 0; k < block[place + at.P_RESIDUALS]; k += 1) {
+            worst = Math.max(worst, (Math.abs(block[out + k]) / block[place + at.P_SCALES + k]) * numbers.closed);
+        }
+        return worst;
+    }
+
+    // Kinetic and potential energy, and the work of all that acts from outside or wastes [J].
+    function energies() {
+        evaluateView(state);
+        return { kinetic: shown[view.energies], potential: shown[view.energies + 1], work: state[n - 1] };
+    }
+
+    writeArguments();
+    return {
+        numbers,
+        get time() { return time; },
+        get code() { return code; },
+        get state() { return state; },
+        get first() { return first; },
+        get isPulled() { return pull !== null; },
+        parameter: (name) => parameters[numbers.parameters.names.indexOf(name)],
+        input: (name) => inputs[numbers.inputs.names.indexOf(name)],
+        initial: (name) => first[numbers.states.indexOf(name)],
+        counts: () => ({ accepted: block[at.ACCEPTED], rejected: block[at.REJECTED], evaluations: block[at.EVALUATIONS] }),
+        advanceTo, computePose: () => computePose(state), placeOf, hold, release, setParameter, setInput, setInitial, reset,
+        moveTarget: (target) => { if (pull !== null) pull.target = target; },
+        violation, energies,
+    };
+}

@@ -1,0 +1,292 @@
+"""Pages that simulate themselves: a mechanism with sliders that any browser computes, without Python."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from symbody.analysis.state import State
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.display import mathml_sides
+from symbody.errors import Problem, UsageError, nearest
+from symbody.expr.printing.mathml import mathml_name
+from symbody.expr.printing.mathml_tables import math_element, mathml_equations
+from symbody.expr.rewrite import tree_sizes
+from symbody.model.model import Model, resolve_parameters
+from symbody.simulation.programs.javascript_simulation import (
+    PointerSpring,
+    SimulationText,
+    ViewOutputs,
+    javascript_simulation,
+)
+from symbody.simulation.programs.motion_request import MotionRequest
+from symbody.simulation.simulate import simulate
+from symbody.visual.scene import make_motion, make_scene, scene_to_json
+from symbody.visual.scene.body_poses import chain_of
+from symbody.visual.scene.scene import Scene
+from symbody.visual.viewer.page import PageData, fill_page, page_data
+from symbody.visual.viewer.still import run_of_state
+
+Bounds = tuple[float, float]
+Kind = Literal["parameter", "input", "initial"]
+
+_SHARE: Final = 0.5  # of a parameter's value, to both sides, without bounds
+_TABLE: Final = 9  # values of a parameter for which shapes are made
+_MOST_SPEEDS: Final = 6  # of equations that are written out
+_MOST_OPERATIONS: Final = 1200
+_PREVIEW: Final = 8.0  # seconds of the motion that the picture has to hold
+_MOST_STEPS: Final = 20_000
+_PULL: Final = 4.0  # times the frequency of a pendulum as long as the mechanism: of a held body on its spring
+_FREQUENCIES: Final = (6.0, 100.0)  # [rad/s]
+
+
+@dataclass(frozen=True, slots=True)
+class LiveControl:
+    """A slider of a page: what it moves, between which values, and where it starts."""
+
+    name: str
+    kind: Kind
+    min: float
+    max: float
+    value: float
+    unit: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as the page reads it."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LivePage:
+    """A mechanism that its page simulates.
+
+    Attributes
+    ----------
+    data : mapping
+        What the page holds beside the program.
+    program : SimulationText
+        The program.
+    formulas : str
+        MathML of the symbols of the sliders, and of the equations where they are short enough to be read.
+    title : str
+    """
+
+    data: PageData
+    program: SimulationText
+    formulas: str
+    title: str
+
+    @property
+    def html(self) -> str:
+        """The page, which needs nothing else.
+
+        Raises
+        ------
+        EnvironmentFault
+            If this installation has no pages.
+        """
+        script = self.program.script
+        digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
+        return fill_page(
+            "live.html", self.data,
+            {"'sha256-program'": f"'sha256-{digest}'",
+             '<template id="symbody-formulas"></template>':
+                 f'<template id="symbody-formulas">{self.formulas}</template>',
+             '<script id="symbody-program">0</script>': f'<script id="symbody-program">{script}</script>'},
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        return f"<LivePage {self.title!r}: {len(self.data['live']['controls'])} sliders>"
+
+
+def slider_bounds(
+    sliders: Sequence[str | tuple[str, float, float]] | Mapping[str, Bounds | None],
+) -> dict[str, Bounds | None]:
+    """Return the bounds of sliders by name, None for those without."""
+    if isinstance(sliders, Mapping):
+        return dict(sliders)
+    return {
+        slider if isinstance(slider, str) else slider[0]: None
+        if isinstance(slider, str)
+        else (slider[1], slider[2])
+        for slider in sliders
+    }
+
+
+def make_live_page(
+    eqs: EquationSet,
+    sliders: Mapping[str, Bounds | None],
+    request: MotionRequest,
+    title: str | None,
+    options: Mapping[str, Any],
+) -> LivePage:
+    """Return a mechanism that its page simulates.
+
+    Parameters
+    ----------
+    sliders : mapping of name to (lowest, highest) or None
+        Parameters, inputs, coordinates and speeds; without bounds a parameter goes half of its value to both
+        sides, an angle half a turn, all else one unit.
+    request : MotionRequest
+        The motion; parameters and inputs with a slider are added.
+
+    Raises
+    ------
+    UsageError
+        If a name means nothing, bounds are none, or the motion cannot run without Python.
+    """
+    if not isinstance(eqs.model, Model):
+        raise UsageError(
+            Problem("animation.no_model", "animate", "mechanisms placed by hand have no shapes",
+                    fix="describe the mechanism as a Model")
+        )  # fmt: skip
+    kinds = {name: _kind(eqs, name) for name in sliders}
+    request = _with_sliders(request, kinds)
+    trees = eqs.formed.topology
+    chain = chain_of(
+        eqs.model,
+        [body.name for body in eqs.model.bodies],
+        inside=trees.rotation_branches & trees.translation_branches,
+    )
+    values = {name: float(value) for name, value in resolve_parameters(eqs.model, request.parameters).items()}
+    scene = make_scene(eqs.model, values)
+    view = ViewOutputs(chain.outputs, chain.parents, chain.order)
+    program = javascript_simulation(eqs, request, view, _spring(scene))
+    first = program.motion.first
+    controls = [_control(eqs, first, values, name, kinds[name], bounds) for name, bounds in sliders.items()]
+    courses = _courses(eqs, request, first)
+    scene = make_scene(eqs.model, values, courses)
+    motion = make_motion(run_of_state(first), scene, curves=(), vectors="none")
+    name = title or eqs.model.name
+    data = page_data(scene, motion, name, options)
+    tables = list(_scene_tables(eqs.model, values, courses, controls))
+    data["live"] = {"controls": [control.to_json() for control in controls], "tables": tables}
+    return LivePage(data, program, "".join([*map(_symbol, sliders), _equations(eqs)]), name)
+
+
+def _with_sliders(request: MotionRequest, kinds: Mapping[str, Kind]) -> MotionRequest:
+    return replace(
+        request,
+        tunable=tuple(name for name, kind in kinds.items() if kind == "parameter"),
+        free_inputs=tuple(name for name, kind in kinds.items() if kind == "input"),
+    )
+
+
+def _kind(eqs: EquationSet, name: str) -> Kind:
+    if name in eqs.parameter_names:
+        return "parameter"
+    if name in eqs.input_names:
+        return "input"
+    if name in eqs.state_names:
+        return "initial"
+    listed = (*eqs.parameter_names, *eqs.input_names, *eqs.state_names)
+    raise UsageError(
+        Problem("animation.unknown_slider", name,
+                f"{name!r} is neither a parameter nor an input, coordinate or speed",
+                fix=nearest(name, listed))
+    )  # fmt: skip
+
+
+def _control(
+    eqs: EquationSet, first: State, values: Mapping[str, float], name: str, kind: Kind, bounds: Bounds | None
+) -> LiveControl:
+    value = {"parameter": values.get(name, 0.0), "input": 0.0}.get(
+        kind, {**first.q, **first.u}.get(name, 0.0)
+    )
+    unit = eqs.units.get(name, "")
+    if bounds is None:
+        reach = (_SHARE * abs(value) or 1.0) if kind == "parameter" else math.pi if unit == "rad" else 1.0
+        bounds = (value - reach, value + reach)
+    low, high = (float(bound) for bound in bounds)
+    if not (np.isfinite([low, high]).all() and low < high):
+        raise UsageError(
+            Problem("animation.slider", name, f"a slider cannot go from {low} to {high}",
+                    fix="give (lowest, highest)")
+        )  # fmt: skip
+    if not low <= value <= high:
+        raise UsageError(
+            Problem("animation.slider_start", name,
+                    f"{name} starts at {value:.6g}, which is not between {low:g} and {high:g}",
+                    fix="choose bounds around it, or another first value by initial= or parameters=")
+        )  # fmt: skip
+    return LiveControl(name, kind, low, high, value, unit)
+
+
+def _courses(eqs: EquationSet, request: MotionRequest, first: State) -> dict[str, Any]:
+    """Return the coordinates over the first seconds, which say how far guides and tracks reach."""
+    start = request.span[0]
+    run = simulate(
+        eqs, (start, start + _PREVIEW), request.initial, None, request.parameters,
+        {name: law for name, law in request.inputs.items() if name not in request.free_inputs},
+        np.linspace(start, start + _PREVIEW, 81), request.integrator, request.constraints,
+        rtol=1e-6, max_steps=_MOST_STEPS,
+    )  # fmt: skip
+    if run.t.size < 2:
+        return {name: np.array([value]) for name, value in first.q.items()}
+    return dict(zip(run.coordinate_names, run.q, strict=True))
+
+
+def _spring(scene: Scene) -> PointerSpring:
+    mass = sum(body.mass for body in scene.bodies[1:] if math.isfinite(body.mass))
+    slow, fast = _FREQUENCIES
+    frequency = _PULL * math.sqrt(9.81 / max(scene.size, 1e-9))
+    return PointerSpring(max(mass, 1e-9), min(max(frequency, slow), fast))
+
+
+def _scene_tables(
+    model: Model, values: Mapping[str, float], courses: Mapping[str, Any], controls: Sequence[LiveControl]
+) -> Iterator[dict[str, Any]]:
+    """Yield the numbers of the scene that follow a slider, at equal distances of its parameter."""
+    for control in controls:
+        if control.kind != "parameter":
+            continue
+        places = np.linspace(control.min, control.max, _TABLE)
+        scenes = [
+            scene_to_json(make_scene(model, {**values, control.name: float(place)}, courses))
+            for place in places
+        ]
+        entries = [[list(way), numbers] for way, numbers in _differences((), scenes)]
+        if entries:
+            yield {"parameter": control.name, "min": control.min, "max": control.max, "entries": entries}
+
+
+def _differences(way: tuple[Any, ...], items: Sequence[Any]) -> Iterator[tuple[tuple[Any, ...], list[float]]]:
+    """Yield the ways to numbers that differ between values of one form, and these numbers."""
+    first = items[0]
+    if isinstance(first, dict) and all(
+        isinstance(each, dict) and each.keys() == first.keys() for each in items
+    ):
+        for key in (key for key in first if key != "mass"):  # which is not drawn
+            yield from _differences((*way, key), [each[key] for each in items])
+    elif isinstance(first, list) and all(
+        isinstance(each, list) and len(each) == len(first) for each in items
+    ):
+        for k in range(len(first)):
+            yield from _differences((*way, k), [each[k] for each in items])
+    elif all(isinstance(each, int | float) and not isinstance(each, bool) for each in items):
+        if any(each != first for each in items):
+            yield way, [float(each) for each in items]
+
+
+def _equations(eqs: EquationSet) -> str:
+    """Return the equations as MathML, empty where they are too long to be read."""
+    if not eqs.speed_names or len(eqs.speed_names) > _MOST_SPEEDS:
+        return ""
+    sides = [*eqs.textbook.inertial_side.nodes, *eqs.textbook.forcing_side.nodes]
+    if sum(tree_sizes(eqs.textbook.formed.graph, sides)) > _MOST_OPERATIONS:
+        return ""
+    return f"<div>{math_element(mathml_equations(mathml_sides(eqs.textbook)), block=True)}</div>"
+
+
+def _symbol(name: str) -> str:
+    """Return the name of a slider as MathML."""
+    for order, ending in ((2, "_ddot"), (1, "_dot")):
+        if name.endswith(ending):
+            return f"<span>{math_element(mathml_name(name.removesuffix(ending), order))}</span>"
+    return f"<span>{math_element(mathml_name(name))}</span>"

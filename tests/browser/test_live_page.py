@@ -1,0 +1,120 @@
+"""Pages that simulate themselves, in Chromium: sliders, pulled bodies, pause; each without a complaint."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from tests.browser.conftest import Surfer, wait_until
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MOST_BYTES = 1_500_000
+SLIDERS = {"m2": (0.5, 3), "L2": (0.1, 2), "F": (-50, 50), "theta": (-3, 3)}
+
+
+@cache
+def equations(name: str) -> sb.EquationSet:
+    path = EXAMPLES / name / f"{name}.toml"
+    return sb.form_equations(
+        sb.load_model(path) if path.exists() else sb.load_urdf(path.with_suffix(".urdf"))
+    )
+
+
+def open_live(surfer: Surfer, tmp_path: Path, name: str, sliders: Any, **options: Any) -> Any:
+    """Return an open page of an example."""
+    path = tmp_path / "live.html"
+    sb.animate(equations(name), path, live=True, sliders=sliders)
+    assert path.stat().st_size < MOST_BYTES
+    page = surfer.new_page((1200, 720), **options)
+    page.goto(path.as_uri())
+    wait_until(page, "window.symbodyLive !== undefined && symbodyLive.simulation.time > 0.05")
+    return page
+
+
+def move(page: Any, name: str, value: float) -> None:
+    page.get_by_role("slider", name=name, exact=True).evaluate(
+        "(each, value) => { each.value = value; each.dispatchEvent(new Event('input')); }", value
+    )
+
+
+def state(page: Any) -> list[float]:
+    return page.evaluate("Array.from(symbodyLive.simulation.state)")
+
+
+def test_a_page_runs_pauses_steps_and_starts_anew(surfer: Surfer, tmp_path: Path) -> None:
+    page = open_live(surfer, tmp_path, "slider_crank", SLIDERS)
+    page.get_by_role("button", name="Pause").click()
+    before = page.evaluate("symbodyLive.simulation.time")
+    page.get_by_role("button", name="Step").click()
+    assert page.evaluate("symbodyLive.simulation.time") == pytest.approx(before + 1 / 60)
+    page.get_by_role("button", name="Reset").click()
+    assert page.evaluate("symbodyLive.simulation.time") == 0
+    page.get_by_role("button", name="Play").click()
+    wait_until(page, "symbodyLive.simulation.time > 0.05")
+    assert page.locator(".sb-equations math").count() == 1
+    assert "J" in page.locator(".sb-readings").inner_text()
+
+
+@pytest.mark.exhaustive
+def test_sliders_move_what_they_name(surfer: Surfer, tmp_path: Path) -> None:
+    page = open_live(surfer, tmp_path, "slider_crank", SLIDERS)
+    page.keyboard.press(" ")
+    move(page, "F", 20)
+    move(page, "m2", 2)
+    assert page.evaluate("symbodyLive.simulation.input('F')") == pytest.approx(20, abs=0.2)
+    move(page, "theta", 1)
+    assert page.evaluate("symbodyLive.simulation.time") == 0
+    assert state(page)[3] == pytest.approx(1, abs=0.02)
+    before = page.evaluate("symbodyLive.player.viewer.scene.bodies[2].frames.map((each) => each.at[0])")
+    move(page, "L2", 1.5)
+    after = page.evaluate("symbodyLive.player.viewer.scene.bodies[2].frames.map((each) => each.at[0])")
+    assert before != after and max(after) == pytest.approx(0.75, abs=0.01)
+
+
+@pytest.mark.exhaustive
+def test_a_slider_that_cannot_assemble_says_so_and_keeps_the_state(surfer: Surfer, tmp_path: Path) -> None:
+    page = open_live(surfer, tmp_path, "slider_crank", SLIDERS)
+    page.keyboard.press(" ")
+    move(page, "theta", 1.5)
+    before = state(page)
+    move(page, "L2", 0.1)
+    assert "cannot be assembled with L2 = 0.1" in page.locator(".sb-note").inner_text()
+    assert state(page) == before and page.locator('input[aria-invalid="true"]').count() == 1
+    move(page, "L2", 1.2)
+    assert page.locator(".sb-note").is_hidden() and page.locator('input[aria-invalid="true"]').count() == 0
+
+
+@pytest.mark.exhaustive
+def test_a_body_is_pulled_with_the_mouse(surfer: Surfer, tmp_path: Path) -> None:
+    page = open_live(surfer, tmp_path, "slider_crank", {"theta_dot": (-6, 6)})
+    page.keyboard.press(" ")
+    move(page, "theta_dot", 0)
+    x, y = page.evaluate(
+        "(() => { const p = symbodyLive.simulation.computePose().positions; "
+        "return symbodyLive.player.viewer.pagePlace([p[6], p[7], p[8]]); })()"
+    )
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 60, y, steps=4)
+    assert page.evaluate("symbodyLive.simulation.isPulled") is True
+    before = page.evaluate("symbodyLive.simulation.time")
+    wait_until(page, f"symbodyLive.simulation.time > {before + 0.5}")
+    assert page.locator(".sb-thread").evaluate("each => each.style.visibility") == "visible"
+    page.mouse.up()
+    assert page.evaluate("symbodyLive.simulation.isPulled") is False
+    assert abs(page.evaluate("symbodyLive.simulation.energies().work")) > 1e-3
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", ["spinning_top", "four_bar", "bicycle", "robot_arm"])
+def test_other_mechanisms_run(name: str, surfer: Surfer, tmp_path: Path) -> None:
+    names = [*equations(name).input_names[:2], *equations(name).coordinate_names[:2]]
+    page = open_live(surfer, tmp_path, name, names, color_scheme="dark")
+    wait_until(page, "symbodyLive.simulation.time > 0.3")
+    assert np.isfinite(state(page)).all()
+    assert page.evaluate("symbodyLive.simulation.violation()") < 1e-6
