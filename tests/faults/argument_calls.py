@@ -13,7 +13,7 @@ import numpy as np
 import symbody as sb
 from symbody.model.model import KINDS
 from symbody.model.registry import element_types, shape_types
-from tests.formulations import FORMULATIONS, name_of
+from tests.formulations import FORMULATIONS
 
 ROOT = Path(__file__).parents[2]
 
@@ -31,12 +31,12 @@ CONSTRUCTORS = (
     *(each.__name__ for each in shape_types().values()),
     *"Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Model Partition Projection Samples".split(),
     *"Stiff Table Trees".split(),
-    *(name_of(each) for each in FORMULATIONS if inspect.signature(type(each)).parameters),
+    *(type(each).__name__ for each in FORMULATIONS if inspect.signature(type(each)).parameters),
 )
 # Classes that take nothing, are made by functions, or are faults; and functions whose words are variadic.
 NOT_CALLED = {
     "GGL", "CompiledFunction", "EquationSet", "Equilibrium",
-    *(name_of(each) for each in FORMULATIONS if not inspect.signature(type(each)).parameters),
+    *(type(each).__name__ for each in FORMULATIONS if not inspect.signature(type(each)).parameters),
     "IndexOneSolution", "IndexReduction", "Linearization", "Mode", "PositionSolutions", "Positions",
     "Redundancy", "Separation", "SingularConfiguration", "State", "Status", "Sweep", "Trajectory",
     "VelocityRatios", "Problem", "Animation",
