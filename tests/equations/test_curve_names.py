@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
@@ -13,12 +14,14 @@ from scipy.interpolate import PchipInterpolator
 from sympy.physics.mechanics import dynamicsymbols
 
 import symbody as sb
+from symbody.builder.tasks.equations import equation_tabs
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.outputs import textbook
 from symbody.equations.outputs.curve_names import CurveFunction, curve_functions, name_curves
 from symbody.expr.closed_form import readable
 from symbody.expr.graph import Graph
 from symbody.expr.written_function import write_out
+from symbody.formats.native import to_data
 from tests.formulations import UNLIMITED, name_of
 
 LENGTHS, FORCES = [0.2, 0.3, 0.4, 0.5, 0.6], [3000, 1200, 0, -900, -2500]
@@ -130,3 +133,24 @@ def test_names_are_written_out_again_as_the_nodes_they_stand_for() -> None:
     named = name_curves(formed.graph, nodes, curve_functions(formed.topology.model))
     assert named != nodes and write_out(formed.graph, named) == nodes
     assert readable(formed.graph, named) != readable(formed.graph, nodes)
+
+
+def test_the_builder_shows_the_name_and_its_code_the_pieces() -> None:
+    payload = {"data": to_data(quarter_car()), "folder": "", "options": {}}
+    tabs = {tab["name"]: json.dumps(tab) for tab in equation_tabs(payload, lambda *_: None)["tabs"]}
+    for name in ("Equations", "Forcing"):
+        assert "law_SPRING" in tabs[name] and "begin{cases}" not in tabs[name]
+    assert "-10285.714285714288" in tabs["Forcing"]
+
+
+def test_the_reaction_of_a_guide_shows_the_name() -> None:
+    """A spring across its guide: the guide bears a part of the curve's force."""
+    block = sb.Body("A", mass=1, frames={"end": sb.Frame(at=(0, 0.3, 0))})
+    guide = sb.Prismatic("P", "ground", block, axis="z", coordinate="s")
+    spring = sb.SpringDamper("S", "ground", "A.end", law=sb.Curve(LENGTHS, FORCES))
+    model = sb.Model("m", [guide, spring])
+    payload = {"data": to_data(model), "folder": "", "options": {}}
+    tabs = {tab["name"]: json.dumps(tab) for tab in equation_tabs(payload, lambda *_: None)["tabs"]}
+    assert "law_S" in tabs["Reactions"] and "begin{cases}" not in tabs["Reactions"]
+    force = sb.form_equations(model).reaction("P").force
+    assert "law_S" in str(force) and not force.atoms(sp.Piecewise)
