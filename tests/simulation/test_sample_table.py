@@ -72,6 +72,20 @@ def test_xarray(run: sb.Trajectory) -> None:
     np.testing.assert_array_equal(data["frame R Mass"].values, run["frame R Mass"])
 
 
+def test_axes_of_xarray_are_named_by_what_they_are() -> None:
+    pytest.importorskip("xarray")
+    bodies = [sb.Body(f"B{k}", mass=1) for k in range(6)]
+    slides = [
+        sb.Prismatic(f"S{k}", "ground", body, axis="x", coordinate=f"s{k}") for k, body in enumerate(bodies)
+    ]
+    run = sb.simulate(sb.form_equations(sb.Model("m", slides, (0, 0, -10))), 0.1)
+    data = run.to_xarray("udot", "mass_matrix", "reaction S0", "frame r B0 ground ground")
+    assert data["udot"].dims == ("axis of 6", "t")  # accelerations are no wrench
+    assert data["mass_matrix"].dims == ("axis of 6", "axis of 6, second", "t")
+    assert data["reaction S0"].sel(wrench="Fz").values == pytest.approx(10.0)
+    assert data["frame r B0 ground ground"].sel(xyz="z").values == pytest.approx(0.0)
+
+
 def test_without_xarray_it_says_what_to_install(run: sb.Trajectory, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "xarray", None)
     with pytest.raises(sb.EnvironmentFault, match=r"symbody\[sweep\]"):

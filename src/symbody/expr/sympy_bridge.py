@@ -3,8 +3,9 @@
 Coordinates, speeds, inputs and multipliers are ``dynamicsymbols`` and their time derivatives, so results
 paste into scripts of sympy.physics.mechanics; parameters are plain symbols without assumptions. Names are
 only names: a parameter called ``I`` is ``Symbol("I")``, never the imaginary unit. Functions of the user
-are undefined functions of their name; an entry k of ``solve_saddle`` is ``solve_saddle_n_m(k, M, J, F,
-gamma)``, all matrices row by row.
+are undefined functions of their name; those with a formula, curves, keep its numbers and slopes and come in
+written out. An entry k of ``solve_saddle`` is ``solve_saddle_n_m(k, M, J, F, gamma)``, all matrices row by
+row.
 
 SymPy flattens, sorts and evaluates as it builds, so going out and coming in again gives the same function,
 not always the same node; doing both once more gives the same node. Coming in and going out gives the

@@ -16,8 +16,10 @@ from sympy.logic.boolalg import Boolean
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, ZERO, add, apply, div, mul, neg, power, select, sub
+from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind
 from symbody.expr.language.caret import printable
+from symbody.expr.written_function import WrittenFunction
 
 try:
     from sympy.physics.vector import dynamicsymbols as time_functions
@@ -150,6 +152,9 @@ class _SympyReader:
         return self._lookup(item.func.__name__, True)
 
     def _read_function(self, item: AppliedUndef, operands: list[int]) -> int:
+        function = getattr(item.func, "_imp_", None)
+        if isinstance(function, WrittenFunction):  # a curve by its name
+            return function.formula(Expr(self._graph, operands[0])).index
         place = self._place(item)
         if place is not None:
             return self._graph.many(op.CALL, tuple(operands), place)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
-from typing import Final, NamedTuple, TypeAlias, TypeGuard
+from functools import partial, partialmethod
+from typing import Any, Final, NamedTuple, TypeAlias, TypeGuard, cast
 
 import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
@@ -12,11 +12,12 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import sub
-from symbody.expr.graph import Exact, Graph, Symbol, SymbolKind
+from symbody.expr.graph import Exact, Graph, Symbol, SymbolKind, UserFunction
 from symbody.expr.printing.definitions import EXPAND_LIMIT, definitions
 from symbody.expr.printing.flattening import SUMS, linear_terms, nested_operands, power_factors
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sympy_reader import KERNEL_NAME, Lookup, nodes_from_sympy, sympy_time
+from symbody.expr.written_function import WrittenFunction
 
 SympyExpr: TypeAlias = sp.Expr
 SympyEquation: TypeAlias = sp.Eq
@@ -139,6 +140,23 @@ def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     return sp.Derivative(function, (t, symbol.order)) if symbol.order else function
 
 
+def function_to_sympy(function: UserFunction) -> Callable[..., SympyExpr]:
+    """Return an undefined function of the same name; one that has a formula keeps its numbers and slopes.
+
+    ``lambdify`` and ``evalf`` take the numbers from ``_imp_``, ``diff`` the slopes from ``fdiff``.
+    """
+    if not isinstance(function, WrittenFunction):
+        return cast("Callable[..., SympyExpr]", sp.Function(function.name))
+    # Part of what SymPy compares: its caches must not take the curve of another model for this one.
+    kind: Any = sp.Function(function.name, _imp_=function)
+    kind.fdiff = partialmethod(_slope, function)
+    return cast("Callable[..., SympyExpr]", kind)
+
+
+def _slope(item: SympyExpr, function: WrittenFunction, argindex: int = 1) -> SympyExpr:
+    return function_to_sympy(function.derivative(argindex - 1))(*item.args)
+
+
 class _SympyWriter:
     """Writes nodes of one graph; made for them and dropped."""
 
@@ -258,7 +276,7 @@ class _SympyWriter:
         if code == op.FMA:
             return _Plan(operands, _multiply_add, step=2)
         if code == op.CALL:
-            function = sp.Function(graph.functions[graph.right[node]].name)
+            function = function_to_sympy(graph.functions[graph.right[node]])
             return _Plan(operands, partial(_apply_function, function), limit=-1)
         solved, entry = operands[0], graph.right[node]
         kernel = graph.kernels[graph.right[solved]]

@@ -24,6 +24,7 @@ from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.formulations.registry import formulation_types
+from symbody.equations.outputs.curve_names import curve_functions, name_curves
 from symbody.equations.outputs.display import equation_sides
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.errors import SymbodyError
@@ -237,7 +238,8 @@ def _reaction(eqs: EquationSet, joint: str) -> tuple[str, tuple[int, ...], tuple
     axes = reaction_axes(formed, joint)
     tree = formed.kinematics.tree
     entries = [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
-    nodes = readable(formed.graph, [entry.index for entry in entries])
+    curves = curve_functions(formed.topology.model)
+    nodes = readable(formed.graph, name_curves(formed.graph, [entry.index for entry in entries], curves))
     labels = tuple(
         Label(f"<msub><mi>{part[0]}</mi><mi>{part[2]}</mi></msub>", part, f"{part[0]}{part[2]}")
         for part in _PARTS

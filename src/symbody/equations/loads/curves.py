@@ -16,7 +16,11 @@ def curve_value(curve: Curve, x: Expr) -> Expr:
     Coefficients are chosen, not values: a derivative then shares the choice and costs next to nothing.
     NaN lies in the last piece and comes out as NaN.
     """
-    pieces = curve.pieces()
+    return piecewise_value(curve.pieces(), x)
+
+
+def piecewise_value(pieces: Sequence[Sequence[float]], x: Expr) -> Expr:
+    """Return the value at `x` of polynomials ``(start, x0, c0, c1, ..)``, from left to right."""
     bounds = [_is_below(x, piece[0]) for piece in pieces[1:]]
     start, *coefficients = (
         _select_entry(bounds, column, x) for column in list(zip(*pieces, strict=True))[1:]

@@ -24,6 +24,7 @@ from symbody.expr.fingerprint import fingerprints
 from symbody.expr.opcodes import CALL
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.written_function import write_out
 
 # Random points at which numbers are compared, and the relative difference that rounding may reach there.
 _POINTS: Final = 3
@@ -48,14 +49,14 @@ def check_rewriting(
     name : str
         The output.
     computed, shown : sequence of int
-        Roots as they are compiled, and as they are shown.
+        Roots as they are compiled, and as they are shown; curves shown by name are compared by their pieces.
 
     Raises
     ------
     FormulationError
         If a formula is another function than its root.
     """
-    entries = zip(computed, shown, strict=True)
+    entries = zip(computed, write_out(formed.graph, shown), strict=True)
     _check(formed, [_Pair(f"{name}[{k}]", a, b) for k, (a, b) in enumerate(entries)])
 
 

@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.agreement import check_dynamics, check_rewriting
+from symbody.equations.outputs.curve_names import curve_functions, name_curves
 from symbody.equations.outputs.frame_motion import frame_motion_entries
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.equations.outputs.output_roots import output_roots
@@ -138,7 +139,9 @@ class Textbook:
         return self._roots.get(name, rewrite)
 
     def _rewrite(self, name: str, shape: tuple[int, ...], nodes: Sequence[int]) -> Roots:
-        formulas = readable(self.formed.graph, nodes, self.formed.variables.quaternions)
+        formed = self.formed
+        named = name_curves(formed.graph, nodes, curve_functions(formed.topology.model))
+        formulas = readable(formed.graph, named, formed.variables.quaternions)
         check_rewriting(self.formed, name, nodes, formulas)
         return Roots(name, shape, tuple(formulas))
 

@@ -123,6 +123,9 @@ class SampleTable(Displayed):
     def to_xarray(self, *outputs: str) -> xarray.Dataset:
         """Return an xarray data set over t, one variable an output, with units; vectors keep their axes.
 
+        Components of reactions are ``wrench="Fx"`` .. ``"Mz"``, those of motions of frames ``xyz="x"`` ..
+        ``"z"``.
+
         Parameters
         ----------
         *outputs : str
@@ -140,12 +143,12 @@ class SampleTable(Displayed):
             fix = "pip install symbody[sweep], or use run.columns()"
             raise EnvironmentFault(Problem("trajectory.xarray", "to_xarray", what, fix=fix)) from None
         variables: dict[str, object] = {}
+        coordinates: dict[str, object] = {"t": ("t", np.atleast_1d(self.t), {"units": "s"})}
         for name in outputs or (*self.coordinate_names, *self.speed_names):
             values = self._over_time(name)
-            sizes = enumerate(values.shape[:-1])
-            inner = [f"{_AXIS.get(size, f'axis of {size}')}{k or ''}" for k, size in sizes]
-            variables[name] = ((*inner, "t"), values, {"units": self.units.get(name, "")})
-        coordinates = {"t": ("t", np.atleast_1d(self.t), {"units": "s"})}
+            axes = _axis_names(name, values.shape[:-1])
+            variables[name] = ((*axes, "t"), values, {"units": self.units.get(name, "")})
+            coordinates |= {axis: (axis, list(_COMPONENTS[axis])) for axis in axes if axis in _COMPONENTS}
         return xarray.Dataset(variables, coordinates, {"model": self.name, "notes": "\n".join(self.notes)})
 
     @checked_arguments
@@ -198,7 +201,8 @@ class SampleTable(Displayed):
             raise unwritable(path, error) from error
 
 
-_AXIS: Final[Mapping[int, str]] = {3: "xyz", 6: "wrench"}
+# Axes of xarray data sets whose places have names.
+_COMPONENTS: Final[Mapping[str, Sequence[str]]] = {"wrench": _WRENCH, "xyz": ("x", "y", "z")}
 
 
 def refuse_table_ending(path: Path) -> None:
@@ -215,6 +219,16 @@ def refuse_table_ending(path: Path) -> None:
         why = "save writes an npz archive for load"
         fix = f"{_TABLES[ending]}; for Trajectory.load name it for instance {PurePath(path).stem}.npz"
         raise UsageError(Problem("trajectory.ending", str(path), what, why, fix))
+
+
+def _axis_names(name: str, sizes: Sequence[int]) -> list[str]:
+    """Return a name for each axis of an output: by what it is, else by its size."""
+    if name.startswith("reaction ") and sizes == (len(_WRENCH),):
+        return ["wrench"]
+    is_spatial = name.startswith("frame ") and set(sizes) == {3}
+    words = ["xyz" if is_spatial else f"axis of {size}" for size in sizes]
+    ends = ["", "1"] if is_spatial else ["", ", second"]
+    return [word + end for word, end in zip(words, ends, strict=False)]
 
 
 def matlab_names(names: Sequence[str], taken: Sequence[str] = ()) -> list[str]:
