@@ -14,9 +14,9 @@ from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, plan_pieces
-from symbody.codegen.texts.dialect import Dialect, operation_formats
 from symbody.codegen.texts.layout import TextLayout
 from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Input, Sequence

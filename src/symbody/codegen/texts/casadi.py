@@ -10,12 +10,12 @@ import keyword
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.texts.dialect import Dialect, operation_formats
 from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
 from symbody.codegen.texts.lists import fill_lines
-from symbody.codegen.texts.python_words import docstring, helpers, kernel
+from symbody.codegen.texts.python_words import helpers, kernel, module_head
 from symbody.codegen.texts.saddle_casadi import SADDLE_CASADI
 from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.expr import opcodes as op
 
 # Names of arguments and results must differ from each other and from those of derivatives.
@@ -66,7 +66,7 @@ generate: Final = TextWriter(_LANGUAGE, _text)
 
 
 def _head(layout: TextLayout) -> Iterator[str]:
-    yield from docstring(
+    yield from module_head(
         layout,
         f"{layout.name}({', '.join(layout.sizes)})",
         f"{layout.name} is a casadi.Function on SX: all arguments are given, those of size 0 as [].",

@@ -12,9 +12,9 @@ from typing import Final
 from symbody.codegen.kernels.fortran_kernels import FORTRAN, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
-from symbody.codegen.texts.dialect import Dialect, entries, operation_formats
 from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
 from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, entries, operation_formats
 from symbody.expr import opcodes as op
 
 WIDTH: Final = 132  # what a line of the standard holds

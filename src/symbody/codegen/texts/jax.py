@@ -10,12 +10,12 @@ import keyword
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.texts.dialect import Dialect
 from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
 from symbody.codegen.texts.lists import fill_lines
-from symbody.codegen.texts.python_words import docstring, helpers, kernel, numpy_formats
+from symbody.codegen.texts.python_words import helpers, kernel, module_head, numpy_formats
 from symbody.codegen.texts.saddle_jax import SADDLE_JAX
 from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect
 
 _LANGUAGE: Final = Language(
     "JAX",
@@ -54,7 +54,7 @@ def _call(layout: TextLayout) -> str:
 
 
 def _head(layout: TextLayout) -> Iterator[str]:
-    yield from docstring(
+    yield from module_head(
         layout,
         _call(layout),
         "The result is one array, or a named tuple of arrays if several outputs were asked for. The",

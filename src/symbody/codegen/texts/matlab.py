@@ -12,10 +12,10 @@ from typing import Final
 
 from symbody.codegen.kernels.matlab_kernels import MATLAB, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
-from symbody.codegen.texts.dialect import Dialect, entries, operation_formats
 from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
 from symbody.codegen.texts.lists import fill_lines
 from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, entries, operation_formats
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Output
 

@@ -17,8 +17,8 @@ from symbody.codegen.kernels.python_kernels import PYTHON, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Plan, plan_pieces
-from symbody.codegen.texts.dialect import number_text
 from symbody.codegen.texts.python_words import numpy_formats
+from symbody.codegen.texts.text_dialect import number_text
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Sequence

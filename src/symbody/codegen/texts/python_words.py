@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from collections.abc import Sequence as Items
 
-from symbody.codegen.texts.dialect import operation_formats
 from symbody.codegen.texts.layout import TextLayout
 from symbody.codegen.texts.lists import fill_lines
+from symbody.codegen.texts.text_dialect import operation_formats
 from symbody.expr import opcodes as op
 
 
@@ -36,7 +36,7 @@ def numpy_formats(prefix: str, angle: str) -> dict[int, str]:
     )
 
 
-def docstring(layout: TextLayout, call: str, *notes: str) -> Iterator[str]:
+def module_head(layout: TextLayout, call: str, *notes: str) -> Iterator[str]:
     """Yield the docstring of a module: the head of all texts, and what the language adds."""
     first, *others = layout.heading(lambda array, k: "t" if array == "t" else f"{array}[{k}]", call)
     yield f'r"""{first}'

@@ -11,9 +11,9 @@ from typing import Final
 from symbody.codegen.kernels.rust_kernels import RUST, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
-from symbody.codegen.texts.dialect import Dialect, operation_formats
 from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
 from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.expr import opcodes as op
 
 _LANGUAGE: Final = Language(

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Mapping
 
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Piece, argument_places
-from symbody.codegen.texts.dialect import Dialect, number_text
 from symbody.codegen.texts.layout import TextLayout
+from symbody.codegen.texts.text_dialect import Dialect, number_text
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation
 

@@ -43,18 +43,18 @@ _FUNCTIONS: Final = {
 }
 
 
-def operation_formats(prefix: str, own: Mapping[int, str]) -> dict[int, str]:
+def operation_formats(prefix: str, others: Mapping[int, str]) -> dict[int, str]:
     """Return the format of every operation, with operands ``{0}``, ``{1}``, ``{2}``.
 
     Parameters
     ----------
     prefix : str
         What stands before the name of a function of one number.
-    own : mapping of operation code to format
+    others : mapping of operation code to format
         What the language writes otherwise than C's operators and functions, and what is nowhere alike.
     """
     functions = {code: f"{prefix}{name}({{0}})" for code, name in _FUNCTIONS.items()}
-    return {**_OPERATORS, **functions, **own}
+    return {**_OPERATORS, **functions, **others}
 
 
 def number_text(value: float, form: str = "{0}") -> str:
