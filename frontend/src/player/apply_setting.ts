@@ -1,9 +1,21 @@
 /** What a changed setting does to the picture and the page. */
 
-import type { Viewer } from "../viewer";
-import type { Player } from "./player";
-import type { SettingValues } from "./settings";
+import type { Clock, Viewer } from "../viewer";
+import type { CurvesPanel } from "./curves_panel";
+import type { Settings, SettingValues } from "./settings";
 import { resolveTheme } from "./theme";
+import type { Triad } from "./triad";
+
+/** The parts of a player that settings change. */
+interface Parts {
+  readonly root: HTMLElement;
+  readonly clock: Clock;
+  readonly settings: Settings;
+  readonly viewer: Viewer | null;
+  readonly curves: CurvesPanel | null;
+  readonly triad: Triad;
+  wake(): void;
+}
 
 type Name = keyof SettingValues;
 
@@ -27,7 +39,7 @@ const IN_PICTURE: Partial<Record<Name, (viewer: Viewer, values: SettingValues) =
   ),
 };
 
-const IN_PAGE: Partial<Record<Name, (player: Player, values: SettingValues) => void>> = {
+const IN_PAGE: Partial<Record<Name, (player: Parts, values: SettingValues) => void>> = {
   theme: (player, values) => {
     const theme = resolveTheme(values.theme);
     player.root.dataset["theme"] = theme;
@@ -43,7 +55,7 @@ const IN_PAGE: Partial<Record<Name, (player: Player, values: SettingValues) => v
 /** Settings that a new scene does not have by itself. */
 export const OF_SCENE: readonly Name[] = ["theme", "gravity", "look", ...SHOWN, "arrowFactor", "ghosts", "traces"];
 
-export function applySetting(player: Player, name: Name): void {
+export function applySetting(player: Parts, name: Name): void {
   const { values } = player.settings;
   IN_PAGE[name]?.(player, values);
   if (player.viewer !== null) IN_PICTURE[name]?.(player.viewer, values);

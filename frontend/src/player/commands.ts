@@ -1,9 +1,11 @@
 /** What commands do to a player. */
 
 import { Vector3 } from "three";
-import { roundDown, type ThemeChoice, tracePoints } from "../viewer";
+import { type Clock, roundDown, type ThemeChoice, tracePoints, type Viewer, type ViewName } from "../viewer";
+import type { PlayerData } from "./data";
 import { COMMANDS, type Command } from "./keys";
-import type { Player } from "./player";
+import type { Settings } from "./settings";
+import type { Toolbar } from "./toolbar";
 import { formatTime } from "./transport";
 
 const TURN = Math.PI / 18;
@@ -11,7 +13,23 @@ const THEME_ORDER: readonly ThemeChoice[] = ["auto", "light", "dark", "contrast"
 const LOOK_ORDER = ["solid", "transparent", "wire"] as const;
 const USUAL_GHOSTS = 5;
 
-type Action = (player: Player) => string;
+/** What commands need of a player. */
+interface Commanded {
+  readonly clock: Clock;
+  readonly time: number;
+  readonly data: PlayerData;
+  readonly settings: Settings;
+  readonly viewer: Viewer | null;
+  readonly help: HTMLDialogElement;
+  readonly toolbar: Toolbar;
+  seek(time: number): void;
+  setPlaying(playing: boolean): void;
+  view(name: ViewName): void;
+  select(element: null): void;
+  say(text: string): void;
+}
+
+type Action = (player: Commanded) => string;
 
 function step(count: number): Action {
   return (player) => {
@@ -21,7 +39,7 @@ function step(count: number): Action {
   };
 }
 
-function timeText(player: Player): string {
+function timeText(player: Commanded): string {
   return `${formatTime(player.time, player.clock.duration)} seconds`;
 }
 
@@ -39,7 +57,7 @@ function look(name: "front" | "top" | "right" | "isometric"): Action {
   };
 }
 
-function camera(move: (rig: NonNullable<Player["viewer"]>["rig"]) => void): Action {
+function camera(move: (rig: Viewer["rig"]) => void): Action {
   return ({ viewer }) => {
     if (viewer !== null) move(viewer.rig);
     return "";
@@ -111,19 +129,19 @@ const ACTIONS: Record<Command, Action> = {
   },
 };
 
-export function runCommand(player: Player, command: Command): void {
+export function runCommand(player: Commanded, command: Command): void {
   const text = ACTIONS[command](player);
   if (text !== "") player.say(text);
 }
 
-function changeSpeed(player: Player, direction: 1 | -1): string {
+function changeSpeed(player: Commanded, direction: 1 | -1): string {
   player.clock.changeSpeed(direction);
   player.settings.set("speed", player.clock.speed);
   return `Speed ${player.clock.speed}`;
 }
 
 /** With nothing chosen, the frame of each body that is farthest from its centre of mass, up to eight. */
-function toggleTraces({ settings, data }: Player): string {
+function toggleTraces({ settings, data }: Commanded): string {
   if (settings.values.traces.length > 0) {
     settings.set("traces", []);
     return "No traces";

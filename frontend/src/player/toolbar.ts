@@ -1,12 +1,13 @@
 /** The buttons over the picture. */
 
-import type { Scene, StateSource } from "../viewer";
+import type { Scene, StateSource, Viewer } from "../viewer";
+import type { CurvesPanel } from "./curves_panel";
 import { displayPanel } from "./display_panel";
 import { create } from "./dom";
 import { iconButton } from "./icons";
 import { COMMANDS, keysOf, type Command } from "./keys";
-import type { Player } from "./player";
 import { Popover } from "./popover";
+import type { Settings } from "./settings";
 
 const VIEWS = ["front", "top", "right", "isometric"] as const;
 
@@ -17,8 +18,16 @@ export interface Toolbar {
   closeFor(path: readonly EventTarget[]): void;
 }
 
+/** What the buttons need of a player. */
+interface Parts {
+  readonly settings: Settings;
+  readonly viewer: Viewer | null;
+  readonly curves: CurvesPanel | null;
+  savePicture(): void;
+}
+
 export function createToolbar(
-  player: Player,
+  player: Parts,
   scene: Scene,
   source: StateSource,
   run: (command: Command) => void,
@@ -62,7 +71,7 @@ function viewButtons(run: (command: Command) => void): HTMLElement {
   return create("div", { class: "sb-views" }, ...buttons);
 }
 
-function cameraBox({ settings }: Player, setting: "parallel" | "follow", label: string): HTMLElement {
+function cameraBox({ settings }: Parts, setting: "parallel" | "follow", label: string): HTMLElement {
   const box = create("input", { type: "checkbox" });
   box.addEventListener("change", () => { settings.set(setting, box.checked); });
   settings.follow((name) => {

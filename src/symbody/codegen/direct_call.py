@@ -33,7 +33,7 @@ _FASTCALL: Final = 0x80
 _HEAD: Final = 16
 
 
-class _Method(ctypes.Structure):
+class MethodDefinition(ctypes.Structure):
     """PyMethodDef."""
 
     _fields_ = (
@@ -104,7 +104,7 @@ class DirectCall:
             **{f"size_{group}": sizes[group] for group in ARGUMENTS[1:]},
         }
         settings = np.array([entries[name] for name in SETTINGS], dtype=np.int64)
-        method = _Method(NAME.encode(), direct().address, _FASTCALL, None)
+        method = MethodDefinition(NAME.encode(), direct().address, _FASTCALL, None)
         new = ctypes.pythonapi.PyCFunction_NewEx
         new.restype, new.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.py_object)
         # What stands for the module is freed last: the call itself keeps alive all that it reads by address.

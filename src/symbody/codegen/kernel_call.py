@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from symbody.codegen.direct_call import available
+from symbody.codegen.direct_call import MethodDefinition, available
 from symbody.codegen.llvm.machine import THOROUGH, environment, object_codes
 from symbody.codegen.llvm.runtime import load
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
@@ -25,17 +25,6 @@ _WITHOUT_ARGUMENTS: Final = 0x4
 _DATA: Final = 16
 
 
-class _Definition(ctypes.Structure):
-    """PyMethodDef."""
-
-    _fields_ = (
-        ("name", ctypes.c_char_p),
-        ("function", ctypes.c_void_p),
-        ("flags", ctypes.c_int),
-        ("doc", ctypes.c_char_p),
-    )
-
-
 def kernel_call(kernel: int, pointers: tuple[int, int, int, int], count: int) -> Callable[[], int] | None:
     """Return a function that calls ``int64 kernel(void *, void *, void *, void *, int64)``; None without one.
 
@@ -45,7 +34,7 @@ def kernel_call(kernel: int, pointers: tuple[int, int, int, int], count: int) ->
         return None
     as_integer = ctypes.cast(ctypes.pythonapi.PyLong_FromLongLong, ctypes.c_void_p).value or 0
     settings = np.array([kernel, as_integer, *pointers, count], dtype=np.int64)
-    definition = _Definition(NAME.encode(), _entry().address, _WITHOUT_ARGUMENTS, None)
+    definition = MethodDefinition(NAME.encode(), _entry().address, _WITHOUT_ARGUMENTS, None)
     new = ctypes.pythonapi.PyCFunction_NewEx
     new.restype, new.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.py_object)
     # What stands for the module is freed last.

@@ -10,9 +10,16 @@ import { Icon } from "../shell/icons";
 import { edit, endGesture, useStore } from "../store";
 import type { Json } from "../types";
 import { setValue } from "./inputs";
-import { Fields } from "./nested";
+import type { Nesting } from "./nesting";
 
-export function EntriesControl({ pointer, node, value, label }: { readonly pointer: string; readonly node: SchemaNode; readonly value: readonly Json[]; readonly label: string }): ReactElement {
+interface EntriesProps extends Nesting {
+  readonly pointer: string;
+  readonly node: SchemaNode;
+  readonly value: readonly Json[];
+  readonly label: string;
+}
+
+export function EntriesControl({ pointer, node, value, label, Fields }: EntriesProps): ReactElement {
   const schema = useStore((state) => state.schema);
   if (schema === null) return <></>;
   const types = choicesOf(schema.schema, node);

@@ -1,9 +1,9 @@
-/** One field of a form, by what the schema says of it. */
+/** The fields of a form, each by what the schema says of it. */
 
 import type { ReactElement } from "react";
 import { allReferences, entriesOf, entryOfPointer, GROUND, textOf } from "../model/entries";
-import type { Field as FieldOf, FieldKind } from "../model/fields";
-import { isArray, isObject } from "../model/pointers";
+import { fieldsOf, type Field as FieldOf, type FieldKind } from "../model/fields";
+import { isArray, isObject, joinPointer } from "../model/pointers";
 import { renameCoordinate } from "../model/rename";
 import { acceptName } from "../rename_command";
 import { edit, endGesture, useStore } from "../store";
@@ -13,6 +13,7 @@ import { EntriesControl } from "./entries_control";
 import { FieldFrame, FieldGroup, useProblems } from "./field_frame";
 import { Choice, FormulaInput, LiveInput, NameInput, setValue, VectorInput } from "./inputs";
 import { GroupControl, JsonControl, LawControl, ListControl, MapControl, NamesControl } from "./nested";
+import type { FieldsProps } from "./nesting";
 import { TreeControl } from "./tree_control";
 
 export interface FieldProps {
@@ -23,6 +24,14 @@ export interface FieldProps {
 
 /** Fields of one line with a label; all others are groups. */
 const SINGLE = new Set(["name", "text", "formula", "choice", "names", "formulas", "json"]);
+
+/** The fields of an object of the schema. */
+export function Fields({ node, pointer, value, skip = [] }: FieldsProps): ReactElement {
+  const schema = useStore((state) => state.schema);
+  if (schema === null) return <></>;
+  const fields = fieldsOf(schema.schema, node).filter((each) => !skip.includes(each.key));
+  return <>{fields.map((field) => <Field key={field.key} field={field} pointer={`${pointer}${joinPointer(field.key)}`} value={value[field.key]} />)}</>;
+}
 
 export function Field(props: FieldProps): ReactElement {
   const { field, pointer } = props;
@@ -136,11 +145,11 @@ const GROUPED_CONTROLS: { readonly [K in FieldKind["kind"]]?: (props: FieldProps
   matrix: ({ field, pointer, value }, { rows, columns }) => <MatrixControl pointer={pointer} value={value} rows={rows} columns={columns} label={field.label} />,
   tree: ({ pointer }) => <TreeControl pointer={pointer} />,
   reference: (props) => <ReferencesControl {...props} />,
-  group: ({ field, pointer, value }, { node }) => <GroupControl pointer={pointer} node={node} value={isObject(value) ? value : null} label={field.label} />,
-  map: ({ field, pointer, value }, { node }) => <MapControl pointer={pointer} node={node} value={isObject(value) ? value : {}} field={field} />,
-  entries: ({ field, pointer, value }, { node }) => <EntriesControl pointer={pointer} node={node} value={isArray(value) ? value : []} label={field.label} />,
+  group: ({ field, pointer, value }, { node }) => <GroupControl pointer={pointer} node={node} value={isObject(value) ? value : null} label={field.label} Fields={Fields} />,
+  map: ({ field, pointer, value }, { node }) => <MapControl pointer={pointer} node={node} value={isObject(value) ? value : {}} field={field} Fields={Fields} />,
+  entries: ({ field, pointer, value }, { node }) => <EntriesControl pointer={pointer} node={node} value={isArray(value) ? value : []} label={field.label} Fields={Fields} />,
   list: ({ field, pointer, value }) => <ListControl pointer={pointer} value={isArray(value) ? value : []} label={field.label} />,
-  law: ({ field, pointer, value }, { curve }) => <LawControl pointer={pointer} value={value} curve={curve} label={field.label} />,
+  law: ({ field, pointer, value }, { curve }) => <LawControl pointer={pointer} value={value} curve={curve} label={field.label} Fields={Fields} />,
 };
 
 function GroupedControl(props: FieldProps): ReactElement {

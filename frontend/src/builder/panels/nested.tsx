@@ -3,7 +3,7 @@
 import { useState, type ReactElement } from "react";
 import { removeFrame } from "../model/edit";
 import { entryOfPointer, FRAME_NAMES, freeName, textOf } from "../model/entries";
-import { fieldsOf, labelOf, type Field as FieldOf } from "../model/fields";
+import { labelOf, type Field as FieldOf } from "../model/fields";
 import { isArray, isObject, joinPointer, withKey, withValue } from "../model/pointers";
 import { isFormula, type SchemaNode } from "../model/schema";
 import { renameCoordinate, renameFrame } from "../model/rename";
@@ -11,19 +11,18 @@ import { Icon } from "../shell/icons";
 import { edit, endGesture, useStore } from "../store";
 import type { Json, JsonObject } from "../types";
 import { AxisControl } from "./axis_control";
-import { Field } from "./field";
 import { useProblems } from "./field_frame";
 import { FormulaInput, LiveInput, NameInput, setValue, type InputProps } from "./inputs";
+import type { Nesting } from "./nesting";
 
-/** The fields of an object of the schema. */
-export function Fields({ node, pointer, value, skip = [] }: { readonly node: SchemaNode; readonly pointer: string; readonly value: JsonObject; readonly skip?: readonly string[] }): ReactElement {
-  const schema = useStore((state) => state.schema);
-  if (schema === null) return <></>;
-  const fields = fieldsOf(schema.schema, node).filter((each) => !skip.includes(each.key));
-  return <>{fields.map((field) => <Field key={field.key} field={field} pointer={`${pointer}${joinPointer(field.key)}`} value={value[field.key]} />)}</>;
+interface GroupProps extends Nesting {
+  readonly pointer: string;
+  readonly node: SchemaNode;
+  readonly value: JsonObject | null;
+  readonly label: string;
 }
 
-export function GroupControl({ pointer, node, value, label }: { readonly pointer: string; readonly node: SchemaNode; readonly value: JsonObject | null; readonly label: string }): ReactElement {
+export function GroupControl({ pointer, node, value, label, Fields }: GroupProps): ReactElement {
   const set = (next: Json | undefined): void => {
     endGesture();
     setValue(pointer, next);
@@ -39,7 +38,7 @@ export function GroupControl({ pointer, node, value, label }: { readonly pointer
   );
 }
 
-interface MapProps {
+interface MapProps extends Nesting {
   readonly pointer: string;
   readonly node: SchemaNode;
   readonly value: JsonObject;
@@ -47,7 +46,7 @@ interface MapProps {
 }
 
 /** Entries with names: frames of a body, drives by coordinate. */
-export function MapControl({ pointer, node, value, field }: MapProps): ReactElement {
+export function MapControl({ pointer, node, value, field, Fields }: MapProps): ReactElement {
   const frames = field.key === "frames";
   const coordinates = useStore((state) => state.check?.summary?.coordinates);
   const add = (): void => {
@@ -59,13 +58,13 @@ export function MapControl({ pointer, node, value, field }: MapProps): ReactElem
   };
   return (
     <div className="map">
-      {Object.entries(value).map(([key, each], index) => <MapRow key={index} name={key} each={each} pointer={pointer} node={node} frames={frames} />)}
+      {Object.entries(value).map(([key, each], index) => <MapRow key={index} name={key} each={each} pointer={pointer} node={node} frames={frames} Fields={Fields} />)}
       <button type="button" className="button small" data-pointer={pointer} onClick={add}><Icon name="plus" size={14} /> Add {frames ? "a frame" : labelOf(field.key).toLowerCase()}</button>
     </div>
   );
 }
 
-interface RowProps {
+interface RowProps extends Nesting {
   readonly name: string;
   readonly each: Json;
   readonly pointer: string;
@@ -88,7 +87,7 @@ function removeRow({ name, pointer, frames }: RowProps): void {
 }
 
 function MapRow(props: RowProps): ReactElement {
-  const { name, each, pointer, node, frames } = props;
+  const { name, each, pointer, node, frames, Fields } = props;
   const own = `${pointer}${joinPointer(name)}`;
   const wrong = useProblems(own).length > 0;
   const [open, setOpen] = useState(!frames || wrong);
@@ -152,8 +151,15 @@ export function ListControl({ pointer, value, label }: { readonly pointer: strin
   );
 }
 
+interface LawProps extends Nesting {
+  readonly pointer: string;
+  readonly value: Json | undefined;
+  readonly curve: SchemaNode;
+  readonly label: string;
+}
+
 /** A formula, or a curve through points. */
-export function LawControl({ pointer, value, curve, label }: { readonly pointer: string; readonly value: Json | undefined; readonly curve: SchemaNode; readonly label: string }): ReactElement {
+export function LawControl({ pointer, value, curve, label, Fields }: LawProps): ReactElement {
   const table = isObject(value);
   const choose = (next: Json | undefined): void => {
     endGesture();

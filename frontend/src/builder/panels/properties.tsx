@@ -13,7 +13,7 @@ import type { PaletteElement, SchemaAnswer } from "../types";
 import { ProblemLines } from "./field_frame";
 import { Choice } from "./inputs";
 import { ModelPanel } from "./model_panel";
-import { Fields } from "./nested";
+import { Fields } from "./field";
 
 export function Properties(): ReactElement {
   const selection = useStore((state) => state.selection);

@@ -5,30 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
+from symbody.codegen.kernels import tree as syntax
 from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, offset_name, size_name
 from symbody.codegen.kernels.reader import read_kernels
-from symbody.codegen.kernels.tree import (
-    Apply,
-    ArrayEntry,
-    Assign,
-    Call,
-    Choose,
-    Count,
-    Expression,
-    KernelTree,
-    Leave,
-    Literal,
-    Part,
-    Perform,
-    Repeat,
-    Return,
-    Statement,
-    StoreEntry,
-    Type,
-    Variable,
-    changed_arguments,
-    walk,
-)
 
 # How tightly an operator binds; a format of its own, such as a call, binds like a name.
 BINDING: Final = {
@@ -39,10 +18,10 @@ NAME: Final = 9
 WIDTH: Final = 110
 
 
-def kernel_text(kernels: Mapping[str, KernelTree], dialect: KernelDialect) -> str:
+def kernel_text(kernels: Mapping[str, syntax.KernelTree], dialect: KernelDialect) -> str:
     """Return kernels as text, each behind the kernels that it calls."""
-    nodes = (node for tree in kernels.values() for node in walk(tree.body))
-    words = {node.operator for node in nodes if isinstance(node, Apply)}
+    nodes = (node for tree in kernels.values() for node in syntax.walk(tree.body))
+    words = {node.operator for node in nodes if isinstance(node, syntax.Apply)}
     words |= {p.type.value for tree in kernels.values() for p in tree.parameters}
     helpers = [text for word, text in dialect.helpers.items() if word in words]
     written = ["\n".join(_KernelWriter(tree, kernels, dialect).lines()) + "\n" for tree in kernels.values()]
@@ -57,7 +36,9 @@ def saddle_text(dialect: KernelDialect, call: str = "") -> str:
 class _KernelWriter:
     """Writes one kernel."""
 
-    def __init__(self, tree: KernelTree, kernels: Mapping[str, KernelTree], dialect: KernelDialect) -> None:
+    def __init__(
+        self, tree: syntax.KernelTree, kernels: Mapping[str, syntax.KernelTree], dialect: KernelDialect
+    ) -> None:
         self._tree = tree
         self._kernels = kernels
         self._dialect = dialect
@@ -77,86 +58,86 @@ class _KernelWriter:
 
     # Statements
 
-    def _block(self, body: tuple[Statement, ...]) -> Iterator[str]:
+    def _block(self, body: tuple[syntax.Statement, ...]) -> Iterator[str]:
         for statement in body:
             for line in self._statement(statement):
                 yield f"    {line}"
 
-    def _statement(self, statement: Statement) -> Iterator[str]:
+    def _statement(self, statement: syntax.Statement) -> Iterator[str]:
         d = self._dialect
         match statement:
-            case Assign(name, value):
+            case syntax.Assign(name, value):
                 yield from self._assign(name, value)
-            case StoreEntry(array, index, value):
+            case syntax.StoreEntry(array, index, value):
                 yield self._form.store.format(value=self._text(value), **self._place_words(array, index))
-            case Perform(call):
+            case syntax.Perform(call):
                 yield self._perform(call)
-            case Return(None):
+            case syntax.Return(None):
                 yield self._form.returns_nothing
-            case Return(Call() as call) if d.arrays == Arrays.COPIES:
+            case syntax.Return(syntax.Call() as call) if d.arrays == Arrays.COPIES:
                 yield self._assign_call(d.result, call)
                 yield self._form.returns_nothing
-            case Return(value) if value is not None:
+            case syntax.Return(value) if value is not None:
                 yield self._form.returns.format(value=self._text(value))
-            case Leave():
+            case syntax.Leave():
                 yield self._form.leave
             case _:
                 yield from self._compound(statement)
 
-    def _assign(self, name: str, value: Expression) -> Iterator[str]:
+    def _assign(self, name: str, value: syntax.Expression) -> Iterator[str]:
         d = self._dialect
-        if isinstance(value, Part) and d.arrays != Arrays.POINTERS:
+        if isinstance(value, syntax.Part) and d.arrays != Arrays.POINTERS:
             self._bases[name], offset = self._place(value)
             yield self._form.assign.format(name=offset_name(self._name(name)), value=self._text(offset))
             if d.arrays == Arrays.COPIES:
                 yield self._form.assign.format(name=size_name(self._name(name)), value=self._text(value.size))
-        elif isinstance(value, Call) and d.arrays == Arrays.COPIES:
+        elif isinstance(value, syntax.Call) and d.arrays == Arrays.COPIES:
             yield self._assign_call(self._name(name), value)
         else:
             yield self._form.assign.format(name=self._name(name), value=self._text(value))
 
-    def _assign_call(self, name: str, call: Call) -> str:
+    def _assign_call(self, name: str, call: syntax.Call) -> str:
         """Return the assignment of all that a call returns, where arrays are copies."""
         changed = self._changed_arrays(call)
         targets = [name, *changed] if name else changed
         target = f"[{', '.join(targets)}]" if len(targets) > 1 else targets[0]
         return self._form.assign.format(name=target, value=self._text(call))
 
-    def _changed_arrays(self, call: Call) -> list[str]:
-        return [self._array(argument) for argument in changed_arguments(call, self._kernels)]
+    def _changed_arrays(self, call: syntax.Call) -> list[str]:
+        return [self._array(argument) for argument in syntax.changed_arguments(call, self._kernels)]
 
-    def _perform(self, call: Call) -> str:
+    def _perform(self, call: syntax.Call) -> str:
         d = self._dialect
         if d.arrays == Arrays.COPIES:
             return self._assign_call(d.result if self._kernels[call.kernel].result else "", call)
         return self._form.perform.format(value=self._text(call))
 
-    def _compound(self, statement: Statement) -> Iterator[str]:
+    def _compound(self, statement: syntax.Statement) -> Iterator[str]:
         match statement:
-            case Count(name, start, stop, is_downwards, body):
+            case syntax.Count(name, start, stop, is_downwards, body):
                 last = self._text(add(stop, 1 if is_downwards else -1))
                 words = {"start": self._text(start), "stop": self._text(stop, BINDING["<"] + 1), "last": last}
                 yield (self._form.count_down if is_downwards else self._form.count).format(
                     name=self._name(name), **words
                 )
                 yield from self._block(body)
-            case Repeat(condition, body):
+            case syntax.Repeat(condition, body):
                 yield self._form.repeat.format(condition=self._text(condition))
                 yield from self._block(body)
-            case Choose():
+            case syntax.Choose():
                 yield from self._choose(statement, self._form.choose)
         if (
             end := self._form.close
-            if isinstance(statement, Choose)
+            if isinstance(statement, syntax.Choose)
             else self._form.close_loop or self._form.close
         ):
             yield end
 
-    def _choose(self, statement: Choose, first: str) -> Iterator[str]:
+    def _choose(self, statement: syntax.Choose, first: str) -> Iterator[str]:
         yield first.format(condition=self._text(statement.condition))
         yield from self._block(statement.body)
         match statement.otherwise:
-            case (Choose() as following,):
+            case (syntax.Choose() as following,):
                 yield from self._choose(following, self._form.choose_next)
             case (_, *_):
                 yield self._form.otherwise
@@ -167,21 +148,21 @@ class _KernelWriter:
     def _name(self, name: str) -> str:
         return self._names.get(name, name)
 
-    def _place(self, array: Expression) -> tuple[str, Expression]:
+    def _place(self, array: syntax.Expression) -> tuple[str, syntax.Expression]:
         """Return the array in which a part lies, and the index at which it begins."""
         match array:
-            case Part(inner, offset, _):
+            case syntax.Part(inner, offset, _):
                 base, first = self._place(inner)
                 return base, add(first, offset)
-            case Variable(name) if name in self._bases:
-                return self._bases[name], Variable(offset_name(self._name(name)), Type.INTEGER)
-            case Variable(name) if self._dialect.arrays == Arrays.OFFSETS:
-                return self._name(name), Variable(offset_name(self._name(name)), Type.INTEGER)
-            case Variable(name):
-                return self._name(name), Literal(0, Type.INTEGER)
+            case syntax.Variable(name) if name in self._bases:
+                return self._bases[name], syntax.Variable(offset_name(self._name(name)), syntax.Type.INTEGER)
+            case syntax.Variable(name) if self._dialect.arrays == Arrays.OFFSETS:
+                return self._name(name), syntax.Variable(offset_name(self._name(name)), syntax.Type.INTEGER)
+            case syntax.Variable(name):
+                return self._name(name), syntax.Literal(0, syntax.Type.INTEGER)
         raise AssertionError(array)
 
-    def _place_words(self, array: Expression, index: Expression) -> dict[str, str]:
+    def _place_words(self, array: syntax.Expression, index: syntax.Expression) -> dict[str, str]:
         if self._dialect.arrays == Arrays.POINTERS:
             text = self._text(array, NAME)
         else:
@@ -189,54 +170,56 @@ class _KernelWriter:
             index = add(first, index)
         return {"array": text, "index": self._text(index), "next": self._text(add(index, 1))}
 
-    def _array(self, array: Expression) -> str:
+    def _array(self, array: syntax.Expression) -> str:
         """Return an array as an argument."""
         d, last = self._dialect, ""
         if d.arrays == Arrays.POINTERS:
-            if not isinstance(array, Part):
+            if not isinstance(array, syntax.Part):
                 return self._text(array)
             base, offset = self._text(array.array, NAME), array.offset
         else:
             base, offset = self._place(array)
-            if offset == Literal(0, Type.INTEGER) and not isinstance(array, Part):
+            if offset == syntax.Literal(0, syntax.Type.INTEGER) and not isinstance(array, syntax.Part):
                 return base
         if d.arrays == Arrays.COPIES:
             last = self._text(add(offset, self._size(array)))
         return d.part.format(array=base, index=self._text(offset), next=self._text(add(offset, 1)), last=last)
 
-    def _size(self, array: Expression) -> Expression:
+    def _size(self, array: syntax.Expression) -> syntax.Expression:
         """Return the size of a part."""
         match array:
-            case Part(size=size):
+            case syntax.Part(size=size):
                 return size
-            case Variable(name):
-                return Variable(size_name(self._name(name)), Type.INTEGER)
+            case syntax.Variable(name):
+                return syntax.Variable(size_name(self._name(name)), syntax.Type.INTEGER)
         raise AssertionError(array)
 
-    def _text(self, expression: Expression, binding: int = 0) -> str:
+    def _text(self, expression: syntax.Expression, binding: int = 0) -> str:
         """Return an expression, in brackets if it binds less tightly than `binding`."""
         match expression:
-            case Literal(value, kind):
+            case syntax.Literal(value, kind):
                 text = self._dialect.literal(value, kind)
                 return f"({text})" if text.startswith("-") and binding > BINDING["+"] else text
-            case Variable(name):
+            case syntax.Variable(name):
                 return self._name(name)
-            case ArrayEntry(array, index):
+            case syntax.ArrayEntry(array, index):
                 return self._dialect.entry.format(**self._place_words(array, index))
-            case Part():
+            case syntax.Part():
                 return self._array(expression)
-            case Call(kernel, arguments, _, is_parameter):
-                written = (self._array(a) if a.type == Type.ARRAY else self._text(a) for a in arguments)
+            case syntax.Call(kernel, arguments, _, is_parameter):
+                written = (
+                    self._array(a) if a.type == syntax.Type.ARRAY else self._text(a) for a in arguments
+                )
                 name = self._name(kernel) if is_parameter else f"{PREFIX}{kernel}"
                 return f"{name}({', '.join(written)})"
-            case Apply(operator, operands, kind):
+            case syntax.Apply(operator, operands, kind):
                 word = f"{operator} {kind.value}"  # one for integers goes first
                 if word in self._dialect.words or operator in self._dialect.words:
                     text = self._dialect.words.get(word) or self._dialect.words[operator]
                     return text.format(*(self._text(operand) for operand in operands))
                 return self._operation(expression, binding)
 
-    def _operation(self, expression: Apply, binding: int) -> str:
+    def _operation(self, expression: syntax.Apply, binding: int) -> str:
         operator, operands = expression.operator, expression.operands
         strength = BINDING[operator]
         symbol = self._dialect.operators.get(operator, operator)
@@ -244,28 +227,28 @@ class _KernelWriter:
             text = f"{symbol}{self._text(operands[0], strength)}"
         else:
             # Of reals a + (b + c) is another number than a + b + c: right operands keep their brackets.
-            is_associative = operator == "+" and expression.type == Type.INTEGER
+            is_associative = operator == "+" and expression.type == syntax.Type.INTEGER
             texts = (self._text(x, strength + (k > 0 and not is_associative)) for k, x in enumerate(operands))
             text = f" {symbol} ".join(texts)
         return f"({text})" if strength < binding else text
 
 
-def add(expression: Expression, step: Expression | int) -> Expression:
+def add(expression: syntax.Expression, step: syntax.Expression | int) -> syntax.Expression:
     """Return the sum of two integers without needless terms."""
     if isinstance(step, int):
-        step = Literal(step, Type.INTEGER)
-    if not isinstance(step, Literal):
-        zero = expression == Literal(0, Type.INTEGER)
-        return step if zero else Apply("+", (expression, step), Type.INTEGER)
+        step = syntax.Literal(step, syntax.Type.INTEGER)
+    if not isinstance(step, syntax.Literal):
+        zero = expression == syntax.Literal(0, syntax.Type.INTEGER)
+        return step if zero else syntax.Apply("+", (expression, step), syntax.Type.INTEGER)
     match expression:
-        case Literal(value, kind):
-            return Literal(value + step.value, kind)
-        case Apply("+" | "-" as operator, (first, Literal(int() as value))):
+        case syntax.Literal(value, kind):
+            return syntax.Literal(value + step.value, kind)
+        case syntax.Apply("+" | "-" as operator, (first, syntax.Literal(int() as value))):
             return add(first, (value if operator == "+" else -value) + int(step.value))
     if step.value == 0:
         return expression
-    size = Literal(abs(step.value), Type.INTEGER)
-    return Apply("+" if step.value > 0 else "-", (expression, size), Type.INTEGER)
+    size = syntax.Literal(abs(step.value), syntax.Type.INTEGER)
+    return syntax.Apply("+" if step.value > 0 else "-", (expression, size), syntax.Type.INTEGER)
 
 
 def _wrap(line: str, continuation: str) -> Iterator[str]:

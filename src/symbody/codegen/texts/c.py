@@ -13,11 +13,13 @@ from typing import Final
 from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
 from symbody.codegen.kernels.text_writer import saddle_text
-from symbody.codegen.lowering import integer_exponent, power_products
-from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, argument_places, plan_pieces
+from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, plan_pieces
+from symbody.codegen.texts.layout import TextLayout
+from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Input, Operation, Sequence
+from symbody.expr.sequence import Input, Sequence
 
 GROUPS: Final = ("t", "q", "u", "r", "p", "c")
 
@@ -26,42 +28,32 @@ _PARAMETERS: Final = ", ".join(
 )
 _ARGUMENTS: Final = ", ".join((*GROUPS, "out", "work"))
 
-_EXPRESSIONS: Final = {
-    op.NEG: "-{0}",
-    op.ADD: "{0} + {1}",
-    op.SUB: "{0} - {1}",
-    op.MUL: "{0} * {1}",
-    op.DIV: "{0} / {1}",
-    op.POW: "pow({0}, {1})",
-    op.SIN: "sin({0})",
-    op.COS: "cos({0})",
-    op.TAN: "tan({0})",
-    op.ASIN: "asin({0})",
-    op.ACOS: "acos({0})",
-    op.ATAN: "atan({0})",
-    op.SINH: "sinh({0})",
-    op.COSH: "cosh({0})",
-    op.TANH: "tanh({0})",
-    op.EXP: "exp({0})",
-    op.LOG: "log({0})",
-    op.SQRT: "sqrt({0})",
-    op.ABS: "fabs({0})",
-    # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
-    op.SIGN: "{0} > 0.0 ? 1.0 : {0} < 0.0 ? -1.0 : {0} + 0.0",
-    op.FLOOR: "floor({0})",
-    # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
-    op.ATAN2: "atan2({0} + 0.0, {1})",
-    op.MIN: "{0} < {1} ? {0} : {1}",  # the second where either is nan, as for max
-    op.MAX: "{1} < {0} ? {0} : {1}",
-    op.LT: "{0} < {1}",
-    op.LE: "{0} <= {1}",
-    op.EQ: "{0} == {1}",
-    op.AND: "{0} && {1}",
-    op.OR: "{0} || {1}",
-    op.NOT: "!{0}",
-    op.SELECT: "{0} ? {1} : {2}",
-    op.FMA: "fma({0}, {1}, {2})",
-}
+_EXPRESSIONS: Final = operation_formats(
+    "",
+    {
+        op.POW: "pow({0}, {1})",
+        op.ABS: "fabs({0})",
+        # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
+        op.SIGN: "{0} > 0.0 ? 1.0 : {0} < 0.0 ? -1.0 : {0} + 0.0",
+        # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
+        op.ATAN2: "atan2({0} + 0.0, {1})",
+        op.MIN: "{0} < {1} ? {0} : {1}",  # the second where either is nan, as for max
+        op.MAX: "{1} < {0} ? {0} : {1}",
+        op.SELECT: "{0} ? {1} : {2}",
+        op.FMA: "fma({0}, {1}, {2})",
+    },
+)
+
+_DIALECT: Final = Dialect(
+    _EXPRESSIONS, "    {name} = {value};",
+    definition="    const double {name} = {value};",
+    condition="    const int {name} = {value};",
+    has_time_array=True,
+    truth="{0}", is_true="{0} != 0.0",
+    kernel_call="    if (symbody_solve_saddle({n}, {m}, work + {M}, work + {J}, work + {F}, work + {gamma}, "
+    "work + {solution}, work + {scratch}) && !status) status = {count};",
+    is_interleaved=True,
+)  # fmt: skip
 
 # Keywords up to C23, functions called here, macros of math.h and of compilers, and what the text itself
 # declares. Other functions of math.h may be hidden by a local variable.
@@ -77,6 +69,7 @@ _RESERVED: Final = frozenset(
     t q u r p c out work status
     """.split()
 )
+_WORD: Final = re.compile(r"[A-Za-z_]\w*")
 _RESERVED_FORM: Final = re.compile(r"z\d+(_\d+)?|(FP|M|MATH|SVID|symbody)_.*")
 
 
@@ -115,9 +108,10 @@ def generate(
     shown |= names or {}
     labels = [shown[entry.name] for entry in sequence.inputs]
     words = assign_identifiers(labels, lambda word: _is_reserved(word) or word == f"{name}_WORK_SIZE")
+    layout = TextLayout(sequence, plan, name, {}, {}, tuple(words), ())
     kernel = saddle_text(C).split("\n") if plan.results else []
     head = [*_header(sequence, plan, name, shown, words), PREAMBLE, *kernel, *_interface(plan, name)]
-    return "\n".join([*head, *_functions(sequence, plan, name, words)]) + "\n"
+    return "\n".join([*head, *_functions(layout)]) + "\n"
 
 
 def _is_reserved(word: str) -> bool:
@@ -166,122 +160,36 @@ def _interface(plan: Plan, name: str) -> Iterator[str]:
     yield "}"
 
 
-def _functions(sequence: Sequence, plan: Plan, name: str, words: list[str]) -> Iterator[str]:
-    if len(plan.pieces) == 1:
-        yield from _piece_function(sequence, plan, plan.pieces[0], words, f"int {name}")
+def _functions(layout: TextLayout) -> Iterator[str]:
+    name, pieces = layout.name, layout.plan.pieces
+    if len(pieces) == 1:
+        yield from _piece_function(layout, pieces[0], f"int {name}")
         return
-    for k, piece in enumerate(plan.pieces):
-        yield from _piece_function(sequence, plan, piece, words, f"static int {name}_{k}")
+    for k, piece in enumerate(pieces):
+        yield from _piece_function(layout, piece, f"static int {name}_{k}")
     yield ""
     yield f"int {name}({_PARAMETERS})"
     yield "{"
     yield "    int status = 0, next;"
-    for k in range(len(plan.pieces)):
+    for k in range(len(pieces)):
         yield f"    next = {name}_{k}({_ARGUMENTS});"
         yield "    if (!status) status = next;"
     yield "    return status;"
     yield "}"
 
 
-def _piece_function(
-    sequence: Sequence, plan: Plan, piece: Piece, words: list[str], head: str
-) -> Iterator[str]:
-    writer = _CPieceWriter(sequence, plan, piece, words)
-    body = writer.lines()
+def _piece_function(layout: TextLayout, piece: Piece, head: str) -> Iterator[str]:
+    targets = {place: f"out[{place}]" for place in range(layout.sequence.output_size)}
+    body = Statements(layout, piece, _DIALECT, targets).lines()
+    words = {word for line in body for word in _WORD.findall(line)}  # no input is called as an array is
     yield ""
     yield f"{head}({_PARAMETERS})"
     yield "{"
-    if writer.has_kernel:
+    if "status" in words:
         yield "    int status = 0;"
     yield from body
     for array in (*GROUPS, "out", "work"):
-        if array not in writer.arrays:
+        if array not in words:
             yield f"    (void){array};"
-    yield f"    return {'status' if writer.has_kernel else '0'};"
+    yield f"    return {'status' if 'status' in words else '0'};"
     yield "}"
-
-
-class _CPieceWriter:
-    """Writes the statements of one piece."""
-
-    def __init__(self, sequence: Sequence, plan: Plan, piece: Piece, words: list[str]) -> None:
-        self.arrays: set[str] = set()  # those read or written
-        self.has_kernel = False
-        self._sequence = sequence
-        self._plan = plan
-        self._piece = piece
-        self._words = words
-        self._names: dict[int, str] = {}  # how a value is written as an operand
-        self._lines: list[str] = []
-
-    def lines(self) -> list[str]:
-        piece = self._piece
-        for k in (k for k in range(piece.start, piece.stop) if self._plan.needed[k]):
-            operation = self._sequence.operations[k]
-            if operation.op not in op.LEAVES and operation.op != op.PICK:
-                self._operation(k, operation)
-            for place in self._plan.outputs.get(k, ()):
-                self._store("out", place, self._operand(k))
-            if k in piece.stores:
-                self._store("work", piece.stores[k], self._operand(k))
-        return self._lines
-
-    def _operation(self, k: int, operation: Operation) -> None:
-        code, operands, datum = operation
-        if code == op.SADDLE:
-            self._saddle(k, operands, datum)
-            return
-        if code == op.POW and (exponent := integer_exponent(self._sequence, operands[1])) is not None:
-            self._power(k, self._operand(operands[0]), exponent)
-            return
-        expression = _EXPRESSIONS[code].format(*[self._operand(j) for j in operands])
-        self._define(k, "int" if code in op.CONDITIONS else "double", expression)
-
-    def _define(self, k: int, kind: str, expression: str, name: str = "") -> None:
-        self._names[k] = name or f"z{k}"
-        self._lines.append(f"    const {kind} {self._names[k]} = {expression};")
-
-    def _operand(self, k: int) -> str:
-        """Return how value k is written, reading it first if this piece has not yet."""
-        if k not in self._names:
-            self._read_value(k)
-        return self._names[k]
-
-    def _read_value(self, k: int) -> None:
-        code, operands, datum = self._sequence.operations[k]
-        if code in (op.RATIONAL, op.FLOAT, op.PI):
-            text = repr(self._plan.constants[k])  # the shortest that reads back as the same double
-            self._names[k] = f"({text})" if text.startswith("-") else text
-        elif code == op.SYMBOL:
-            source = self._sequence.inputs[datum]
-            self._define(k, "double", self._element(source.group, source.position), self._words[datum])
-        elif code == op.PICK:
-            self._define(k, "double", self._element("work", self._plan.results[operands[0]] + datum))
-        elif code in op.CONDITIONS:
-            self._define(k, "int", f"{self._element('work', self._piece.loads[k])} != 0.0")
-        else:
-            self._define(k, "double", self._element("work", self._piece.loads[k]))
-
-    def _power(self, k: int, base: str, exponent: int) -> None:
-        names = [base]
-        for first, second in power_products(exponent):
-            self._define(k, "double", f"{names[first]} * {names[second]}", f"z{k}_{len(names)}")
-            names.append(self._names[k])
-        self._names[k] = names[-1]
-
-    def _saddle(self, k: int, operands: tuple[int, ...], datum: int) -> None:
-        plan, kernel = self._plan, self._sequence.kernels[datum]
-        for place, operand in enumerate(operands, plan.arguments):
-            self._store("work", place, self._operand(operand))
-        places = (*argument_places(kernel, plan.arguments), plan.results[k], plan.scratch)
-        arguments = ", ".join([str(kernel.n), str(kernel.m), *(f"work + {place}" for place in places)])
-        self._lines.append(f"    if (symbody_solve_saddle({arguments}) && !status) status = {datum + 1};")
-        self.arrays.add("work")
-        self.has_kernel = True
-
-    def _store(self, array: str, place: int, text: str) -> None:
-        self._lines.append(f"    {self._element(array, place)} = {text};")
-
-    def _element(self, array: str, place: int) -> str:
-        self.arrays.add(array)
-        return f"{array}[{place}]"

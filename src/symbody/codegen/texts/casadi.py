@@ -10,13 +10,13 @@ import keyword
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.texts.layout import Arguments, Language, TextLayout
+from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
 from symbody.codegen.texts.lists import fill_lines
-from symbody.codegen.texts.python_words import entry, kernel, number
+from symbody.codegen.texts.python_words import helpers, kernel, module_head
 from symbody.codegen.texts.saddle_casadi import SADDLE_CASADI
-from symbody.codegen.texts.statements import Dialect, Statements
+from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Sequence
 
 # Names of arguments and results must differ from each other and from those of derivatives.
 _LANGUAGE: Final = Language(
@@ -30,40 +30,20 @@ _LANGUAGE: Final = Language(
     ),
 )
 
-_EXPRESSIONS: Final = {
-    op.NEG: "-{0}",
-    op.ADD: "{0} + {1}",
-    op.SUB: "{0} - {1}",
-    op.MUL: "{0} * {1}",
-    op.DIV: "{0} / {1}",
-    op.POW: "ca.power({0}, {1})",
-    op.SIN: "ca.sin({0})",
-    op.COS: "ca.cos({0})",
-    op.TAN: "ca.tan({0})",
-    op.ASIN: "ca.asin({0})",
-    op.ACOS: "ca.acos({0})",
-    op.ATAN: "ca.atan({0})",
-    op.SINH: "ca.sinh({0})",
-    op.COSH: "ca.cosh({0})",
-    op.TANH: "ca.tanh({0})",
-    op.EXP: "ca.exp({0})",
-    op.LOG: "ca.log({0})",
-    op.SQRT: "ca.sqrt({0})",
-    op.ABS: "ca.fabs({0})",
-    op.SIGN: "ca.sign({0})",
-    op.FLOOR: "ca.floor({0})",
-    op.ATAN2: "_angle({0}, {1})",
-    op.MIN: "ca.if_else({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
-    op.MAX: "ca.if_else({1} < {0}, {0}, {1})",
-    op.LT: "{0} < {1}",
-    op.LE: "{0} <= {1}",
-    op.EQ: "{0} == {1}",
-    op.AND: "ca.logic_and({0}, {1})",
-    op.OR: "ca.logic_or({0}, {1})",
-    op.NOT: "ca.logic_not({0})",
-    op.SELECT: "ca.if_else({0}, {1}, {2})",
-    op.FMA: "{0} * {1} + {2}",  # there is none
-}
+_EXPRESSIONS: Final = operation_formats(
+    "ca.",
+    {
+        op.POW: "ca.power({0}, {1})",
+        op.ABS: "ca.fabs({0})",
+        op.ATAN2: "_angle({0}, {1})",
+        op.MIN: "ca.if_else({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
+        op.MAX: "ca.if_else({1} < {0}, {0}, {1})",
+        op.AND: "ca.logic_and({0}, {1})",
+        op.OR: "ca.logic_or({0}, {1})",
+        op.NOT: "ca.logic_not({0})",
+        op.SELECT: "ca.if_else({0}, {1}, {2})",
+    },
+)
 
 # y + 0 is simplified away, so a -0 is mended behind the function; the derivative stays.
 _ANGLE: Final = """
@@ -73,43 +53,25 @@ def _angle(y, x):
 """
 
 
-_DIALECT: Final = Dialect(
-    _EXPRESSIONS, "    {name} = {value}", number, entry, held="ca.SX({0})", kernel=kernel
-)
+_DIALECT: Final = Dialect(_EXPRESSIONS, "    {name} = {value}", held="ca.SX({0})", kernel=kernel)
 
 
-def generate(sequence: Sequence, name: str = "f", arguments: Arguments | None = None) -> str:
-    """Return a Python module whose ``name`` is a ``casadi.Function`` of (t, q, u, r, p).
+def _text(layout: TextLayout) -> str:
+    """Return a Python module whose ``name`` is a ``casadi.Function`` of (t, q, u, r, p)."""
+    lines = [*_head(layout), *helpers(layout, _ANGLE, SADDLE_CASADI)]
+    return "\n".join([*lines, "", *_function(layout), "", "", f"{layout.name} = _made()"]) + "\n"
 
-    Parameters
-    ----------
-    name : str
-        Name of the function.
-    arguments : mapping of group to names, optional
-        All arguments in order, for those that the sequence does not read.
 
-    Raises
-    ------
-    CompileError
-        If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
-        beyond the doubles.
-    """
-    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments)
-    lines = [*_head(layout)]
-    lines += [_ANGLE.rstrip("\n"), ""] if any(each.op == op.ATAN2 for each in sequence.operations) else []
-    lines += [SADDLE_CASADI.rstrip("\n"), ""] if layout.plan.results else []
-    return "\n".join([*lines, "", *_function(layout), "", "", f"{name} = _made()"]) + "\n"
+generate: Final = TextWriter(_LANGUAGE, _text)
 
 
 def _head(layout: TextLayout) -> Iterator[str]:
-    first, *rest = layout.heading(entry, f"{layout.name}({', '.join(layout.sizes)})")
-    yield f'r"""{first}'
-    yield ""
-    yield from rest
-    yield f"{layout.name} is a casadi.Function on SX: all arguments are given, those of size 0 as []."
-    yield "Results of two dimensions are matrices, all others columns, the last index running fastest."
-    yield '"""'
-    yield ""
+    yield from module_head(
+        layout,
+        f"{layout.name}({', '.join(layout.sizes)})",
+        f"{layout.name} is a casadi.Function on SX: all arguments are given, those of size 0 as [].",
+        "Results of two dimensions are matrices, all others columns, the last index running fastest.",
+    )
     yield "import casadi as ca"
     yield ""
 

@@ -12,10 +12,10 @@ from typing import Final
 from symbody.codegen.kernels.fortran_kernels import FORTRAN, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
-from symbody.codegen.texts.layout import Arguments, Language, TextLayout
-from symbody.codegen.texts.statements import Dialect, Statements
+from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
+from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, entries, operation_formats
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Sequence
 
 WIDTH: Final = 132  # what a line of the standard holds
 
@@ -42,95 +42,45 @@ _LANGUAGE: Final = Language(
     any_case=True,
 )
 
-_EXPRESSIONS: Final = {
-    op.NEG: "-{0}",
-    op.ADD: "{0} + {1}",
-    op.SUB: "{0} - {1}",
-    op.MUL: "{0} * {1}",
-    op.DIV: "{0} / {1}",
-    op.POW: "{0} ** {1}",
-    op.SIN: "sin({0})",
-    op.COS: "cos({0})",
-    op.TAN: "tan({0})",
-    op.ASIN: "asin({0})",
-    op.ACOS: "acos({0})",
-    op.ATAN: "atan({0})",
-    op.SINH: "sinh({0})",
-    op.COSH: "cosh({0})",
-    op.TANH: "tanh({0})",
-    op.EXP: "exp({0})",
-    op.LOG: "log({0})",
-    op.SQRT: "sqrt({0})",
-    op.ABS: "abs({0})",
-    # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
-    op.SIGN: "merge(1.0_dp, merge(-1.0_dp, {0} + 0.0_dp, {0} < 0.0_dp), {0} > 0.0_dp)",
-    # The standard's floor gives an integer, which overflows.
-    op.FLOOR: "aint({0}) - merge(1.0_dp, 0.0_dp, {0} < aint({0}))",
-    # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
-    op.ATAN2: "atan2({0} + 0.0_dp, {1})",
-    op.MIN: "merge({0}, {1}, {0} < {1})",  # the second where either is nan, as for max
-    op.MAX: "merge({0}, {1}, {1} < {0})",
-    op.LT: "{0} < {1}",
-    op.LE: "{0} <= {1}",
-    op.EQ: "{0} == {1}",
-    op.AND: "{0} .and. {1}",
-    op.OR: "{0} .or. {1}",
-    op.NOT: ".not. {0}",
-    op.SELECT: "merge({1}, {2}, {0})",
-    op.FMA: "({0} * {1}) + {2}",  # only Fortran 2018 has one
-}
-
-
-def _number(value: float) -> str:
-    text = f"{value!r}_dp"  # the shortest that reads back as the same double
-    return f"({text})" if text.startswith("-") else text
-
-
-def _entry(array: str, k: int) -> str:
-    return "t" if array == "t" else f"{array}({k + 1})"
-
-
-def _target(word: str, indices: tuple[int, ...]) -> str:
-    return f"{word}({', '.join(str(k + 1) for k in indices)})" if indices else word
+_EXPRESSIONS: Final = operation_formats(
+    "",
+    {
+        op.POW: "{0} ** {1}",
+        # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
+        op.SIGN: "merge(1.0_dp, merge(-1.0_dp, {0} + 0.0_dp, {0} < 0.0_dp), {0} > 0.0_dp)",
+        # The standard's floor gives an integer, which overflows.
+        op.FLOOR: "aint({0}) - merge(1.0_dp, 0.0_dp, {0} < aint({0}))",
+        # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
+        op.ATAN2: "atan2({0} + 0.0_dp, {1})",
+        op.MIN: "merge({0}, {1}, {0} < {1})",  # the second where either is nan, as for max
+        op.MAX: "merge({0}, {1}, {1} < {0})",
+        op.AND: "{0} .and. {1}",
+        op.OR: "{0} .or. {1}",
+        op.NOT: ".not. {0}",
+        op.SELECT: "merge({1}, {2}, {0})",
+        op.FMA: "({0} * {1}) + {2}",  # only Fortran 2018 has one
+    },
+)
 
 
 _DIALECT: Final = Dialect(
-    _EXPRESSIONS, "    {name} = {value}", _number, _entry, is_held=True,
+    _EXPRESSIONS, "    {name} = {value}", number="{0}_dp", entry="{array}({k})", first=1, is_held=True,
     truth="merge(1.0_dp, 0.0_dp, {0})", is_true="abs({0}) > 0.0_dp",
-    kernel_call="    call symbody_saddle({n}, {m}, {M}, {J}, {F}, {gamma}, {solution})",
+    kernel_call="    call symbody_saddle({n}, {m}, work({M}), work({J}), work({F}), work({gamma}), "
+    "work({solution}))",
 )  # fmt: skip
 
 
-def generate(
-    sequence: Sequence,
-    name: str = "f",
-    arguments: Arguments | None = None,
-    *,
-    piece_size: int = PIECE_SIZE,
-) -> str:
-    """Return a Fortran module ``symbody_name`` with one subroutine ``name(t, q, u, r, p, results...)``.
-
-    Parameters
-    ----------
-    name : str
-        Name of the subroutine, and of its C binding in lower case.
-    arguments : mapping of group to names, optional
-        All arguments in order, for those that the sequence does not read.
-    piece_size : int
-        About how many operations go into one subroutine; results do not depend on it.
-
-    Raises
-    ------
-    CompileError
-        If `name` cannot name a subroutine, the sequence calls functions the user supplied, or a constant is
-        beyond the doubles.
-    """
-    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments, piece_size)
+def _text(layout: TextLayout) -> str:
+    """Return a Fortran module ``symbody_name`` with one subroutine ``name(t, q, u, r, p, results...)``."""
     parts = [*_head(layout), *_functions(layout)]
     if layout.plan.results:
         parts += ["", *saddle_text(FORTRAN, SADDLE_CALL).rstrip("\n").split("\n")]
-    parts.append(f"end module symbody_{name}")
+    parts.append(f"end module symbody_{layout.name}")
     return "\n".join(line for part in parts for line in break_line(part)) + "\n"
+
+
+generate: Final = TextWriter(_LANGUAGE, _text, PIECE_SIZE)
 
 
 def break_line(line: str) -> list[str]:
@@ -152,7 +102,7 @@ def break_line(line: str) -> list[str]:
 
 def _head(layout: TextLayout) -> Iterator[str]:
     call = f"call {layout.name}({', '.join(_dummies(layout))})"
-    yield from (f"! {line}".rstrip() for line in layout.heading(_entry, call))
+    yield from (f"! {line}".rstrip() for line in layout.heading(_DIALECT.entry_text, call))
     yield f"! In C: void {layout.name.lower()}(double *t, ...), everything by address, matrices by columns."
     yield f"module symbody_{layout.name}"
     yield "    use, intrinsic :: iso_c_binding, only: dp => c_double"
@@ -173,7 +123,7 @@ def _functions(layout: TextLayout) -> Iterator[str]:
 
     Recursive: compilers keep large arrays of other subroutines in one place for all threads.
     """
-    pieces = [Statements(layout, piece, _DIALECT, layout.targets(_target)) for piece in layout.plan.pieces]
+    pieces = [Statements(layout, piece, _DIALECT, layout.targets(entries)) for piece in layout.plan.pieces]
     bodies = [piece.lines() for piece in pieces]
     inner = ", ".join([*_dummies(layout), "work"])
     # One more: a kernel without rows has arguments of size 0 behind the others.

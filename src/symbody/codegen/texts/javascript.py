@@ -12,10 +12,10 @@ from typing import Final
 from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
-from symbody.codegen.texts.layout import Arguments, Language, TextLayout
-from symbody.codegen.texts.statements import Dialect, Statements
+from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
+from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Sequence
 
 LANGUAGE: Final = Language(
     "JavaScript",
@@ -31,42 +31,20 @@ LANGUAGE: Final = Language(
     ),
 )
 
-_EXPRESSIONS: Final = {
-    op.NEG: "-{0}",
-    op.ADD: "{0} + {1}",
-    op.SUB: "{0} - {1}",
-    op.MUL: "{0} * {1}",
-    op.DIV: "{0} / {1}",
-    op.POW: "symbody_pow({0}, {1})",
-    op.SIN: "Math.sin({0})",
-    op.COS: "Math.cos({0})",
-    op.TAN: "Math.tan({0})",
-    op.ASIN: "Math.asin({0})",
-    op.ACOS: "Math.acos({0})",
-    op.ATAN: "Math.atan({0})",
-    op.SINH: "Math.sinh({0})",
-    op.COSH: "Math.cosh({0})",
-    op.TANH: "Math.tanh({0})",
-    op.EXP: "Math.exp({0})",
-    op.LOG: "Math.log({0})",
-    op.SQRT: "Math.sqrt({0})",
-    op.ABS: "Math.abs({0})",
-    # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
-    op.SIGN: "{0} > 0 ? 1 : {0} < 0 ? -1 : {0} + 0",
-    op.FLOOR: "Math.floor({0})",
-    # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
-    op.ATAN2: "Math.atan2({0} + 0, {1})",
-    op.MIN: "{0} < {1} ? {0} : {1}",  # the second where either is nan, as for max
-    op.MAX: "{1} < {0} ? {0} : {1}",
-    op.LT: "{0} < {1}",
-    op.LE: "{0} <= {1}",
-    op.EQ: "{0} === {1}",
-    op.AND: "{0} && {1}",
-    op.OR: "{0} || {1}",
-    op.NOT: "!{0}",
-    op.SELECT: "{0} ? {1} : {2}",
-    op.FMA: "{0} * {1} + {2}",  # there is none
-}
+_EXPRESSIONS: Final = operation_formats(
+    "Math.",
+    {
+        op.POW: "symbody_pow({0}, {1})",
+        # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
+        op.SIGN: "{0} > 0 ? 1 : {0} < 0 ? -1 : {0} + 0",
+        # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
+        op.ATAN2: "Math.atan2({0} + 0, {1})",
+        op.MIN: "{0} < {1} ? {0} : {1}",  # the second where either is nan, as for max
+        op.MAX: "{1} < {0} ? {0} : {1}",
+        op.EQ: "{0} === {1}",
+        op.SELECT: "{0} ? {1} : {2}",
+    },
+)
 
 # Powers of 1, and of -1 with an infinite exponent, are 1 as in C; here they would be nan.
 FUNCTIONS: Final = {
@@ -79,53 +57,24 @@ function symbody_pow(base, exponent) {
 }
 
 
-def _number(value: float) -> str:
-    text = repr(value)  # the shortest that reads back as the same double
-    return f"({text})" if text.startswith("-") else text
-
-
-def _entry(array: str, k: int) -> str:
-    return "t" if array == "t" else f"{array}[{k}]"
-
-
 DIALECT: Final = Dialect(
-    _EXPRESSIONS, "    {name} = {value};", _number, _entry,
+    _EXPRESSIONS, "    {name} = {value};",
     truth="{0} ? 1 : 0", is_true="{0} !== 0",
     kernel_call="    symbody_saddle(work, {n}, {m}, {arguments}, {results}, {scratch});",
     definition="    const {name} = {value};",
 )  # fmt: skip
 
 
-def generate(
-    sequence: Sequence,
-    name: str = "f",
-    arguments: Arguments | None = None,
-    *,
-    piece_size: int = PIECE_SIZE,
-) -> str:
-    """Return an ES module with ``name(t, q, u, r, p, out)`` and ``outputs()``.
-
-    Parameters
-    ----------
-    name : str
-        Name of the function, which the module exports.
-    arguments : mapping of group to names, optional
-        All arguments in order, for those that the sequence does not read.
-    piece_size : int
-        About how many operations go into one function; results do not depend on it.
-
-    Raises
-    ------
-    CompileError
-        If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
-        beyond the doubles.
-    """
-    layout = TextLayout.for_sequence(sequence, name, LANGUAGE, arguments, piece_size)
+def _text(layout: TextLayout) -> str:
+    """Return an ES module with ``name(t, q, u, r, p, out)`` and ``outputs()``."""
     lines = [*_head(layout), *_function(layout), *_pieces(layout)]
     body = "\n".join(lines)
     lines += [text.rstrip("\n") for called, text in FUNCTIONS.items() if f" {called}(" in body]
     kernel = saddle_text(JAVASCRIPT, SADDLE_CALL).rstrip("\n").split("\n") if layout.plan.results else []
     return "\n".join([*lines, *([""] if kernel else []), *kernel]) + "\n"
+
+
+generate: Final = TextWriter(LANGUAGE, _text, PIECE_SIZE)
 
 
 def _call(layout: TextLayout) -> str:
@@ -134,7 +83,7 @@ def _call(layout: TextLayout) -> str:
 
 
 def _head(layout: TextLayout) -> Iterator[str]:
-    yield from (f"// {line}".rstrip() for line in layout.heading(_entry, _call(layout)))
+    yield from (f"// {line}".rstrip() for line in layout.heading(DIALECT.entry_text, _call(layout)))
     yield "// Arguments are arrays of any kind. The result has one property for each output: a number, or a"
     yield "// Float64Array, matrices by rows. A result given as out is filled again instead of a new one."
     yield ""

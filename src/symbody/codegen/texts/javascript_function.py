@@ -19,13 +19,9 @@ _TAKEN: Final = frozenset({"status", "clock", "clock_0", "c", "c_0", *(f"{group}
 _RAW_LANGUAGE: Final = replace(LANGUAGE, words=LANGUAGE.words | _TAKEN)
 
 
-def _entry(array: str, k: int) -> str:
-    return f"{array}[{array}_0 + {k}]"
-
-
 _DIALECT: Final = replace(
     DIALECT,
-    entry=_entry,
+    entry="{array}[{array}_0 + {k}]",
     kernel_call="    status = Math.max(status, symbody_saddle(work, {n}, {m}, work_0 + {arguments}, "
     "work_0 + {results}, work_0 + {scratch}));",
 )
@@ -54,7 +50,7 @@ def function_text(sequence: Sequence, name: str, *, piece_size: int = PIECE_SIZE
 
 
 def _piece(layout: TextLayout, k: int, piece: Piece) -> Iterator[str]:
-    targets = {place: _entry("out", place) for place in range(layout.sequence.output_size)}
+    targets = {place: _DIALECT.entry_text("out", place) for place in range(layout.sequence.output_size)}
     writer = Statements(layout, piece, _DIALECT, targets)
     body = writer.lines()
     given = ", ".join(["clock, clock_0", *(f"{array}, {array}_0" for array in GROUPS)])

@@ -10,13 +10,12 @@ import keyword
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.texts.layout import Arguments, Language, TextLayout
+from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
 from symbody.codegen.texts.lists import fill_lines
-from symbody.codegen.texts.python_words import entry, kernel, number
+from symbody.codegen.texts.python_words import helpers, kernel, module_head, numpy_formats
 from symbody.codegen.texts.saddle_jax import SADDLE_JAX
-from symbody.codegen.texts.statements import Dialect, Statements
-from symbody.expr import opcodes as op
-from symbody.expr.sequence import Sequence
+from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect
 
 _LANGUAGE: Final = Language(
     "JAX",
@@ -24,41 +23,6 @@ _LANGUAGE: Final = Language(
         {*keyword.kwlist, *keyword.softkwlist, *"jax jnp namedtuple Outputs min int t q u r p c".split()}
     ),
 )
-
-_EXPRESSIONS: Final = {
-    op.NEG: "-{0}",
-    op.ADD: "{0} + {1}",
-    op.SUB: "{0} - {1}",
-    op.MUL: "{0} * {1}",
-    op.DIV: "{0} / {1}",
-    op.POW: "jnp.power({0}, {1})",
-    op.SIN: "jnp.sin({0})",
-    op.COS: "jnp.cos({0})",
-    op.TAN: "jnp.tan({0})",
-    op.ASIN: "jnp.arcsin({0})",
-    op.ACOS: "jnp.arccos({0})",
-    op.ATAN: "jnp.arctan({0})",
-    op.SINH: "jnp.sinh({0})",
-    op.COSH: "jnp.cosh({0})",
-    op.TANH: "jnp.tanh({0})",
-    op.EXP: "jnp.exp({0})",
-    op.LOG: "jnp.log({0})",
-    op.SQRT: "jnp.sqrt({0})",
-    op.ABS: "jnp.abs({0})",
-    op.SIGN: "jnp.sign({0})",
-    op.FLOOR: "jnp.floor({0})",
-    op.ATAN2: "_angle({0}, {1})",
-    op.MIN: "jnp.where({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
-    op.MAX: "jnp.where({1} < {0}, {0}, {1})",
-    op.LT: "{0} < {1}",
-    op.LE: "{0} <= {1}",
-    op.EQ: "{0} == {1}",
-    op.AND: "jnp.logical_and({0}, {1})",
-    op.OR: "jnp.logical_or({0}, {1})",
-    op.NOT: "jnp.logical_not({0})",
-    op.SELECT: "jnp.where({0}, {1}, {2})",
-    op.FMA: "{0} * {1} + {2}",  # its compiler decides about contraction
-}
 
 # The compiler drops y + 0, so a -0 is mended behind the function; the derivative stays.
 _ANGLE: Final = """
@@ -69,31 +33,19 @@ def _angle(y, x):
 
 
 _DIALECT: Final = Dialect(
-    _EXPRESSIONS, "    {name} = {value}", number, entry, held="jnp.float64({0})", kernel=kernel
-)
+    # Its compiler decides about contraction.
+    numpy_formats("jnp.", "_angle({0}, {1})"), "    {name} = {value}",
+    held="jnp.float64({0})", kernel=kernel,
+)  # fmt: skip
 
 
-def generate(sequence: Sequence, name: str = "f", arguments: Arguments | None = None) -> str:
-    """Return a Python module with one pure function ``name(t, q, u, r=(), p=())`` of JAX arrays.
-
-    Parameters
-    ----------
-    name : str
-        Name of the function.
-    arguments : mapping of group to names, optional
-        All arguments in order, for those that the sequence does not read.
-
-    Raises
-    ------
-    CompileError
-        If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
-        beyond the doubles.
-    """
-    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments)
-    lines = [*_head(layout)]
-    lines += [_ANGLE.rstrip("\n"), ""] if any(each.op == op.ATAN2 for each in sequence.operations) else []
-    lines += [SADDLE_JAX.rstrip("\n"), ""] if layout.plan.results else []
+def _text(layout: TextLayout) -> str:
+    """Return a Python module with one pure function ``name(t, q, u, r=(), p=())`` of JAX arrays."""
+    lines = [*_head(layout), *helpers(layout, _ANGLE, SADDLE_JAX)]
     return "\n".join([*lines, "", *_function(layout)]) + "\n"
+
+
+generate: Final = TextWriter(_LANGUAGE, _text)
 
 
 def _call(layout: TextLayout) -> str:
@@ -102,14 +54,12 @@ def _call(layout: TextLayout) -> str:
 
 
 def _head(layout: TextLayout) -> Iterator[str]:
-    first, *rest = layout.heading(entry, _call(layout))
-    yield f'r"""{first}'
-    yield ""
-    yield from rest
-    yield "The result is one array, or a named tuple of arrays if several outputs were asked for. The"
-    yield "function is pure: jit, grad, jacobian and vmap apply. Importing it makes JAX compute in 64 bits."
-    yield '"""'
-    yield ""
+    yield from module_head(
+        layout,
+        _call(layout),
+        "The result is one array, or a named tuple of arrays if several outputs were asked for. The",
+        "function is pure: jit, grad, jacobian and vmap apply. Importing it makes JAX compute in 64 bits.",
+    )
     yield from ["from collections import namedtuple", ""] if len(layout.results) != 1 else []
     yield "import jax"
     yield "import jax.numpy as jnp"

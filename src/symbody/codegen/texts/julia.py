@@ -12,10 +12,10 @@ from typing import Final
 from symbody.codegen.kernels.julia_kernels import JULIA, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
-from symbody.codegen.texts.layout import Arguments, Language, TextLayout
-from symbody.codegen.texts.statements import Dialect, Statements
+from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
+from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Sequence
 
 _LANGUAGE: Final = Language(
     "Julia",
@@ -31,41 +31,27 @@ _LANGUAGE: Final = Language(
     ),
 )
 
-_EXPRESSIONS: Final = {
-    op.NEG: "-{0}",
-    op.ADD: "{0} + {1}",
-    op.SUB: "{0} - {1}",
-    op.MUL: "{0} * {1}",
-    op.DIV: "{0} / {1}",
-    op.POW: "symbody_power({0}, {1})",
-    op.SIN: "symbody_finite(sin, {0})",
-    op.COS: "symbody_finite(cos, {0})",
-    op.TAN: "symbody_finite(tan, {0})",
-    op.ASIN: "symbody_within(asin, {0})",
-    op.ACOS: "symbody_within(acos, {0})",
-    op.ATAN: "atan({0})",
-    op.SINH: "sinh({0})",
-    op.COSH: "cosh({0})",
-    op.TANH: "tanh({0})",
-    op.EXP: "exp({0})",
-    op.LOG: "symbody_positive(log, {0})",
-    op.SQRT: "symbody_positive(sqrt, {0})",
-    op.ABS: "abs({0})",
-    op.SIGN: "sign({0})",
-    op.FLOOR: "floor({0})",
-    # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
-    op.ATAN2: "atan({0} + 0.0, {1})",
-    op.MIN: "ifelse({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
-    op.MAX: "ifelse({1} < {0}, {0}, {1})",
-    op.LT: "{0} < {1}",
-    op.LE: "{0} <= {1}",
-    op.EQ: "{0} == {1}",
-    op.AND: "{0} & {1}",
-    op.OR: "{0} | {1}",
-    op.NOT: "!{0}",
-    op.SELECT: "ifelse({0}, {1}, {2})",
-    op.FMA: "fma({0}, {1}, {2})",
-}
+_EXPRESSIONS: Final = operation_formats(
+    "",
+    {
+        op.POW: "symbody_power({0}, {1})",
+        op.SIN: "symbody_finite(sin, {0})",
+        op.COS: "symbody_finite(cos, {0})",
+        op.TAN: "symbody_finite(tan, {0})",
+        op.ASIN: "symbody_within(asin, {0})",
+        op.ACOS: "symbody_within(acos, {0})",
+        op.LOG: "symbody_positive(log, {0})",
+        op.SQRT: "symbody_positive(sqrt, {0})",
+        # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
+        op.ATAN2: "atan({0} + 0.0, {1})",
+        op.MIN: "ifelse({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
+        op.MAX: "ifelse({1} < {0}, {0}, {1})",
+        op.AND: "{0} & {1}",
+        op.OR: "{0} | {1}",
+        op.SELECT: "ifelse({0}, {1}, {2})",
+        op.FMA: "fma({0}, {1}, {2})",
+    },
+)
 
 _FUNCTIONS: Final = """
 symbody_finite(f, x) = isinf(x) ? oftype(x, NaN) : f(x)
@@ -78,54 +64,25 @@ end
 """
 
 
-def _number(value: float) -> str:
-    text = repr(value)  # the shortest that reads back as the same double
-    return f"({text})" if text.startswith("-") else text
-
-
-def _entry(array: str, k: int) -> str:
-    return "t" if array == "t" else f"{array}[{k + 1}]"
-
-
 def _target(word: str, indices: tuple[int, ...]) -> str:
     return f"{word}[{', '.join(str(k + 1) for k in indices)}]"  # a number is a Ref
 
 
 _DIALECT: Final = Dialect(
-    _EXPRESSIONS, "    {name} = {value}", _number, _entry,
+    _EXPRESSIONS, "    {name} = {value}", first=1,
     truth="ifelse({0}, 1.0, 0.0)", is_true="{0} != 0",
     kernel_call="    symbody_saddle!(work, {n}, {m}, {arguments}, {results})",
 )  # fmt: skip
 
 
-def generate(
-    sequence: Sequence,
-    name: str = "f",
-    arguments: Arguments | None = None,
-    *,
-    piece_size: int = PIECE_SIZE,
-) -> str:
-    """Return a Julia module ``symbody_name`` with one function ``name(t, q, u, r = (), p = ())``.
-
-    Parameters
-    ----------
-    name : str
-        Name of the function, which the module exports.
-    arguments : mapping of group to names, optional
-        All arguments in order, for those that the sequence does not read.
-    piece_size : int
-        About how many operations go into one function; results do not depend on it.
-
-    Raises
-    ------
-    CompileError
-        If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
-        beyond the doubles.
-    """
-    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments, piece_size)
+def _text(layout: TextLayout) -> str:
+    """Return a Julia module ``symbody_name`` with one function ``name(t, q, u, r = (), p = ())``."""
     lines = [*_head(layout), *_functions(layout), *_FUNCTIONS.rstrip("\n").split("\n")]
     lines += saddle_text(JULIA, SADDLE_CALL).rstrip("\n").split("\n") if layout.plan.results else []
     return "\n".join([*lines, "", "end"]) + "\n"
+
+
+generate: Final = TextWriter(_LANGUAGE, _text, PIECE_SIZE)
 
 
 def _call(layout: TextLayout) -> str:
@@ -134,7 +91,7 @@ def _call(layout: TextLayout) -> str:
 
 
 def _head(layout: TextLayout) -> Iterator[str]:
-    yield from (f"# {line}".rstrip() for line in layout.heading(_entry, _call(layout)))
+    yield from (f"# {line}".rstrip() for line in layout.heading(_DIALECT.entry_text, _call(layout)))
     yield "# Arguments are numbers and vectors or tuples of any real type, dual numbers too. The result is"
     yield "# the array or number itself, or a named tuple if several outputs were asked for."
     yield f"module symbody_{layout.name}"

@@ -175,3 +175,49 @@ def _check_name(name: str, language: Language) -> None:
                     f"{quote_name(name)} cannot be the name of a {language.title} function",
                     "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class TextWriter:
+    """Writes the text of a sequence in one language.
+
+    Attributes
+    ----------
+    language : Language
+    write : callable
+        The whole text of a layout.
+    piece_size : int
+        About how many operations go into one function.
+    """
+
+    language: Language
+    write: Callable[[TextLayout], str]
+    piece_size: int = WHOLE
+
+    def __call__(
+        self,
+        sequence: Sequence,
+        name: str = "f",
+        arguments: Arguments | None = None,
+        *,
+        piece_size: int | None = None,
+    ) -> str:
+        """Return the text.
+
+        Parameters
+        ----------
+        name : str
+            Name of the function.
+        arguments : mapping of group to names, optional
+            All arguments in order, for those that the sequence does not read.
+        piece_size : int, optional
+            Otherwise than the language has it; results do not depend on it.
+
+        Raises
+        ------
+        CompileError
+            If `name` cannot name a function, the sequence calls functions the user supplied, or a constant
+            is beyond the doubles.
+        """
+        size = self.piece_size if piece_size is None else piece_size
+        return self.write(TextLayout.for_sequence(sequence, name, self.language, arguments, size))

@@ -17,6 +17,8 @@ from symbody.codegen.kernels.python_kernels import PYTHON, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Plan, plan_pieces
+from symbody.codegen.texts.python_words import numpy_formats
+from symbody.codegen.texts.text_dialect import number_text
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Sequence
@@ -27,41 +29,8 @@ _WORDS: Final = {
     "t": "time", "q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "c": "constants",
 }  # fmt: skip
 
-_EXPRESSIONS: Final = {
-    op.NEG: "-{0}",
-    op.ADD: "{0} + {1}",
-    op.SUB: "{0} - {1}",
-    op.MUL: "{0} * {1}",
-    op.DIV: "{0} / {1}",
-    op.POW: "np.power({0}, {1})",
-    op.SIN: "np.sin({0})",
-    op.COS: "np.cos({0})",
-    op.TAN: "np.tan({0})",
-    op.ASIN: "np.arcsin({0})",
-    op.ACOS: "np.arccos({0})",
-    op.ATAN: "np.arctan({0})",
-    op.SINH: "np.sinh({0})",
-    op.COSH: "np.cosh({0})",
-    op.TANH: "np.tanh({0})",
-    op.EXP: "np.exp({0})",
-    op.LOG: "np.log({0})",
-    op.SQRT: "np.sqrt({0})",
-    op.ABS: "np.abs({0})",
-    op.SIGN: "np.sign({0})",
-    op.FLOOR: "np.floor({0})",
-    # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
-    op.ATAN2: "np.arctan2({0} + 0.0, {1})",
-    op.MIN: "np.where({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
-    op.MAX: "np.where({1} < {0}, {0}, {1})",
-    op.LT: "{0} < {1}",
-    op.LE: "{0} <= {1}",
-    op.EQ: "{0} == {1}",
-    op.AND: "np.logical_and({0}, {1})",
-    op.OR: "np.logical_or({0}, {1})",
-    op.NOT: "np.logical_not({0})",
-    op.SELECT: "np.where({0}, {1}, {2})",
-    op.FMA: "{0} * {1} + {2}",  # NumPy has none
-}
+# y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
+_EXPRESSIONS: Final = numpy_formats("np.", "np.arctan2({0} + 0.0, {1})")
 
 # What the text itself uses, and may come to use of Python; names that begin with an underscore are never
 # given to inputs.
@@ -226,8 +195,7 @@ class _Statements:
     def _operation(self, k: int, operation: Operation) -> None:
         code, operands, datum = operation
         if code in (op.RATIONAL, op.FLOAT, op.PI):
-            text = repr(self._plan.constants[k])  # the shortest that reads back as the same double
-            self._names[k] = f"({text})" if text.startswith("-") else text
+            self._names[k] = number_text(self._plan.constants[k])
         elif code == op.SYMBOL:
             self._input(k, datum)
         elif code == op.PICK:

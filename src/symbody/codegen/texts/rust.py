@@ -11,10 +11,10 @@ from typing import Final
 from symbody.codegen.kernels.rust_kernels import RUST, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
-from symbody.codegen.texts.layout import Arguments, Language, TextLayout
-from symbody.codegen.texts.statements import Dialect, Statements
+from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
+from symbody.codegen.texts.statements import Statements
+from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Sequence
 
 _LANGUAGE: Final = Language(
     "Rust",
@@ -28,55 +28,25 @@ _LANGUAGE: Final = Language(
     ),
 )
 
-_EXPRESSIONS: Final = {
-    op.NEG: "-{0}",
-    op.ADD: "{0} + {1}",
-    op.SUB: "{0} - {1}",
-    op.MUL: "{0} * {1}",
-    op.DIV: "{0} / {1}",
-    op.POW: "f64::powf({0}, {1})",
-    op.SIN: "f64::sin({0})",
-    op.COS: "f64::cos({0})",
-    op.TAN: "f64::tan({0})",
-    op.ASIN: "f64::asin({0})",
-    op.ACOS: "f64::acos({0})",
-    op.ATAN: "f64::atan({0})",
-    op.SINH: "f64::sinh({0})",
-    op.COSH: "f64::cosh({0})",
-    op.TANH: "f64::tanh({0})",
-    op.EXP: "f64::exp({0})",
-    op.LOG: "f64::ln({0})",
-    op.SQRT: "f64::sqrt({0})",
-    op.ABS: "f64::abs({0})",
-    # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
-    op.SIGN: "if {0} > 0.0 {{ 1.0 }} else if {0} < 0.0 {{ -1.0 }} else {{ {0} + 0.0 }}",
-    op.FLOOR: "f64::floor({0})",
-    # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
-    op.ATAN2: "f64::atan2({0} + 0.0, {1})",
-    op.MIN: "if {0} < {1} {{ {0} }} else {{ {1} }}",  # the second where either is nan, as for max
-    op.MAX: "if {1} < {0} {{ {0} }} else {{ {1} }}",
-    op.LT: "{0} < {1}",
-    op.LE: "{0} <= {1}",
-    op.EQ: "{0} == {1}",
-    op.AND: "{0} && {1}",
-    op.OR: "{0} || {1}",
-    op.NOT: "!{0}",
-    op.SELECT: "if {0} {{ {1} }} else {{ {2} }}",
-    op.FMA: "f64::mul_add({0}, {1}, {2})",
-}
+_EXPRESSIONS: Final = operation_formats(
+    "f64::",
+    {
+        op.POW: "f64::powf({0}, {1})",
+        op.LOG: "f64::ln({0})",
+        # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
+        op.SIGN: "if {0} > 0.0 {{ 1.0 }} else if {0} < 0.0 {{ -1.0 }} else {{ {0} + 0.0 }}",
+        # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
+        op.ATAN2: "f64::atan2({0} + 0.0, {1})",
+        op.MIN: "if {0} < {1} {{ {0} }} else {{ {1} }}",  # the second where either is nan, as for max
+        op.MAX: "if {1} < {0} {{ {0} }} else {{ {1} }}",
+        op.SELECT: "if {0} {{ {1} }} else {{ {2} }}",
+        op.FMA: "f64::mul_add({0}, {1}, {2})",
+    },
+)
 
 # Of names and choices that come from models, and of entries that one text needs and another does not.
 _ALLOWED: Final = "#[allow(non_snake_case, unused_variables, unused_mut, unused_parens, clippy::all)]"
 _ON_THE_STACK: Final = 4096  # numbers of scratch
-
-
-def _number(value: float) -> str:
-    text = repr(value)  # the shortest that reads back as the same double
-    return f"({text})" if text.startswith("-") else text
-
-
-def _entry(array: str, k: int) -> str:
-    return "t" if array == "t" else f"{array}[{k}]"
 
 
 def _target(word: str, indices: tuple[int, ...]) -> str:
@@ -84,46 +54,26 @@ def _target(word: str, indices: tuple[int, ...]) -> str:
 
 
 _DIALECT: Final = Dialect(
-    _EXPRESSIONS, "    {name} = {value};", _number, _entry,
+    _EXPRESSIONS, "    {name} = {value};",
     truth="if {0} {{ 1.0 }} else {{ 0.0 }}", is_true="{0} != 0.0",
     kernel_call="    symbody_saddle(work, {n}, {m}, {arguments}, {results}, {scratch});",
     definition="    let {name} = {value};",
 )  # fmt: skip
 
 
-def generate(
-    sequence: Sequence,
-    name: str = "f",
-    arguments: Arguments | None = None,
-    *,
-    piece_size: int = PIECE_SIZE,
-) -> str:
-    """Return a Rust module with ``struct Outputs`` and ``fn name(t, q, u, r, p) -> Outputs``.
-
-    Parameters
-    ----------
-    name : str
-        Name of the function.
-    arguments : mapping of group to names, optional
-        All arguments in order, for those that the sequence does not read.
-    piece_size : int
-        About how many operations go into one function; results do not depend on it.
-
-    Raises
-    ------
-    CompileError
-        If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
-        beyond the doubles.
-    """
-    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments, piece_size)
+def _text(layout: TextLayout) -> str:
+    """Return a Rust module with ``struct Outputs`` and ``fn name(t, q, u, r, p) -> Outputs``."""
     lines = [*_head(layout), *_function(layout), *_pieces(layout)]
     kernel = saddle_text(RUST, SADDLE_CALL).rstrip("\n").split("\n") if layout.plan.results else []
     return "\n".join([*lines, *([""] if kernel else []), *kernel]) + "\n"
 
 
+generate: Final = TextWriter(_LANGUAGE, _text, PIECE_SIZE)
+
+
 def _head(layout: TextLayout) -> Iterator[str]:
     call = f"{layout.name}({', '.join(layout.sizes)})"
-    yield from (f"// {line}".rstrip() for line in layout.heading(_entry, call))
+    yield from (f"// {line}".rstrip() for line in layout.heading(_DIALECT.entry_text, call))
     yield ""
     yield "/// The results; a matrix is an array of its rows."
     yield _ALLOWED

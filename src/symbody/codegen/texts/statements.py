@@ -1,61 +1,18 @@
 """The statements of a text: one for every operation, in the order of the sequence.
 
-A `Dialect` holds how a language writes numbers, entries and operations; the walk is the same for all.
+A `Dialect` holds how a language writes things; the walk is the same for all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from collections.abc import Sequence as Items
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Piece, argument_places
 from symbody.codegen.texts.layout import TextLayout
+from symbody.codegen.texts.text_dialect import Dialect, number_text
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation
-
-
-@dataclass(frozen=True, slots=True)
-class Dialect:
-    """How one language writes things.
-
-    Attributes
-    ----------
-    expressions : mapping of operation code to format
-    assignment : str
-        Format of a statement, with ``name`` and ``value``, indented.
-    definition : str
-        The same for a new variable, where that is written otherwise.
-    number : callable
-        Text of a double, in parentheses if negative.
-    entry : callable
-        Text of entry k of an array, counted from 0.
-    held : str
-        Format of a constant that is the operand of an operation without variables.
-    is_held : bool
-        Whether such a constant becomes a variable, because compilers refuse what they can compute.
-    truth, is_true : str
-        Formats that make a number of a condition, for the work array, and a condition of that number.
-    kernel : callable, optional
-        Lines that define a name as the list udot, lambda, rank: name, n, m, operands. Without it a kernel
-        reads and writes the work array.
-    kernel_call : str
-        Format of that call, with ``n``, ``m``, entries of ``work`` where ``M``, ``J``, ``F``, ``gamma`` and
-        ``solution`` begin, and how many numbers lie before the ``arguments``, ``results`` and ``scratch``.
-    """
-
-    expressions: Mapping[int, str]
-    assignment: str
-    number: Callable[[float], str]
-    entry: Callable[[str, int], str]
-    held: str = "{0}"
-    is_held: bool = False
-    truth: str = ""
-    is_true: str = ""
-    kernel: Callable[[str, int, int, Items[str]], Items[str]] | None = None
-    kernel_call: str = ""
-    definition: str = ""
 
 
 class Statements:
@@ -131,12 +88,12 @@ class Statements:
 
     def _read_value(self, k: int) -> None:
         code, operands, datum = self._sequence.operations[k]
-        entry = self._dialect.entry
+        entry = self._dialect.entry_text
         if code in (op.RATIONAL, op.FLOAT, op.PI):
-            self._names[k] = self._dialect.number(self._plan.constants[k])
+            self._names[k] = number_text(self._plan.constants[k], self._dialect.number)
         elif code == op.SYMBOL:
             source = self._sequence.inputs[datum]
-            if source.group == "t":
+            if source.group == "t" and not self._dialect.has_time_array:
                 self._names[k] = "t"
             else:
                 self._define(k, entry(source.group, source.position), self._words[datum])
@@ -153,8 +110,7 @@ class Statements:
     def _define(self, k: int, expression: str, name: str = "", *, is_condition: bool = False) -> None:
         self._names[k] = name or f"z{k}"
         (self.conditions if is_condition else self.reals).append(self._names[k])
-        form = self._dialect.definition or self._dialect.assignment
-        self._lines.append(form.format(name=self._names[k], value=expression))
+        self._lines.append(self._dialect.define(self._names[k], expression, is_condition=is_condition))
 
     def _power(self, k: int, base: str, exponent: int) -> None:
         names = [base]
@@ -164,22 +120,23 @@ class Statements:
         self._names[k] = names[-1]
 
     def _kernel(self, k: int, operands: tuple[int, ...], datum: int) -> None:
-        plan, kernel = self._plan, self._sequence.kernels[datum]
-        texts = [self.operand(j) for j in operands]
-        if self._dialect.kernel is not None:
-            self._lines += self._dialect.kernel(f"z{k}", kernel.n, kernel.m, texts)
+        plan, kernel, dialect = self._plan, self._sequence.kernels[datum], self._dialect
+        texts: Iterable[str] = (self.operand(j) for j in operands)
+        if not dialect.is_interleaved:
+            texts = [*texts]
+        if dialect.kernel is not None:
+            self._lines += dialect.kernel(f"z{k}", kernel.n, kernel.m, [*texts])
             return
         for place, text in enumerate(texts, plan.arguments):
             self._store(place, text)
         places = (*argument_places(kernel, plan.arguments), plan.results[k])
         words = ("M", "J", "F", "gamma", "solution")
-        begins = {word: self._dialect.entry("work", place) for word, place in zip(words, places, strict=True)}
-        call = self._dialect.kernel_call
-        numbers = {"n": kernel.n, "m": kernel.m, "arguments": plan.arguments, "results": plan.results[k]}
-        self._lines.append(call.format(**numbers, scratch=plan.scratch, **begins))
+        numbers = {word: place + dialect.first for word, place in zip(words, places, strict=True)}
+        numbers |= {"n": kernel.n, "m": kernel.m, "arguments": plan.arguments, "results": plan.results[k]}
+        self._lines.append(dialect.kernel_call.format(**numbers, scratch=plan.scratch, count=datum + 1))
 
     def _store(self, place: int, text: str) -> None:
-        self._assign(self._dialect.entry("work", place), text)
+        self._assign(self._dialect.entry_text("work", place), text)
 
     def _assign(self, name: str, value: str) -> None:
         self._lines.append(self._dialect.assignment.format(name=name, value=value))
