@@ -120,6 +120,9 @@ def _put_motions(put: Callable[..., None], eqs: sb.EquationSet) -> None:
     put("sweep", sb.sweep, parameters={"k": [1, 2]}, times=[0.1], combine="product", samples=None, seed=0,
         executor=None, threads=1, part=None, lanes=None, store=None, progress=False, patience=1.0,
         **usual)  # fmt: skip
+    put("Stepper", sb.Stepper, eqs=eqs, dt=0.01, parameters=None, initial=None, guess=None, inputs=None,
+        integrator=None, constraints=None, events=(), rtol=1e-8, atol=1e-10)  # fmt: skip
+    put("generate_simulation", sb.generate_simulation, eqs=eqs, t_end=0.1, language="c")
     put("inverse_dynamics", sb.inverse_dynamics, eqs=eqs, motion={"x": "sin(t)"}, unknowns="F",
         times=[0, 0.1], parameters=None, inputs=None, guess=None)  # fmt: skip
 
