@@ -126,6 +126,8 @@ EXHIBITS: Final = (
     example("four_bar", "run", traces=["Coupler.P"]),
     example("slider_crank", "run", vectors="all"),
     example("spring_mass_damper", "fast"),
+    example("cart_pole", "motion"),
+    example("parameter_fit", "run"),
     example("rr_robot", "run", traces=["Link2.P"]),
     example("projectile", "run", traces=["Body"]),
     example("spatial_four_bar", "run", traces=["Crank.pin", "Rocker.pin"]),

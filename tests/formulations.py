@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.registry import formulation_types
 
@@ -12,4 +14,5 @@ UNLIMITED = tuple(each for each in FORMULATIONS if type(each).obstacle is Formul
 
 def name_of(formulation: Formulation | None) -> str:
     """The name of a formulation, for labels of tests."""
-    return "automatic" if formulation is None else type(formulation).__name__
+    words = "" if formulation is None else type(formulation).__name__
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "-", words) or "automatic"

@@ -43,7 +43,8 @@ for name, value, width, exact in zip(names, fit.x, spread, truth, strict=True):
     print(f"{name:>2} = {value:.4f} +- {width:.4f}, in truth {exact}")
 print(f"{fit.nfev} steps of the fit, {noise:.2g} rad of noise, {np.std(fit.fun):.2g} rad left")
 
-fitted = rocker(fit.x)
+run = sb.simulate(eqs, 2.0, parameters=dict(zip(names, fit.x, strict=True)), times=times)
+fitted = run["phi"]
 figure, axes = plt.subplots(layout="constrained")
 axes.plot(times, np.degrees(measured), ".", ms=4, color="C1", label="measured")
 axes.plot(times, np.degrees(rocker(start)), "--", color="C2", label="first guess")

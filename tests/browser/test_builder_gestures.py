@@ -110,6 +110,7 @@ def give_values(hands: Hands) -> None:
         hands.type(name, value)
 
 
+@pytest.mark.exhaustive
 def test_the_slider_crank_takes_as_many_gestures_as_the_document_says(builder: BuilderPage) -> None:
     builder.page.locator(".card").first.wait_for()
     builder.page.evaluate(WATCH)

@@ -159,6 +159,7 @@ def test_derivatives_are_differences_of_accelerations() -> None:
         np.testing.assert_allclose(found[:, k], central, rtol=0, atol=1e-6 * np.abs(found).max())
 
 
+@pytest.mark.exhaustive
 def test_lanes_texts_and_single_points_agree() -> None:
     eqs = sb.form_equations(random_tree(10, 9, floating=True), sb.Recursive())
     single, lanes = (sb.compile(eqs, ["udot", "d udot/d(q, u)"], lanes=chosen) for chosen in (False, True))

@@ -13,7 +13,7 @@ import numpy as np
 import symbody as sb
 from symbody.model.model import KINDS
 from symbody.model.registry import element_types, shape_types
-from tests.formulations import FORMULATIONS, name_of
+from tests.formulations import FORMULATIONS
 
 ROOT = Path(__file__).parents[2]
 
@@ -31,12 +31,12 @@ CONSTRUCTORS = (
     *(each.__name__ for each in shape_types().values()),
     *"Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Model Partition Projection Samples".split(),
     *"Stiff Table Trees".split(),
-    *(name_of(each) for each in FORMULATIONS if inspect.signature(type(each)).parameters),
+    *(type(each).__name__ for each in FORMULATIONS if inspect.signature(type(each)).parameters),
 )
 # Classes that take nothing, are made by functions, or are faults; and functions whose words are variadic.
 NOT_CALLED = {
     "GGL", "CompiledFunction", "EquationSet", "Equilibrium",
-    *(name_of(each) for each in FORMULATIONS if not inspect.signature(type(each)).parameters),
+    *(type(each).__name__ for each in FORMULATIONS if not inspect.signature(type(each)).parameters),
     "IndexOneSolution", "IndexReduction", "Linearization", "Mode", "PositionSolutions", "Positions",
     "Redundancy", "Separation", "SingularConfiguration", "State", "Status", "Sweep", "Trajectory",
     "VelocityRatios", "Problem", "Animation",
@@ -120,6 +120,9 @@ def _put_motions(put: Callable[..., None], eqs: sb.EquationSet) -> None:
     put("sweep", sb.sweep, parameters={"k": [1, 2]}, times=[0.1], combine="product", samples=None, seed=0,
         executor=None, threads=1, part=None, lanes=None, store=None, progress=False, patience=1.0,
         **usual)  # fmt: skip
+    put("Stepper", sb.Stepper, eqs=eqs, dt=0.01, parameters=None, initial=None, guess=None, inputs=None,
+        integrator=None, constraints=None, events=(), rtol=1e-8, atol=1e-10)  # fmt: skip
+    put("generate_simulation", sb.generate_simulation, eqs=eqs, t_end=0.1, language="c")
     put("inverse_dynamics", sb.inverse_dynamics, eqs=eqs, motion={"x": "sin(t)"}, unknowns="F",
         times=[0, 0.1], parameters=None, inputs=None, guess=None)  # fmt: skip
 

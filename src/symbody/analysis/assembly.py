@@ -17,7 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.constraint_evaluator import (
+    STARTS,
+    ConstraintEvaluator,
+    constraint_evaluator,
+    indefinite_rows,
+)
 from symbody.analysis.minimum_gap import minimum_gap
 from symbody.analysis.named_values import check_mappings, check_pairs, named_values, unit_quaternions
 from symbody.analysis.ranges import (
@@ -35,10 +40,12 @@ from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem
 from symbody.manifold import Configuration, least_step
+from symbody.model.constraints import Distance
 from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
@@ -241,6 +248,15 @@ def _check_meeting_ends(evaluator: ConstraintEvaluator, q: Floats) -> None:
     """Refuse ends of a rod of length 0, which meet without closing: the rod has no direction there."""
     gaps, size = evaluator.gaps(q).values(), evaluator.mechanism.length
     if all(distance <= _VISIBLE * size and angle <= _VISIBLE for distance, angle in gaps):
+        rods = {
+            rod.name: rod.value
+            for rod in evaluator.eqs.model.constraints
+            if isinstance(rod, Distance) and "t" not in rod.value.names
+        }
+        lengths = constant_values(evaluator.eqs, rods, evaluator.parameters)
+        short = [name for name, length in lengths.items() if abs(length) <= _VISIBLE * size]
+        if short:  # the ends may be apart by rounding, in any direction
+            raise indefinite_rows(", ".join(short))
         evaluator.velocity_rows(q, {})
 
 

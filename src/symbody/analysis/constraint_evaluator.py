@@ -158,13 +158,7 @@ class ConstraintEvaluator:
         elements = dict.fromkeys(
             constraint_rows[k].element if k < len(constraint_rows) else "" for k in wrong
         )
-        where = ", ".join(filter(None, elements)) or "fixed"
-        raise AssemblyError(
-            Problem("assembly.not_finite", where, "its condition on velocities has no finite value here",
-                    "a distance of length 0 has no direction, and values beyond 1.8e308 are no numbers",
-                    "give it a length, or another constraint, such as a joint between the two points; or "
-                    "start beside this position")
-        )  # fmt: skip
+        raise indefinite_rows(", ".join(filter(None, elements)) or "fixed")
 
     @property
     def all_speeds(self) -> tuple[str, ...]:
@@ -292,3 +286,13 @@ def constraint_evaluator(
     return ConstraintEvaluator(
         eqs, parameters, inputs, t, *sizes, scales_of_rows, function, angles, mechanism
     )
+
+
+def indefinite_rows(where: str) -> AssemblyError:
+    """Return the error of constraints whose conditions on velocities have no value at a configuration."""
+    return AssemblyError(
+        Problem("assembly.not_finite", where, "its condition on velocities has no finite value here",
+                "a distance of length 0 has no direction, and values beyond 1.8e308 are no numbers",
+                "give it a length, or another constraint, such as a joint between the two points; or "
+                "start beside this position")
+    )  # fmt: skip

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from symbody.codegen.native_call import GROUPS, NativeCall
 from symbody.expr.deadline import begin
 from symbody.expr.folding import fold_constants
+from symbody.expr.opcodes import DIV, POW, SYMBOL
 from symbody.expr.sequence import Sequence
 from symbody.single_flight import SingleFlight
 
@@ -41,11 +42,13 @@ class SharedCode:
         Computes c from the parameters; None where nothing depends on them.
     tail : NativeCall
         Computes the outputs from t, q, u, r and c.
+    divisors : tuple of int
+        Places of c by which the outputs are divided as they stand.
     notes : SingleFlight
         What others have learned from the sequence.
     """
 
-    __slots__ = ("head", "lanes", "notes", "quick", "sequence", "tail")
+    __slots__ = ("divisors", "head", "lanes", "notes", "quick", "sequence", "tail")
 
     def __init__(self, sequence: Sequence, *, quick: bool = False, lanes: bool | None = None) -> None:
         self.sequence = sequence
@@ -56,6 +59,7 @@ class SharedCode:
         head, tail = fold_constants(sequence).split("p")
         self.head = NativeCall(head, quick=True) if head.output_size else None
         self.tail = NativeCall(tail, quick=quick, lanes=lanes)
+        self.divisors = _divisors(tail)
 
     @property
     def constant_count(self) -> int:
@@ -76,3 +80,18 @@ class SharedCode:
             return self.head.at_point(p=p)
         given = {group: _NOTHING for group in GROUPS} | {"p": p}
         return self.head(given, p.shape[:-1])
+
+
+def _divisors(tail: Sequence) -> tuple[int, ...]:
+    """Return the places of c that stand below a fraction line, or have a negative exponent."""
+    places = {
+        k: tail.inputs[operation.datum].position
+        for k, operation in enumerate(tail.operations)
+        if operation.op == SYMBOL and tail.inputs[operation.datum].group == "c"
+    }
+    below = {operation.operands[1] for operation in tail.operations if operation.op == DIV}
+    for operation in tail.operations:
+        exponent = tail.constant_value(operation.operands[1]) if operation.op == POW else None
+        if exponent is not None and exponent < 0:
+            below.add(operation.operands[0])
+    return tuple(sorted(places[k] for k in below & places.keys()))

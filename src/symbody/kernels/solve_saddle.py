@@ -21,7 +21,9 @@ from symbody.kernels.saddle_factors import (
     scale_matrices,
 )
 
-STEEPEST: Final = 16.0  # of the inverses of both factors' diagonals; below, refinement finds nothing to do
+# Of the inverses of both factors' diagonals; below, refinement finds nothing to do. Where rows depend on others
+# it does: accelerations that are 0 come out as rounding, which error control would follow.
+STEEPEST: Final = 16.0
 
 
 def work_size(n: int, m: int) -> int:
@@ -109,7 +111,7 @@ def solve_factored(
         result[j] = d[j] * y[j]
     for k in range(rank):
         multipliers[k] = r[k] * g[k]
-    if not steepness(n, inverse) < STEEPEST:
+    if rank < m or not steepness(n, inverse) < STEEPEST:
         scale_residual(n, rank, M, J, F, gamma, d, r, rows, result, multipliers, f, g)
         solve_scaled(n, rank, A, B, columns, inverse, beta, f, g, y)
         for j in range(n):

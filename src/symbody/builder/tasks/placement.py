@@ -20,7 +20,7 @@ from symbody.model.model import Model
 from symbody.visual.scene.basis import scene_basis
 from symbody.visual.scene.body_poses import chain_of
 from symbody.visual.scene.from_model import draw_scene
-from symbody.visual.scene.numbers import model_numbers
+from symbody.visual.scene.numbers import ModelNumbers, model_numbers
 from symbody.visual.scene.poses import (
     RigidTransform,
     body_transforms,
@@ -49,10 +49,7 @@ def placed_motion(
         Take the place of the model's values.
     """
     numbers = model_numbers(eqs.model, parameters)
-    steps = {
-        joint.name: joint_transform(joint, numbers, joint_coordinates(joint, numbers, positions))
-        for joint in _branches(eqs.formed.topology)
-    }
+    steps = _steps(eqs.formed.topology, numbers, positions, {})
     return _stand(eqs, positions, parameters, frame_transforms(eqs.model, numbers), steps, names)
 
 
@@ -66,9 +63,11 @@ def drawn_at(
     parameters : mapping of name to number or formula
         Take the place of the model's values.
     """
-    basis = scene_basis(eqs.model, model_numbers(eqs.model, parameters), _courses(positions))
+    numbers = model_numbers(eqs.model, parameters)
+    basis = scene_basis(eqs.model, numbers, _courses(positions))
+    steps = _steps(eqs.formed.topology, numbers, positions, basis.steps)
     names = scene_bodies(eqs.model)
-    return draw_scene(basis), _stand(eqs, positions, parameters, basis.frames, basis.steps, names)
+    return draw_scene(basis), _stand(eqs, positions, parameters, basis.frames, steps, names)
 
 
 def draw_unassembled(model: Model) -> tuple[Scene, SceneMotion]:
@@ -107,6 +106,21 @@ def one_sample(transforms: Mapping[str, RigidTransform], names: tuple[str, ...])
 def scene_bodies(model: Model) -> tuple[str, ...]:
     """Return the bodies in the order of a scene, without the ground."""
     return tuple(body.name for body in model.bodies)
+
+
+def _steps(
+    topology: Topology,
+    numbers: ModelNumbers,
+    positions: Mapping[str, float],
+    given: Mapping[str, RigidTransform],
+) -> Mapping[str, RigidTransform]:
+    """Return where joints of both trees hold their end frames, those of loose bodies too; some are given."""
+    return {
+        joint.name: given[joint.name]
+        if joint.name in given
+        else joint_transform(joint, numbers, joint_coordinates(joint, numbers, positions))
+        for joint in _branches(topology)
+    }
 
 
 def _branches(topology: Topology) -> list[Joint]:

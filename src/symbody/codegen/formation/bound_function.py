@@ -139,7 +139,7 @@ class _Request:
         function = CompiledFunction.from_code(
             code, replace(signature, p=chosen.free), self.values(signature), self.specialized_sequence
         )
-        if not chosen.free and not np.isfinite(function.bound_constants).all():
+        if not chosen.free and _is_without_value(code, function.bound_constants):
             return self._specialized_function(choices)
         return function
 
@@ -204,6 +204,11 @@ class _Request:
     def _specialized_function(self, choices: Choices) -> CompiledFunction:
         quick, lanes = choices
         return CompiledFunction(*self._form_specialized(), quick=quick, lanes=lanes)
+
+
+def _is_without_value(code: SharedCode, constants: Floats) -> bool:
+    """Return whether the code divides by 0 with these constants, before it is called or then."""
+    return not np.isfinite(constants).all() or not constants[list(code.divisors)].all()
 
 
 def _split_inputs(

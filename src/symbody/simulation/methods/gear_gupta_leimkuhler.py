@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.analysis.scales import Scales
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.drift_correction import velocity_residual
 from symbody.equations.solving.solution import substitute_solution
@@ -71,7 +70,7 @@ def run_ggl(
 
     scales = integration.problem.scales
     sizes = scales.constraints(eqs)
-    pushes = 1.0 / (sizes[: system.m_positions] * scales.time)
+    pushes = sizes[: system.m_positions] / scales.time
     tolerances = np.concatenate([integration.tolerances, FREE * scales.energy / sizes, FREE * pushes])
     solver = solver_class("IDA")(
         residual, jacfn=slopes, rtol=integration.rtol, atol=tolerances,
@@ -117,12 +116,10 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
             total = total - rows[k][i] * pull
         values.append(total)
     moved = {}
-    # Speeds of different units are pushed by amounts that do not depend on the units.
-    squares = integration.problem.scales.displacements(eqs) ** 2
     for i, u in enumerate(formed.kinematics.speeds):
         speed = Expr(graph, u)
         for k, push in enumerate(pushes):
-            speed = speed + rows[k][i] * push * float(squares[i])
+            speed = speed + rows[k][i] * push
         moved[u] = speed.index
     rates = substitute(graph, eqs.roots("qdot").nodes, moved)
     values += [
@@ -154,19 +151,6 @@ def _norm_pulls(eqs: EquationSet, rate: float) -> list[Expr]:
     return list(pulls.values())
 
 
-def _row_sizes(scales: Scales, eqs: EquationSet) -> Floats:
-    """Return what counts as large in each row of the residual: IDA chooses its pivots among them."""
-    loops = scales.constraints(eqs)
-    return np.concatenate(
-        [
-            scales.energy / scales.displacements(eqs),
-            scales.coordinates(eqs) / scales.time,
-            loops[: len(eqs.formed.holonomic)],
-            loops / scales.time,
-        ]
-    )
-
-
 class _GGLSystem:
     """The residual ``R(t, y, y')`` with y = (u, q, lambda, mu), and its derivatives, as numbers."""
 
@@ -177,7 +161,6 @@ class _GGLSystem:
         self._slopes = integration.compile_outputs((_SLOPES, _MASS, _BY_CALLBACKS), eqs)
         self._laws = integration.problem.laws
         scales = integration.problem.scales
-        self._rows = _row_sizes(scales, eqs)
         weight = np.sqrt(scales.mass) * scales.length  # with it entries of M and J are of order 1
         self._sizes = np.concatenate([scales.displacements(eqs) / weight, weight / scales.constraints(eqs)])
         self._start = integration.compile_outputs((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
@@ -187,7 +170,7 @@ class _GGLSystem:
         y, rate = np.split(both, 2)
         value: Floats = self._evaluate(self._residual, t, y, rate)
         value[self._n_u : self._n] += rate[self._n_u : self._n]
-        return value / self._rows
+        return value
 
     def slopes(self, t: float, y: Floats, rate: Floats, share: float) -> Floats:
         """Return dR/dy + share dR/dy'."""
@@ -198,7 +181,7 @@ class _GGLSystem:
             result[:, :n] += found[2] @ self._laws.slopes(t, y[:n], n_u)
         result[:n_u, :n_u] += share * found[1]
         result[range(n_u, n), range(n_u, n)] += share
-        return result / self._rows[:, np.newaxis]
+        return result
 
     def consistent(self, t: float, x: Floats) -> tuple[Floats, Floats]:
         """Return y and y' that fulfil the equations at a state on the constraints."""

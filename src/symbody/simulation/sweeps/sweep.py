@@ -235,9 +235,9 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=True))
     scales = mechanism_scales(eqs, values, options.scales, q).fit_span(*options.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
-    if is_overconstrained(problem, options.span[0], x):
-        return "some constraints follow from others only where all loops are closed"
     try:
+        if is_overconstrained(problem, options.span[0], x):
+            return "some constraints follow from others only where all loops are closed"
         notes = job.simulate_case(case).notes
     except SymbodyError:
         return ""
