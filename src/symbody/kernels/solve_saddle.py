@@ -21,8 +21,8 @@ from symbody.kernels.saddle_factors import (
     scale_matrices,
 )
 
-# Of the inverses of both factors' diagonals; below, refinement finds nothing to do. Where rows depend on others
-# it does: accelerations that are 0 come out as rounding, which error control would follow.
+# Of the inverses of both factors' diagonals; below, refinement finds nothing to do. Where rows depend on
+# others it does: accelerations that are 0 come out as rounding, which error control would follow.
 STEEPEST: Final = 16.0
 
 
