@@ -99,10 +99,6 @@ def long_function(path: str, text: str) -> Iterator[str]:
             yield f"{node.name} has {lines} lines, at most {MAX_FUNCTION}"
 
 
-# Takes a third of a second to import, and most work does without.
-LATE = {"sympy", "symbody.expr.sympy_reader", "symbody.expr.sympy_writer"}
-
-
 def import_inside_function(path: str, text: str) -> Iterator[str]:
     for function in functions(text):
         for node in ast.walk(function):
@@ -113,7 +109,7 @@ def import_inside_function(path: str, text: str) -> Iterator[str]:
             else:
                 continue
             for module in modules:
-                if module.partition(".")[0] not in EXTRAS and module not in LATE:
+                if module.partition(".")[0] not in EXTRAS:
                     yield f"{function.name} imports {module}: imports stand at the top"
 
 

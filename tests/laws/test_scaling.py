@@ -109,7 +109,12 @@ def check_analyses(seeds: Iterable[int]) -> None:
 
 @pytest.mark.parametrize(
     ("seed", "name"),
-    [(30, "inverse_dynamics"), (31, "assemble"), pytest.param(84, "Baumgarte", marks=pytest.mark.exhaustive)],
+    [
+        (30, "inverse_dynamics"),
+        (31, "assemble"),
+        (30, "Baumgarte"),
+        pytest.param(84, "Baumgarte", marks=pytest.mark.exhaustive),
+    ],
 )
 def test_scaled_mechanisms_have_the_same_answers(seed: int, name: str) -> None:
     check_analysis(seed, name)

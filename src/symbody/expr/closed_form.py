@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+import symbody.expr as expr
 from symbody.expr.graph import Graph, copy_nodes
 from symbody.expr.merging import merge_equal
 from symbody.expr.rewrite import tree_sizes
@@ -42,9 +43,7 @@ class ClosedForms:
 
 def equations_between(left: SympyMatrix, right: SympyMatrix) -> list[SympyEquation]:
     """Return ``left = right``, entry by entry, unevaluated."""
-    import sympy as sp  # takes a third of a second, which most work does without
-
-    return [sp.Eq(a, b, evaluate=False) for a, b in zip(left, right, strict=True)]
+    return expr.sympy_writer.equations_between(left, right)
 
 
 def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int, ...]] = ()) -> list[int]:
@@ -76,8 +75,6 @@ def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int
 
 def closed_forms(graph: Graph, outputs: Sequence[Roots], limit: int) -> ClosedForms:
     """Return `outputs` as matrices; definitions are named if an entry exceeds `limit` operations."""
-    import sympy as sp
-
     nodes = [node for output in outputs for node in output.nodes]
     expressions, definitions = to_sympy_with_definitions(graph, nodes, limit)
     matrices = {}
@@ -85,6 +82,6 @@ def closed_forms(graph: Graph, outputs: Sequence[Roots], limit: int) -> ClosedFo
     for output in outputs:
         stop = start + len(output.nodes)
         rows, columns = (*output.shape, 1, 1)[:2]
-        matrices[output.name] = sp.Matrix(rows, columns, expressions[start:stop])
+        matrices[output.name] = expr.sympy_writer.filled_matrix(rows, columns, expressions[start:stop])
         start = stop
     return ClosedForms(matrices, tuple(definitions))

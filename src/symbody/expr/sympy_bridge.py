@@ -18,7 +18,8 @@ SymPy's rules look deep into their operands, recursively and for hyperbolic func
 They are left on for operands of small height; higher ones are put together as they are, and the two
 statements above then hold for values only.
 
-SymPy takes a third of a second to import, which most work does not need: it is imported by the first call.
+SymPy takes a third of a second to import, which most work does not need: it is imported by the first call:
+`sympy_reader` and `sympy_writer` are loaded when they are first read off their package.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias, TypeGuard
 
+import symbody.expr as expr
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 
@@ -63,9 +65,7 @@ def to_sympy(graph: Graph, nodes: Iterable[int]) -> list[SympyExpr]:
     ExpressionError
         If two symbols in them would be the same symbol to SymPy.
     """
-    from symbody.expr.sympy_writer import to_sympy as late
-
-    return late(graph, nodes)
+    return expr.sympy_writer.to_sympy(graph, nodes)
 
 
 def to_sympy_with_definitions(
@@ -79,82 +79,60 @@ def to_sympy_with_definitions(
         Definitions are pairs of symbol and expression, each using earlier symbols only; all together are
         as long as the graph, however often its parts are shared.
     """
-    from symbody.expr.sympy_writer import to_sympy_with_definitions as late
-
-    return late(graph, nodes, limit)
+    return expr.sympy_writer.to_sympy_with_definitions(graph, nodes, limit)
 
 
 def from_sympy(expression: object, graph: Graph, lookup: Lookup | None = None) -> int:
     """Return the node of a SymPy expression, or of a number; see `sympy_reader.from_sympy`."""
-    from symbody.expr.sympy_reader import from_sympy as late
-
-    return late(expression, graph, lookup)
+    return expr.sympy_reader.from_sympy(expression, graph, lookup)
 
 
 def nodes_from_sympy(expressions: Iterable[object], graph: Graph, lookup: Lookup | None = None) -> list[int]:
     """Return the nodes of several expressions, which must agree on what their names are."""
-    from symbody.expr.sympy_reader import nodes_from_sympy as late
-
-    return late(expressions, graph, lookup)
+    return expr.sympy_reader.nodes_from_sympy(expressions, graph, lookup)
 
 
 def nodes_from_equations(
     equations: Iterable[object], graph: Graph, lookup: Lookup | None = None
 ) -> list[int]:
     """Return ``left - right`` of equations as nodes; expressions are meant = 0."""
-    from symbody.expr.sympy_writer import nodes_from_equations as late
-
-    return late(equations, graph, lookup)
+    return expr.sympy_writer.nodes_from_equations(equations, graph, lookup)
 
 
 def time_derivatives(functions: Iterable[SympyExpr]) -> list[SympyExpr]:
     """Return the derivatives of SymPy expressions by time."""
-    from symbody.expr.sympy_writer import time_derivatives as late
-
-    return late(functions)
+    return expr.sympy_writer.time_derivatives(functions)
 
 
 def sympy_matrix(graph: Graph, rows: int, columns: int, nodes: Sequence[int]) -> SympyMatrix:
     """Return nodes in row-major order as a matrix."""
-    from symbody.expr.sympy_writer import sympy_matrix as late
-
-    return late(graph, rows, columns, nodes)
+    return expr.sympy_writer.sympy_matrix(graph, rows, columns, nodes)
 
 
 def sympy_equations(graph: Graph, left: Sequence[int], right: Sequence[int]) -> list[SympyEquation]:
     """Return ``left = right``, entry by entry, unevaluated."""
-    from symbody.expr.sympy_writer import sympy_equations as late
-
-    return late(graph, left, right)
+    return expr.sympy_writer.sympy_equations(graph, left, right)
 
 
 def sympy_derivative(thing: object, variables: Sequence[SympyExpr]) -> object:
     """Return the derivative of a SymPy expression, matrix or equation; of anything else None."""
-    from symbody.expr.sympy_writer import sympy_derivative as late
-
-    return late(thing, variables)
+    return expr.sympy_writer.sympy_derivative(thing, variables)
 
 
 def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     """Return a symbol as SymPy writes it: a function of time, its derivative, or a plain symbol."""
-    from symbody.expr.sympy_writer import symbol_to_sympy as late
-
-    return late(symbol)
+    return expr.sympy_writer.symbol_to_sympy(symbol)
 
 
 def is_expression(thing: object) -> bool:
     """Return whether something is a scalar SymPy expression: nothing is before SymPy is imported."""
     if "sympy" not in sys.modules:
         return False
-    from symbody.expr.sympy_writer import is_expression as late
-
-    return late(thing)
+    return expr.sympy_writer.is_expression(thing)
 
 
 def is_matrix(thing: object) -> TypeGuard[SympyMatrix]:
     """Return whether something is a SymPy matrix, mutable or not."""
     if "sympy" not in sys.modules:
         return False
-    from symbody.expr.sympy_writer import is_matrix as late
-
-    return late(thing)
+    return expr.sympy_writer.is_matrix(thing)

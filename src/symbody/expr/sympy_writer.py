@@ -378,3 +378,13 @@ def _piecewise(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
         if condition == sp.true:
             break
     return pairs[0].args[0] if len(pairs) == 1 else sp.Basic.__new__(sp.Piecewise, *pairs)
+
+
+def filled_matrix(rows: int, columns: int, entries: Sequence[sp.Expr]) -> sp.Matrix:
+    """Return expressions in row-major order as a matrix."""
+    return sp.Matrix(rows, columns, entries)
+
+
+def equations_between(left: sp.Matrix, right: sp.Matrix) -> list[sp.Eq]:
+    """Return ``left = right``, entry by entry, unevaluated."""
+    return [sp.Eq(a, b, evaluate=False) for a, b in zip(left, right, strict=True)]

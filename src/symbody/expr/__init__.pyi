@@ -1,0 +1,2 @@
+from . import sympy_reader as sympy_reader
+from . import sympy_writer as sympy_writer
