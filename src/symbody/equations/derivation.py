@@ -28,7 +28,7 @@ from symbody.equations.kinematics.variables import JointRole, Variables, form_va
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
 from symbody.equations.outputs.output_roots import raw_output
-from symbody.equations.outputs.signal_outputs import known_outputs
+from symbody.equations.outputs.signal_outputs import explicit_outputs
 from symbody.equations.signals import outputs_of_loads, substitute_values
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.equations.system import MultibodySystem
@@ -103,7 +103,7 @@ def _with_outputs_for_loads(
     ways = outputs_of_loads(model)
     if not ways:
         return formed
-    return form_dynamics(substitute_values(names, model, known_outputs(formed, ways, raw_output)))
+    return form_dynamics(substitute_values(names, model, explicit_outputs(formed, ways, raw_output)))
 
 
 def default_formulation(topology: Topology, *, eliminates: bool) -> Formulation:

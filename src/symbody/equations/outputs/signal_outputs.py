@@ -55,7 +55,7 @@ def substitute_signals(
     return [Expr(graph, node) for node in substitute(graph, [value.index for value in values], made)]
 
 
-def known_outputs(
+def explicit_outputs(
     formed: EquationsOfMotion, ways: Mapping[str, Path], raw_output: RawOutput
 ) -> dict[str, Expr]:
     """Return signals of outputs that loads read, in t, q, u and s.
