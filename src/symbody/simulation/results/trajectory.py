@@ -134,7 +134,7 @@ class Trajectory(SampleTable):
             return values
         if self.evaluate is None:
             raise self._unknown(name)
-        values = self.evaluate(name, np.atleast_1d(self.t), *self._state())
+        values = self.evaluate(name, np.atleast_1d(self.t), *self.state_arrays())
         return values if self.t.ndim else values[..., 0]
 
     @checked_arguments
@@ -151,7 +151,7 @@ class Trajectory(SampleTable):
         if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
             return {name: self[name] for name in names}
         made = dict(
-            zip(missing, self.evaluate.together(missing, np.atleast_1d(self.t), *self._state()), strict=True)
+            zip(missing, self.evaluate.together(missing, np.atleast_1d(self.t), *self.state_arrays()), strict=True)
         )
         shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
         return {name: shaped[name] if array is None else array for name, array in values.items()}
@@ -170,7 +170,7 @@ class Trajectory(SampleTable):
                 return row
         return self.stored.get(name)
 
-    def _state(self) -> tuple[Floats, Floats]:
+    def state_arrays(self) -> tuple[Floats, Floats]:
         """Return q with s behind, as compiled functions take them, and u; time last."""
         positions = np.concatenate([self.q, self.s]) if self.signal_state_names else self.q
         return self._with_time(positions), self._with_time(self.u)

@@ -83,7 +83,7 @@ class SeparateMotions:
         self._last, self.occurrences = run, run.events
         arrived = run.status is Status.SUCCESS
         if run.t.size:
-            x = np.concatenate([run.u[:, -1], run.q[:, -1], numbers.x[-1:] + run["work"][-1]])
+            x = np.concatenate([run.u[:, -1], run.q[:, -1], run.s[:, -1], numbers.x[-1:] + run["work"][-1]])
             numbers.arrive(end if arrived else float(run.t[-1]), x, at_end=arrived)
         else:
             numbers.count_from(start)

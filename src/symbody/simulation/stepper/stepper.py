@@ -165,6 +165,11 @@ class Stepper:
         return self._u
 
     @property
+    def s(self) -> Floats:
+        """The states of signals (n_s,), a view that steps renew."""
+        return self._s
+
+    @property
     def dt(self) -> float:
         """How long each step is [s]."""
         return self._settings.dt
@@ -197,7 +202,7 @@ class Stepper:
 
     @checked_arguments
     def __getitem__(self, name: str) -> float | Floats:
-        """Return a coordinate, a speed, or any output or expression at present.
+        """Return a coordinate, a speed, a signal, or any output or expression at present.
 
         Raises
         ------
@@ -211,7 +216,7 @@ class Stepper:
             return self._numbers.array.item(place)
         problem = self._problem.problem
         function = problem.compile_outputs(name, quick=True)
-        value = np.asarray(function(self.t, self._q, self._u, self._problem.inputs_now(self._numbers)))
+        value = np.asarray(function(self.t, self._q, self._u, self._problem.inputs_now(self._numbers), s=self._s))
         if self._missing and not np.isfinite(value).all():
             raise missing_values(self._missing)
         return float(value) if value.ndim == 0 else value
@@ -333,7 +338,9 @@ class Stepper:
         """Use these numbers for as long as the stepper lives, and name their places."""
         n_u = len(self._settings.eqs.speed_names)
         self._numbers = numbers
-        self._u, self._q = (read_only(part) for part in (numbers.x[:n_u], numbers.x[n_u:-1]))
+        n = n_u + len(self._settings.eqs.coordinate_names)
+        parts = numbers.x[:n_u], numbers.x[n_u:n], numbers.x[n:-1]
+        self._u, self._q, self._s = (read_only(part) for part in parts)
         names = (*self._settings.eqs.state_names, "work")
         self._state_places = dict(zip(names, count(stepping.STATE_AT), strict=False), t=stepping.NOW)
         first = stepping.STATE_AT + len(names)
