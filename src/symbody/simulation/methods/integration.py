@@ -83,9 +83,10 @@ def integrate_plan(plan: MotionPlan) -> Integration:
 def _fitting_constraints(plan: MotionPlan) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
     constraints = plan.constraints or _PROJECTION
-    if isinstance(constraints, GGL | Partition) and plan.integration.eqs.signal_state_names:
+    eqs = plan.integration.eqs
+    if isinstance(constraints, GGL | Partition) and eqs.multiplier_names and eqs.signal_state_names:
         name = f"sb.{type(constraints).__name__}()"
-        listed = ", ".join(plan.integration.eqs.signal_state_names)
+        listed = ", ".join(eqs.signal_state_names)
         why = "it integrates coordinates and speeds alone"
         fix = "leave constraints out, or give sb.Projection() or sb.Baumgarte()"
         what = f"{name} does not integrate the states of signals: {listed}"
@@ -100,7 +101,7 @@ def _fitting_constraints(plan: MotionPlan) -> Constraints:
     if not (plan.integrator is None or isinstance(plan.integrator, fits)):
         what = f"this integrator cannot be combined with {name}"
         raise UsageError(Problem("simulation.combination", "integrator", what, f"{name} {why}", f"use {fix}"))
-    return constraints if plan.integration.eqs.multiplier_names else _PROJECTION
+    return constraints if eqs.multiplier_names else _PROJECTION
 
 
 def _run_method(

@@ -141,7 +141,7 @@ def _all_laws(settings: StepperSettings, laws: InputLaws, numbers: StepNumbers) 
     }
     own = tuple(laws.callbacks)
     tables = {names.index(own[place]): table for place, table in laws.tables.items()}
-    return InputLaws(laws.formulas, callbacks, laws.notes, tables, laws.coordinates)
+    return InputLaws(laws.formulas, callbacks, laws.notes, tables, coordinates=laws.coordinates)
 
 
 def _scales(settings: StepperSettings, parameters: Mapping[str, Value], x: Floats) -> Scales:
