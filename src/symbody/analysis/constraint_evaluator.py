@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
-from symbody.analysis.signal_values import signal_values
 from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.analysis.signal_values import signal_values
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction

@@ -14,8 +14,8 @@ from symbody.expr.parser import parse_angle
 from symbody.model.arguments import Arguments, Value, plain_value
 from symbody.model.body import Body, frame_table
 from symbody.model.checks import physics
-from symbody.model.checks.structure import free_joints
 from symbody.model.checks.signals import collect_signals
+from symbody.model.checks.structure import free_joints
 from symbody.model.checks.validation import Draft, check_draft
 from symbody.model.constraint import ConstraintElement
 from symbody.model.element import Element

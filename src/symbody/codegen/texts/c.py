@@ -187,9 +187,7 @@ def _functions(layout: TextLayout, arguments: tuple[str, ...]) -> Iterator[str]:
     yield "}"
 
 
-def _piece_function(
-    layout: TextLayout, piece: Piece, head: str, arguments: tuple[str, ...]
-) -> Iterator[str]:
+def _piece_function(layout: TextLayout, piece: Piece, head: str, arguments: tuple[str, ...]) -> Iterator[str]:
     targets = {place: f"out[{place}]" for place in range(layout.sequence.output_size)}
     body = Statements(layout, piece, _DIALECT, targets).lines()
     words = {word for line in body for word in _WORD.findall(line)}  # no input is called as an array is

@@ -130,7 +130,9 @@ def written_sections(textbook: Textbook, latex: bool, limit: int) -> list[Writte
         # Short enough for the arrangement of textbooks.
         sides = latex_sides(textbook) if latex else display_sides(textbook)
         written = [WrittenSection("motion", sides) if part.title == "motion" else part for part in written]
-    outputs = [_output_sides(signal, latex) for signal in textbook.formed.topology.model.signals if signal.output]
+    outputs = [
+        _output_sides(signal, latex) for signal in textbook.formed.topology.model.signals if signal.output
+    ]
     if outputs:
         written.append(WrittenSection("outputs", outputs))
     if definitions:

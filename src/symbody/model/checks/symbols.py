@@ -22,8 +22,8 @@ class Meaning(NamedTuple):
     Attributes
     ----------
     word : str
-        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"``, ``"speed"``, ``"acceleration"``, ``"signal"``
-        or ``"signal rate"``.
+        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"``, ``"speed"``, ``"acceleration"``,
+        ``"signal"`` or ``"signal rate"``.
     where : str
         The place that introduces it.
     """
@@ -136,7 +136,11 @@ def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -
     if meaning is not None or name in RESERVED_SYMBOLS:
         kind = "" if meaning is None else f"{_ARTICLES.get(meaning.word, 'a')} {meaning.word}"
         word = kind or RESERVED_SYMBOLS[name]
-        cure = "name a coordinate of a joint" if is_coordinate else _CURES.get(kind, "write the formula without it")
+        cure = (
+            "name a coordinate of a joint"
+            if is_coordinate
+            else _CURES.get(kind, "write the formula without it")
+        )
         return site.formula.problem(
             "names.not_here", column, f"{name!r} is {word}, which cannot stand here", takes, cure, where
         )

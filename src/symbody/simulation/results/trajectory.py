@@ -151,7 +151,11 @@ class Trajectory(SampleTable):
         if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
             return {name: self[name] for name in names}
         made = dict(
-            zip(missing, self.evaluate.together(missing, np.atleast_1d(self.t), *self.state_arrays()), strict=True)
+            zip(
+                missing,
+                self.evaluate.together(missing, np.atleast_1d(self.t), *self.state_arrays()),
+                strict=True,
+            )
         )
         shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
         return {name: shaped[name] if array is None else array for name, array in values.items()}

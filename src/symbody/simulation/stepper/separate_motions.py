@@ -119,9 +119,7 @@ class SeparateMotions:
         if self._posed is None or self._posed[0] != inputs:
             problem, laws = self._problem.problem, self._problem.own_laws
             formulas: Mapping[str, Value] = {**self._held_values(), **laws.formulas}
-            now = InputLaws(
-                formulas, laws.callbacks, (), laws.tables, coordinates=laws.coordinates
-            )
+            now = InputLaws(formulas, laws.callbacks, (), laws.tables, coordinates=laws.coordinates)
             self._posed = inputs, SimulationProblem(problem.eqs, problem.parameters, now, problem.scales)
         return self._posed[1]
 
