@@ -1,8 +1,9 @@
-"""Run the scripts of the pages and renew what they print and draw: ``python docs/run_pages.py docs/tutorial/*.md``.
+"""Run the scripts of pages, renew what they print and draw: ``python docs/run_pages.py docs/tutorial/*.md``.
 
-The Python blocks of a page are one script, run from top to bottom in an empty folder. A block in ``text`` right below a
-Python block is what that block prints. A block in ``toml`` or ``xml`` whose first line is a comment with the name of a
-file is written to that file first. A picture that the script writes takes the place of the one in ``docs/pictures/tutorial``.
+The Python blocks of a page are one script, run from top to bottom in an empty folder, and so are the commands
+of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what it prints. A block in
+``toml`` or ``xml`` whose first line is a comment with the name of a file is written to that file first. A picture
+that the script writes takes the place of the one in ``docs/pictures/tutorial``.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import contextlib
 import io
 import os
 import re
+import shlex
 import shutil
 import sys
 import tempfile
@@ -19,8 +21,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from symbody.cli import run as run_command
+
 PICTURES = Path(__file__).parent / "pictures" / "tutorial"
-BLOCK = re.compile(r"^```(?P<language>python|toml|xml|text)\n(?P<text>.*?)^```\n", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(
+    r"^```(?P<language>python|sh|toml|xml|text)\n(?P<text>.*?)^```\n", re.MULTILINE | re.DOTALL
+)
 FILE = re.compile(r"(?:#|<!--) (?P<name>\w+\.(?:toml|urdf|csv))\b")
 
 
@@ -49,7 +55,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """What one block of Python printed, and the block of the page that shows it, if any."""
+    """What one block printed, and the block of the page that shows it, if any."""
 
     code: Block
     printed: str
@@ -62,7 +68,11 @@ def blocks(page: str) -> Iterator[Block]:
     for match in BLOCK.finditer(page):
         between = page[end : match.start()]
         yield Block(
-            match["language"], match["text"], match.start("text"), match.end("text"), end > 0 and not between.strip()
+            match["language"],
+            match["text"],
+            match.start("text"),
+            match.end("text"),
+            end > 0 and not between.strip(),
         )
         end = match.end()
 
@@ -73,16 +83,26 @@ def run_page(page: str, folder: Path) -> list[Output]:
     outputs: list[Output] = []
     names: dict[str, Any] = {"__name__": "__page__"}
     with contextlib.chdir(folder):
-        for block, below in zip(listed, [*listed[1:], None], strict=True):
-            if block.language == "python":
+        for block, below in zip(listed, [*listed[1:], None], strict=False):
+            if block.language in ("python", "sh"):
                 printed = io.StringIO()
                 with contextlib.redirect_stdout(printed):
-                    exec(compile(block.text, "page", "exec"), names)
+                    _run_block(block, names)
                 shown = below if below and below.language == "text" and below.follows else None
                 outputs.append(Output(block, printed.getvalue(), shown))
             elif named := FILE.match(block.text):
                 Path(named["name"]).write_text(block.text, encoding="utf-8")
     return outputs
+
+
+def _run_block(block: Block, names: dict[str, Any]) -> None:
+    if block.language == "python":
+        exec(compile(block.text, "page", "exec"), names)
+        return
+    for line in block.text.splitlines():
+        command, *arguments = shlex.split(line)
+        if command != "symbody" or run_command(arguments):
+            raise ValueError(f"{line} does not run")
 
 
 def renew(path: Path) -> None:

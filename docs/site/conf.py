@@ -1,4 +1,4 @@
-"""Settings of the documentation site: ``python -m sphinx -W -b html -c docs/site docs site``."""
+"""Settings of the documentation site: ``python -m sphinx -W -b html -c docs/site docs docs/_build``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ extensions = [
     "generated_pages",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
-exclude_patterns = ["site"]
+exclude_patterns = ["site", "_build"]
 nitpicky = False
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]

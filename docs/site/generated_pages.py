@@ -1,4 +1,4 @@
-"""Pages of the reference that follow from the package: public names, entries of model files, the command line."""
+"""Pages of the reference that follow from the package: public names, entries of files, the command line."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import symbody
 import typer.main
 from sphinx.application import Sphinx
+
+import symbody
 from symbody import cli
 
 PACKAGE = Path(symbody.__file__).parent
@@ -46,7 +47,9 @@ def file_page() -> str:
     schema = json.loads((PACKAGE / "formats" / "schema.json").read_text(encoding="utf-8"))
     entries = schema["$defs"]
     lines = ["# Entries of the model file", "", schema["description"], "", *_entry_table(schema)]
-    sections = {name: kind for name, kind in schema["properties"].items() if name not in ("layout", "version")}
+    sections = {
+        name: kind for name, kind in schema["properties"].items() if name not in ("layout", "version")
+    }
     listed: list[str] = []
     for section, kind in sections.items():
         used = [name for name in _references(kind) if name not in listed]
@@ -96,7 +99,14 @@ def _command(name: str, command: Any) -> Iterator[str]:
     arguments = [each for each in command.params if each.param_type_name == "argument"]
     options = [each for each in command.params if each.param_type_name == "option" and not each.hidden]
     words = " ".join(str(each.name).upper() for each in arguments)
-    yield from (f"## {name}", "", f"    symbody {name} {words}".rstrip(), "", inspect.cleandoc(command.help or ""), "")
+    yield from (
+        f"## {name}",
+        "",
+        f"    symbody {name} {words}".rstrip(),
+        "",
+        inspect.cleandoc(command.help or ""),
+        "",
+    )
     if options:
         yield from ("| option | meaning |", "| --- | --- |")
         for option in options:
@@ -122,7 +132,7 @@ def write_pages(app: Sphinx) -> None:
 
 
 def _keep_sentence(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
-    """Keep the first sentence of an attribute whole, which would else be cut at a colon into type and text."""
+    """Keep the first sentence of an attribute whole, which napoleon would cut at a colon."""
     if what in ("attribute", "property"):
         lines.insert(0, "")
 
