@@ -2,7 +2,7 @@
 
 The Python blocks of a page are one script, run from top to bottom in an empty folder, and so are the commands
 of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what it prints. A block in
-``toml`` or ``xml`` whose first line is a comment with the name of a file is written to that file first. A picture
+``toml`` or ``xml`` whose first line is a comment with the name of a file is written to that file. A picture
 that the script writes takes the place of the one in ``docs/pictures/tutorial``.
 """
 

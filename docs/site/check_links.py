@@ -1,4 +1,4 @@
-"""Links of the built site that lead nowhere, and what it would fetch from a network: ``check_links.py SITE``."""
+"""Links of the built site that lead nowhere, and what it fetches from a network: ``check_links.py SITE``."""
 
 from __future__ import annotations
 
