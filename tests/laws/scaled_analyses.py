@@ -210,7 +210,6 @@ ANALYSES: dict[str, Analysis] = {
     "assemble": assembled, "linearize": linearized, "find_equilibrium": balanced, "inverse_dynamics": inverted,
     **{way: moved(way) for way in ways(1.0)},
 }  # fmt: skip
-# These compute with parameters as arguments in one order of operations: powers of two change no bit. The two
-# numbers of Baumgarte are constants of the equations instead, written anew for each unit of time: a factor of 1
-# is left out, and which product of a sum is rounded with it follows from the order of what is written.
+# Explicit methods compute in one order of operations whatever the numbers are: powers of two change no bit. Of
+# `Baumgarte` those of its constants go with the unit of time; they are not powers of two, which are left out as 1.
 SAME_BITS = ("Explicit", "FixedStep", "Baumgarte")

@@ -85,13 +85,11 @@ def scale_massless(
         floors[j] = LIGHTEST * largest_in_column(n, m, j, J, r)
         if not M[j * n + j] > 0.0:
             d[j] = 0.0
-    left = massless
-    for _ in range(n):
-        if left > 0:
-            count = scale_neighbors(n, m, J, d, r, floors, tops)
-            left = left - count
-            if count == 0:
-                left = 0
+    stop = massless
+    for turn in range(n):
+        if turn < stop:
+            if scale_neighbors(n, m, J, d, r, floors, tops) == 0:
+                stop = 0
     for j in range(n):
         if not d[j] > 0.0:
             d[j] = power_of_two(-half(exponent(heaviest)))
