@@ -110,7 +110,9 @@ def check_analyses(seeds: Iterable[int]) -> None:
         (30, "inverse_dynamics"),
         (31, "assemble"),
         (30, "Baumgarte"),
+        (5, "Baumgarte"),
         pytest.param(84, "Baumgarte", marks=pytest.mark.exhaustive),
+        pytest.param(202, "GGL", marks=pytest.mark.exhaustive),
     ],
 )
 def test_scaled_mechanisms_have_the_same_answers(seed: int, name: str) -> None:
