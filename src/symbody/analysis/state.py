@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from symbody.analysis.plain_assembly import PlainState
 from symbody.analysis.value_lines import values_line
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
@@ -53,6 +54,8 @@ class State(Displayed):
     )
     # How many constraints follow from the others here.
     _dependent: int = field(default=0, repr=False)
+    # What one call of compiled code has given, if it did.
+    _plain: PlainState | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__} at t = {self.t:.6g} s: {self._values()}"
@@ -66,6 +69,11 @@ class State(Displayed):
     def has_dependent_constraints(self) -> bool:
         """Whether constraints follow from the others here, beside those that hold identically."""
         return self._dependent > 0
+
+    @property
+    def plain(self) -> PlainState | None:
+        """The state as numbers, where constraints are independent by a wide margin."""
+        return self._plain
 
     @property
     def branches(self) -> tuple[State, ...]:
