@@ -25,7 +25,7 @@ from symbody.kernels import assembly as at
 from symbody.kernels import block
 from symbody.kernels import first_state as places
 from symbody.single_flight import once
-from symbody.tolerances import ASSEMBLED
+from symbody.tolerances import ASSEMBLED, EXACT
 
 Floats = NDArray[np.float64]
 
@@ -131,7 +131,8 @@ class _Layout:
         constants = function.constants().size
         lengths = [
             at.HEADER, n_u + n_q, n_u + n_q, residuals, sum(sizes), at.matrices_size(closed), n_q,
-            len(four), 6 * n_u, places.speeds_size(n_u) if rows else 0, block.R_PLACE, constants, function.work_size,
+            len(four), 6 * n_u, places.speeds_size(n_u) if rows else 0, block.R_PLACE, constants,
+            function.work_size,
         ]  # fmt: skip
         begins = np.cumsum([0, *lengths]).tolist()
         self._template = head = np.zeros(begins[-1])
@@ -142,7 +143,8 @@ class _Layout:
         ]  # fmt: skip
         head[order] = begins[1:11]
         head[at.QUATERNIONS], head[begins[7] : begins[8]] = len(eqs.quaternions), four
-        head[at.OUT_SIZE], head[at.SHARE], head[places.COSINES] = sum(sizes), ASSEMBLED, sizes[4]
+        head[at.OUT_SIZE], head[places.COSINES] = sum(sizes), sizes[4]
+        head[at.SHARE], head[at.ENOUGH] = ASSEMBLED, EXACT
         numbers = head[begins[10] :]
         numbers[[block.P_PLACE, block.C_PLACE]] = block.R_PLACE
         numbers[block.WORK_PLACE] = block.R_PLACE + constants

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -78,7 +78,9 @@ class State(Displayed):
     @property
     def branches(self) -> tuple[State, ...]:
         """Other assemblies with the same fixed values, nearest to the guess first; there may be more."""
-        return self._branches.get(None, lambda: tuple(self._others()))
+        return self._branches.get(
+            None, lambda: tuple(replace(other, _functions=self._functions) for other in self._others())
+        )
 
     @checked_arguments
     def __getitem__(self, name: str) -> float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

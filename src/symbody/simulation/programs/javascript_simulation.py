@@ -288,7 +288,10 @@ def _assembly(motion: PosedMotion, function: _Function) -> Floats:
     head[[*order]] = begins[:-1]
     head[at.QUATERNIONS] = len(eqs.quaternions)
     head[at.OUT_SIZE] = sum(function.sizes)
-    head[at.SHARE] = residual_share(motion.projection, motion.request.atol)
+    # Each residual of a state that was projected is as small as this share; states that are shown stay.
+    head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * residual_share(
+        motion.projection, motion.request.atol
+    )
     return np.concatenate(parts)
 
 
