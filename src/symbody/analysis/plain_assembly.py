@@ -7,7 +7,7 @@ what is singular, redundant, inconsistent or far away, and says so.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -83,19 +83,29 @@ def plain_state(
     CompileError, ExpressionError, FormulationError
         If values are impossible or missing.
     """
-    if not _is_plain(eqs, fixed, near):
+    if not is_plain(eqs, fixed, near):
         return None
-    inputs = dict.fromkeys(eqs.input_names, 0) | dict(values[1])
-    function = bound_function(eqs, _OUTPUTS, values[0], (), inputs, quick=True)
+    function = plain_function(eqs, values[0], (), values[1])
     if function.signature.r:
         return None
-    layout: _Layout = function.kept_with_code("first state", lambda: _Layout(eqs, function))
-    fixed, near = unit_quaternions(eqs.quaternions, fixed, near)
-    start = _start(eqs, {**near, **fixed})
-    return layout.solve(function.constants(), mechanism, start, (fixed, near), t)
+    return plain_assembly(eqs, function).solve(function.constants(), mechanism, fixed, near, t)
 
 
-def _is_plain(eqs: EquationSet, fixed: Mapping[str, float], near: Mapping[str, float]) -> bool:
+def plain_function(
+    eqs: EquationSet, parameters: Mapping[str, Value], free: Iterable[str], inputs: Mapping[str, Value]
+) -> CompiledFunction:
+    """Return what `plain_assembly` takes; inputs without a value are 0."""
+    given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
+    return bound_function(eqs, _OUTPUTS, parameters, free, given, quick=True)
+
+
+def plain_assembly(eqs: EquationSet, function: CompiledFunction) -> PlainAssembly:
+    """Return what finds plain states with a `plain_function`, kept with its code."""
+    made: PlainAssembly = function.kept_with_code("first state", lambda: PlainAssembly(eqs, function))
+    return made
+
+
+def is_plain(eqs: EquationSet, fixed: Mapping[str, float], near: Mapping[str, float]) -> bool:
     """Return whether all values are those of states, and nothing is eliminated."""
     if eqs.formed.elimination is not None:
         return False
@@ -116,8 +126,8 @@ def _start(eqs: EquationSet, values: Mapping[str, float]) -> Floats:
     return q
 
 
-class _Layout:
-    """The block of `symbody.kernels.first_state` for one function, without values."""
+class PlainAssembly:
+    """Finds plain states with one function: the block of `symbody.kernels.first_state` without values."""
 
     def __init__(self, eqs: EquationSet, function: CompiledFunction) -> None:
         self._eqs = eqs
@@ -128,7 +138,7 @@ class _Layout:
         residuals, rows = sizes[0], sizes[2]
         four = [eqs.coordinate_names.index(name) for names in eqs.quaternions for name in names]
         closed = max(n_u, n_q) if residuals or rows or four else 0
-        constants = function.constants().size
+        constants = function.constant_count
         lengths = [
             at.HEADER, n_u + n_q, n_u + n_q, residuals, sum(sizes), at.matrices_size(closed), n_q,
             len(four), 6 * n_u, places.speeds_size(n_u) if rows else 0, block.R_PLACE, constants,
@@ -159,12 +169,22 @@ class _Layout:
         self,
         constants: Floats,
         mechanism: Scales,
-        start: Floats,
-        values: tuple[Mapping[str, float], Mapping[str, float]],
+        fixed: Mapping[str, float],
+        near: Mapping[str, float],
         t: float,
     ) -> PlainState | None:
-        """Return the state, or None where it is not plain."""
-        eqs, (fixed, near), begins = self._eqs, values, self._begins
+        """Return the state nearest to a guess, or None where it is not plain.
+
+        Parameters
+        ----------
+        constants : array
+            Of the function.
+        fixed, near : mapping of name to float
+            Values that are kept, and those that are guessed; see `is_plain`.
+        """
+        eqs, begins = self._eqs, self._begins
+        fixed, near = unit_quaternions(eqs.quaternions, fixed, near)
+        start = _start(eqs, {**near, **fixed})
         A, n_u, n = self._template.copy(), len(eqs.speed_names), len(eqs.state_names)
         held = begins[at.HELD] + n_u
         for k, name in enumerate(eqs.coordinate_names):
