@@ -55,7 +55,7 @@ def judge_pivots(run: Integration, events: tuple[Event, ...]) -> Integration:
         return run
     if last.name not in {event.label for event in events}:
         return run
-    watch.occurrences.pop()
+    watch.forget_last()
     names = last.name.removeprefix(_LABEL).rpartition(" ")[0]
     return _blame(
         run,
