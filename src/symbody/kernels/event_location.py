@@ -1,7 +1,7 @@
 """Where values of events are zero: roots and extrema between samples of a motion.
 
-The motion is the dense output of its last steps, `breaks` and `pieces` as in `step_machine`; W is the block of
-`watch_block`, `e` the function of the values of all events.
+The motion is the dense output of its last steps, `breaks` and `pieces` as in `step_machine`; W is the block
+of `watch_block`, `e` the function of the values of all events.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def next_share(a: float, b: float, c: float, fa: float, fb: float, fc: float) ->
 def fit_slope(
     e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, begin: float, end: float
 ) -> None:
-    """Put the Chebyshev coefficients of the slope of a value between times behind the fit, over half of these."""
+    """Fit the slope of a value between times: its Chebyshev coefficients, over half of the interval."""
     count = EXTREMUM_NODES
     fit = part(W, int(W[EXTREMUM_FIT]), count * (count + 3))
     samples = part(fit, count * (count + 1), count)
@@ -235,7 +235,7 @@ def add_zero(W: Reals, t: float, place: int, direction: float) -> None:
 def add_touch(
     e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, begin: float, end: float, side: float
 ) -> None:
-    """Add the one or two zeros about an extremum between times at which a value has one sign, if there are."""
+    """Add the zeros about an extremum between times at which a value has one sign, if there are any."""
     largest = W[int(W[TABLE]) + EVENT_SIZE * place + LARGEST]
     lowest = find_extremum(e, W, breaks, pieces, place, begin, end, side)
     value = side * value_at(e, W, breaks, pieces, place, lowest)
@@ -244,4 +244,3 @@ def add_touch(
         add_zero(W, find_root(e, W, breaks, pieces, place, lowest, end), place, side)
     elif abs(value) <= TOUCHING * largest:
         add_zero(W, lowest, place, 0.0)
-

@@ -45,7 +45,6 @@ from symbody.kernels.watch_block import (
     JUST_HAPPENED,
     LARGEST,
     LEAF,
-    LEAF_DEPTH,
     LEAF_END,
     LEAF_VALUES,
     MOST,
@@ -290,7 +289,7 @@ def compare_samples(e: Function, W: Reals, breaks: Reals, pieces: Reals, place: 
 
 
 def is_lowest(older: float, before: float, last: float) -> int:
-    """Return 1 if the middle one of three samples on one side of zero may stand beside a touch of it, else 0."""
+    """Return 1 if the middle of three samples on one side of zero may stand beside a touch, else 0."""
     side = sign(before)
     if side == 0.0 or sign(older) != side or sign(last) != side:
         return 0
@@ -359,4 +358,3 @@ def conclude_hits(W: Reals) -> None:
         if W[row + HIT] != 0.0:
             add_zero(W, W[row + HIT_TIME], i, -W[row + HIT])
             W[row + HIT] = 0.0
-

@@ -1,7 +1,7 @@
 """Where a watch for events keeps what it needs: places in its block, and the codes that `look` returns.
 
-Like a run, a watch is one array of reals. Behind the `HEADER` lie, where the header says, constants, tables of
-m events, what the search remembers, and the numbers of three functions.
+Like a run, a watch is one array of reals. Behind the `HEADER` lie, where the header says, constants, tables
+of m events, what the search remembers, and the numbers of three functions.
 """
 
 from __future__ import annotations

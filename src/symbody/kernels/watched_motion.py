@@ -146,9 +146,7 @@ def advance_watched(
     return RUNNING
 
 
-def end_at_event(
-    B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, happened: int
-) -> int:
+def end_at_event(B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, happened: int) -> int:
     """End a motion at an event, or at the fault of a function; return the code."""
     if happened == FAILS:
         return EVENT_FAULT

@@ -73,7 +73,7 @@ MOST_ROUNDS: Final = 8
 def settle(
     e: Function, a: Function, c: Function, W: Reals, breaks: Reals, pieces: Reals, H: Reals, last: int
 ) -> int:
-    """Let the zeros happen before which no other can be found any more, all if these were the last samples."""
+    """Let zeros happen before which no other can be found any more, all if these were the last samples."""
     while W[PENDING_COUNT] > 0.0:
         direction = W[DIRECTION]
         t = earliest(W)

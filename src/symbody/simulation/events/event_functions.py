@@ -88,7 +88,7 @@ class EventFunctions:
             0 if projector is None else projector.out_size,
             empty if projector is None else projector.scales,
         )
-        return make_watch_block([self._watched(event) for event in self.events], numbers, span)
+        return make_watch_block([self._as_numbers(event) for event in self.events], numbers, span)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
@@ -109,7 +109,7 @@ class EventFunctions:
         rest = RightHandSide(0, n_u, inputs, none, function.constants(), function.work_size)
         return function_numbers(rest)
 
-    def _watched(self, event: Event) -> WatchedEvent:
+    def _as_numbers(self, event: Event) -> WatchedEvent:
         """Return an event as numbers."""
         text = str(event.expression)
         action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS

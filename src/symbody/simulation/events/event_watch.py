@@ -38,9 +38,15 @@ class EventWatch:
         Length of the run [s].
     just_happened : sequence of int
         Places of the events that happened at its start: their values have to leave zero first.
+
+    Attributes
+    ----------
+    chattering : str
+        The event that happened again and again, empty if none did.
     """
 
     def __init__(self, functions: EventFunctions, span: float, just_happened: Sequence[int] = ()) -> None:
+        self.chattering = ""
         self._functions = functions
         self._block = functions.make_block(span)
         event_rows(self._block)[list(just_happened), at.JUST_HAPPENED] = 1.0
@@ -60,15 +66,6 @@ class EventWatch:
             Occurrence(labels[int(row[0])], row[1], dict(zip(names, row[2:], strict=False)))
             for row in rows.tolist()
         )
-
-    @property
-    def chattering(self) -> str:
-        """The event that happens again and again, empty if none does."""
-        return self._functions.events[int(self._block[at.CULPRIT]) - 1].label if self._is_chattering else ""
-
-    @property
-    def _is_chattering(self) -> bool:
-        return self._block[at.CULPRIT] != 0.0
 
     @property
     def most_steps(self) -> int:
@@ -107,6 +104,7 @@ class EventWatch:
             self._functions.raise_fault(int(block[at.FAULT]))
         n = self._row - 2
         before, after = (block[int(block[place]) :][:n].copy() for place in (at.BEFORE, at.AFTER))
+        self._note_chattering()
         status = Status.CHATTERING if code == at.CHATTERS else Status.STOPPED
         return Cut(float(block[at.CUT]), before, after if code == at.GOES_ON else None, status)
 
@@ -124,6 +122,7 @@ class EventWatch:
                 self._make_room()
         if code == run_at.EVENT_FAULT:
             self._functions.raise_fault(int(self._block[at.FAULT]))
+        self._note_chattering()
         return code
 
     def break_off(self, block: Floats, record: Record) -> None:
@@ -142,6 +141,10 @@ class EventWatch:
         if own[at.CUT_FIT] == 0.0:
             own = self._block = with_cut_fit(own, rows)
         own[at.DIRECTION], own[at.PIECE_ROWS] = block[run_at.DIRECTION], rows
+
+    def _note_chattering(self) -> None:
+        culprit = int(self._block[at.CULPRIT])
+        self.chattering = self._functions.events[culprit - 1].label if culprit else ""
 
     def _make_room(self) -> None:
         self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.kernels import watch_block as at
 from symbody.simulation.inputs.chebyshev import DEGREE, chebyshev_nodes, to_coefficients
-from symbody.simulation.native.dense_output import shortening
+from symbody.simulation.native.dense_output import cut_matrix
 
 Floats = NDArray[np.float64]
 
@@ -101,7 +101,7 @@ def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers, span
 
 def with_cut_fit(block: Floats, rows: int) -> Floats:
     """Return a block that can cut steps whose polynomials have so many rows."""
-    nodes, inverse = shortening(rows)
+    nodes, inverse = cut_matrix(rows)
     fit = [nodes, inverse.ravel(), np.zeros(rows * int(block[at.STATES]))]
     result = np.concatenate([block, *fit])
     result[at.CUT_FIT] = block.size
@@ -115,10 +115,8 @@ def event_rows(block: Floats) -> Floats:
 
 
 def _fit(degree: int) -> Floats:
-    """Return nodes and matrix, and room for samples."""
-    return np.concatenate(
-        [chebyshev_nodes(degree), to_coefficients(degree).ravel(), np.zeros(degree + 1)]
-    )
+    """Return nodes and matrix."""
+    return np.append(chebyshev_nodes(degree), to_coefficients(degree))
 
 
 def _event_table(events: Sequence[WatchedEvent]) -> Floats:

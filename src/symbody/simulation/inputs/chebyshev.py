@@ -14,15 +14,15 @@ DEGREE: Final = 8
 
 def chebyshev_nodes(degree: int) -> Floats:
     """Return the shares of an interval at which a Chebyshev polynomial is extreme, (degree + 1,)."""
-    shares: Floats = (1.0 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2.0
-    return shares
+    angles = np.pi * np.arange(degree + 1) / degree
+    return np.asarray((1.0 - np.cos(angles)) / 2.0, dtype=np.float64)
 
 
 def to_coefficients(degree: int) -> Floats:
     """Return the matrix from values at the nodes to Chebyshev coefficients."""
     places = 2.0 * chebyshev_nodes(degree) - 1.0
-    matrix: Floats = np.linalg.inv(np.polynomial.chebyshev.chebvander(places, degree))
-    return matrix
+    values = np.polynomial.chebyshev.chebvander(places, degree)
+    return np.asarray(np.linalg.inv(values), dtype=np.float64)
 
 
 NODES: Final = chebyshev_nodes(DEGREE)

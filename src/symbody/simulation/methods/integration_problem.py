@@ -158,10 +158,12 @@ class IntegrationProblem:
         """Return what looks for events, if there are any; states after actions are closed."""
         if not self.events:
             return None
-        functions = EventFunctions(self.problem, self.events, closing and closing.projector)
+        functions = EventFunctions(self.problem, self.events, None if closing is None else closing.projector)
         return EventWatch(functions, abs(self.span[1] - self.span[0]))
 
-    def course(self, watch: StepWatch | None, closed: Callable[[Floats, Floats], Floats] | None = None) -> Course:
+    def course(
+        self, watch: StepWatch | None, closed: Callable[[Floats, Floats], Floats] | None = None
+    ) -> Course:
         """Return the course to march; samples are brought onto the constraints by `closed`."""
         n_u, function = self.n_u, self.problem.compile_outputs("power")
 

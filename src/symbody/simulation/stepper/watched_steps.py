@@ -34,7 +34,7 @@ class WatchedSteps(CompiledSteps):
 
     def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
         super().__init__(problem, numbers)
-        closing = self._closing and self._closing.projector
+        closing = None if self._closing is None else self._closing.projector
         self._functions = EventFunctions(problem.problem, problem.settings.events, closing)
         self._last: RawRun | None = None
         self._chattering = ""
