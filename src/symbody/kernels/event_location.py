@@ -21,6 +21,7 @@ from symbody.kernels.watch_block import (
     FAULT,
     FIRST_STEP,
     LARGEST,
+    LEVEL,
     NUMBERS,
     PENDING,
     PENDING_COUNT,
@@ -72,8 +73,10 @@ def compute_values(e: Function, W: Reals, t: float, x: Reals) -> None:
     status = call(e, int(W[SPEEDS]), part(W, int(W[NUMBERS]), 1), t, x, out)
     if status != 0:
         W[FAULT] = float(status)
-        for k in range(int(W[EVENTS])):
+    for k in range(int(W[EVENTS])):
+        if status != 0:
             out[k] = NAN
+        out[k] = out[k] - W[int(W[TABLE]) + EVENT_SIZE * k + LEVEL]
 
 
 def compute_values_at(e: Function, W: Reals, breaks: Reals, pieces: Reals, t: float) -> None:

@@ -96,6 +96,7 @@ G_OLDER: Final = 10
 HIT: Final = 11  # the sign before a sample that is zero, 0 if there is none
 HIT_TIME: Final = 12
 RECENT_COUNT: Final = 13
+LEVEL: Final = 14  # what is taken from the value
 EVENT_SIZE: Final = 16
 
 # What an event does.

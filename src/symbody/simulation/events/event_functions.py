@@ -11,7 +11,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.native_call import check_status
 from symbody.errors import Problem, UsageError
 from symbody.kernels import watch_block as at
-from symbody.simulation.events.events import Event
+from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
@@ -115,4 +115,5 @@ class EventFunctions:
         action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
         wraps = any(name in text for name in self._problem.eqs.measured_angles)
         targets = tuple(self.state_names.index(name) for name in event.mapping)
-        return WatchedEvent(event.direction, action, wraps, targets)
+        level = event.level if isinstance(event, LevelEvent) else 0.0
+        return WatchedEvent(event.direction, action, wraps, targets, level)

@@ -32,12 +32,15 @@ class WatchedEvent(NamedTuple):
         Whether its value reads an angle that jumps by a turn.
     targets : tuple of int
         The states that it sets.
+    level : float
+        What is taken from its value.
     """
 
     direction: int
     action: float
     wraps: bool
     targets: tuple[int, ...]
+    level: float = 0.0
 
 
 class WatchNumbers(NamedTuple):
@@ -124,7 +127,7 @@ def _event_table(events: Sequence[WatchedEvent]) -> Floats:
     first = 0
     for row, event in zip(table, events, strict=True):
         row[[at.WAY, at.ACTION, at.WRAPS]] = event.direction, event.action, event.wraps
-        row[[at.SET_COUNT, at.SET_FIRST]] = len(event.targets), first
+        row[[at.SET_COUNT, at.SET_FIRST, at.LEVEL]] = len(event.targets), first, event.level
         row[at.MOST] = _MOST_RECORDED if event.action == at.RECORDS else _MOST_ACTING
         first += len(event.targets)
     return table

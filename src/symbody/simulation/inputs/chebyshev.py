@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,7 @@ def chebyshev_nodes(degree: int) -> Floats:
     return np.asarray((1.0 - np.cos(angles)) / 2.0, dtype=np.float64)
 
 
+@cache
 def to_coefficients(degree: int) -> Floats:
     """Return the matrix from values at the nodes to Chebyshev coefficients."""
     places = 2.0 * chebyshev_nodes(degree) - 1.0
