@@ -265,6 +265,11 @@ class CompiledFunction:
         """Return the same code for several points at once, for calls by address; the first call compiles."""
         return self._code.tail.in_lanes()
 
+    @property
+    def constant_count(self) -> int:
+        """How many numbers `constants` returns."""
+        return self._code.constant_count
+
     def constants(self, p: ArrayLike = ()) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""
         return self._constants(checked_group("p", p, self.signature.names("p")))
