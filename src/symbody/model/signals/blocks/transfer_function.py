@@ -36,7 +36,8 @@ class TransferFunction(SignalBlock):
         if not self.numerator or not self.denominator or self.denominator[0].constant() == 0:
             arguments.add(
                 "block.no_polynomial", "denominator", "the polynomials have no leading coefficients",
-                "the first coefficient belongs to the highest power", "write denominator = [1, 2, 1] for s^2 + 2 s + 1",
+                "the first coefficient belongs to the highest power",
+                "write denominator = [1, 2, 1] for s^2 + 2 s + 1",
             )  # fmt: skip
         elif len(self.numerator) > len(self.denominator):
             arguments.add(
