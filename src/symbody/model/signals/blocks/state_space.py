@@ -51,7 +51,7 @@ class StateSpace(SignalBlock):
         """The states, and the outputs."""
         states = [f"{self.name}_x{k + 1}" for k in range(len(self.A))]
         given = [in_brackets(formula) for formula in self.inputs]
-        starts = self.initial or (0,) * len(states)
+        starts: Sequence[Formula | int] = self.initial or (0,) * len(states)
         rates = [_row_sum(a, states, b, given) for a, b in zip(self.A, self.B, strict=True)]
         chain = [Signal(x, rate=rate, initial=x0) for x, rate, x0 in zip(states, rates, starts, strict=True)]
         direct: Rows = self.D or ((),) * len(self.C)
