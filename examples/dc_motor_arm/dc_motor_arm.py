@@ -4,8 +4,8 @@ Description
     A DC motor with its own current turns an arm under gravity; a PID controller sets the voltage, within the
     supply. theta is the angle of the arm from level, theta_ref where it is to be.
 Concepts
-    Signals: names of formulas, of outputs and of states; blocks; equilibrium and linear equations of mechanism,
-    motor and controller together; a supply that limits the voltage, with back-calculation of the integral.
+    Signals: names of formulas, of outputs and of states; blocks; equilibrium and linear equations of the
+    mechanism with motor and controller; limits of the voltage, with back-calculation of the integral.
 """
 
 from pathlib import Path
@@ -65,6 +65,7 @@ assert np.allclose(step["height"], 2 * p["l"] * np.sin(step["theta"]))
 
 # The same by hand, with another integrator.
 def rates(t, x):
+    """Return the rates of all states."""
     speed, theta, integral, filtered, current = x
     error = 1.0 - theta
     slope = (error - filtered) / p["Tf"]

@@ -67,7 +67,7 @@ class PID(SignalBlock):
         if self._has("p"):
             terms.append(f"{gains['p']}*{error}")
         if self._has("i"):
-            rate = f"{gains['i']}*{error}{self._tracking(gains)}"
+            rate = f"{gains['i']}*{error}{self._lead_back(gains)}"
             states.append(Signal(f"{name}_integral", rate=rate, initial=self.initial))
             terms.append(f"{name}_integral")
         if self._has("d"):
@@ -81,7 +81,7 @@ class PID(SignalBlock):
         limited = Signal(name, f"min({high}, max({low}, {name}_unlimited))")
         return (*states, Signal(f"{name}_unlimited", total), limited)
 
-    def _tracking(self, gains: dict[str, str]) -> str:
+    def _lead_back(self, gains: dict[str, str]) -> str:
         """Return what leads the integral back."""
         if self.limits is None:
             return ""
