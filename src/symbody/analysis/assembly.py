@@ -8,23 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from types import MappingProxyType
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state, state_of_plain
-from symbody.analysis.configurations import (
-    all_guesses,
-    find_assembly,
-    further_assemblies,
-    measured_start,
-    open_problem,
-)
 from symbody.analysis.constraint_evaluator import (
     ConstraintEvaluator,
     constraint_evaluator,
+)
+from symbody.analysis.loop_search import (
+    NO_RANGES,
+    check_meeting_ends,
+    find_assembly,
+    further_assemblies,
+    newton_end,
+    open_problem,
 )
 from symbody.analysis.named_values import check_mappings, check_pairs, named_values, unit_quaternions
 from symbody.analysis.plain_assembly import plain_state
@@ -45,11 +44,6 @@ from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError
 
 Floats = NDArray[np.float64]
-
-NO_RANGES: Final[Ranges] = MappingProxyType({})
-# So many of the nearest ends are starts for the search of the least gaps; smaller gaps are not shown.
-_GAP_TRIALS: Final = 3
-_VISIBLE: Final = 1e-6
 
 
 @checked_arguments
@@ -99,20 +93,40 @@ def assemble(
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
     signals, fixed, guess = split_signals(eqs, fixed, guess, parameters)
+    given = eqs, fixed, guess, parameters, inputs, t
+    if ropes(eqs.formed):
+        return _assemble_ropes(*given, ranges, scales, signals)
+    if not (ranges or signals.size):
+        plain = _assemble_plain(*given, scales)
+        if plain is not None:
+            return plain
+    return assemble_taut(*given, ranges, scales, signals=signals)
 
-    def attempt(equations: EquationSet, values: Mapping[str, Value]) -> State:
+
+def _assemble_ropes(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value],
+    guess: Mapping[str, Value],
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    ranges: Mapping[str, tuple[Value, Value]] | None,
+    scales: Mapping[str, float] | None,
+    signals: Floats,
+) -> State:
+    """Return a state in which no rope is longer than it is."""
+
+    def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
         return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales, signals=signals)
 
-    if not ropes(eqs.formed):
-        plain = None if ranges else _assemble_plain(eqs, fixed, guess, parameters, inputs, t, scales)
-        return plain or attempt(eqs, fixed)
-
-    near = named_values(eqs, all_guesses(eqs, guess), parameters, strict=set(guess or ()))
-    exact = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess))
+    exact = named_values(eqs, fixed, parameters, strict=set(fixed))
     values = dict(parameters or {}), dict(inputs or {})
     mechanism = mechanism_scales(eqs, values[0], scales, {**near, **exact})
-    evaluator = partial(constraint_evaluator, parameters=values[0], inputs=values[1], t=t, scales=mechanism)
-    return assemble_with_ropes(eqs, exact, near, attempt, partial(evaluator, signals=signals))
+    return assemble_with_ropes(
+        eqs, exact, near, attempt,
+        lambda held: constraint_evaluator(held, *values, t, mechanism, signals=signals),
+    )  # fmt: skip
 
 
 def _assemble_plain(
@@ -125,7 +139,7 @@ def _assemble_plain(
     scales: Mapping[str, float] | None,
 ) -> State | None:
     """Return a state in which all constraints hold, or None where that takes more than one look."""
-    near = named_values(eqs, all_guesses(eqs, guess), parameters, strict=set(guess or ()))
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
     values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     given = dict(parameters or {}), dict(inputs or {})
     mechanism = mechanism_scales(eqs, given[0], scales, {**near, **values})
@@ -164,7 +178,7 @@ def assemble_taut(
 
     `signals` are the states of signals, by default those of the model.
     """
-    near = named_values(eqs, all_guesses(eqs, guess), parameters, strict=set(guess or ()))
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
     values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, {**near, **values})
     evaluator = constraint_evaluator(
@@ -180,7 +194,7 @@ def assemble_taut(
     )
     within = checked_ranges(evaluator, lower, upper)
     start = clip_to_ranges(evaluator, evaluator.initial_coordinates({**near, **positions}), within, positions)
-    assembly = find_assembly(evaluator, measured_start(evaluator, start, positions, near), positions, within)
+    assembly = find_assembly(evaluator, _measured_start(evaluator, start, positions, near), positions, within)
     if assembly is None:
         raise AssemblyError(
             open_problem(evaluator, evaluator.initial_coordinates(near), start, positions, within)
@@ -206,3 +220,75 @@ def _other_states(
         complete_state(evaluator, b.q, solve_speeds(evaluator, b.q, rates, guess), start, guess)
         for b in attempts
     ]
+
+
+def _all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:
+    """Return the guesses, and behind them what only the model says of the start."""
+    given = dict(guess or {})
+    return given | {name: value for name, value in eqs.model.initial.items() if name not in given}
+
+
+def consistent_start(
+    evaluator: ConstraintEvaluator, fixed: Mapping[str, float], near: Mapping[str, float]
+) -> tuple[Floats, Floats]:
+    """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
+
+    Raises
+    ------
+    AssemblyError
+        As `assemble`.
+    """
+    positions, rates = evaluator.split_values(fixed)
+    positions, near = unit_quaternions(evaluator.eqs.quaternions, positions, near)
+    q = consistent_positions(evaluator, positions, near)
+    guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
+    return q, solve_speeds(evaluator, q, rates, guess)
+
+
+def consistent_positions(
+    evaluator: ConstraintEvaluator, fixed: Mapping[str, float], near: Mapping[str, float]
+) -> Floats:
+    """Return coordinates (n_q,) in which all constraints hold, with the positions among the fixed values.
+
+    Raises
+    ------
+    AssemblyError
+        As `assemble`.
+    """
+    positions, near = unit_quaternions(evaluator.eqs.quaternions, evaluator.split_values(fixed)[0], near)
+    start = evaluator.initial_coordinates({**near, **positions})
+    assembly = find_assembly(evaluator, _measured_start(evaluator, start, positions, near), positions)
+    if assembly is None:
+        raise AssemblyError(
+            open_problem(evaluator, evaluator.initial_coordinates(near), start, positions, NO_RANGES)
+        )
+    return assembly.q
+
+
+def _measured_start(
+    evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], near: Mapping[str, float]
+) -> Floats:
+    """Return a start at which coordinates of cut joints have the values guessed for them, if there is one."""
+    guessed = {
+        name: near[name]
+        for name in evaluator.split_values(near)[0]
+        if name not in evaluator.eqs.coordinate_names
+    }
+    measured = {name: value for name, value in guessed.items() if name not in fixed}
+    if not measured:
+        return start
+    attempt = newton_end(evaluator, start, {**fixed, **measured})
+    return attempt.q if attempt.is_closed else start
+
+
+def find_configuration(
+    evaluator: ConstraintEvaluator, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
+) -> Floats | None:
+    """Return the configuration nearest to a guess that closes the loops, or None."""
+    eqs = evaluator.eqs
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess))
+    start = _measured_start(evaluator, evaluator.initial_coordinates(near), {}, near)
+    assembly = find_assembly(evaluator, start, {})
+    if assembly is None:
+        check_meeting_ends(evaluator, newton_end(evaluator, start, {}).q)
+    return None if assembly is None else assembly.q

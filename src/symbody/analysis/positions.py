@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
-from symbody.analysis.configurations import consistent_positions
+from symbody.analysis.assembly import assemble, consistent_positions
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.named_values import named_values
 from symbody.analysis.scales import mechanism_scales

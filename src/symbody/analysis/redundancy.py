@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.analysis.configurations import find_configuration
+from symbody.analysis.assembly import find_configuration
 from symbody.analysis.constraint_evaluator import constraint_evaluator
 from symbody.analysis.named_values import named_values, refuse_unknown
 from symbody.analysis.ropes import rope_assumptions

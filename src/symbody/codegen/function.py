@@ -224,7 +224,7 @@ class CompiledFunction:
             bound = CompiledFunction.from_code(
                 self._code, replace(self.signature, p=()), self._all_parameters(values)
             )
-            return partial(_call_bound, bound)
+            return partial(bound, p=())
         cached = self._constants(values)
 
         def evaluate_rest(
@@ -386,15 +386,3 @@ def _remade(
 
 def _itself(sequence: Sequence) -> Sequence:
     return sequence
-
-
-def _call_bound(
-    function: CompiledFunction,
-    t: ArrayLike,
-    q: ArrayLike,
-    u: ArrayLike,
-    r: ArrayLike = (),
-    *,
-    s: ArrayLike = (),
-) -> Any:
-    return function(t, q, u, r, s=s)

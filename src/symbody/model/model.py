@@ -32,7 +32,17 @@ from symbody.notebook import Displayed
 E = TypeVar("E", bound=Element)
 
 # Elements are kept in this order, as a file lists them; within a kind, in the order given.
-KINDS: Final = ("body", "joint", "spring", "torsion_spring", "force", "torque", "constraint", "signal")
+KINDS: Final = (
+    "body",
+    "joint",
+    "spring",
+    "torsion_spring",
+    "force",
+    "torque",
+    "constraint",
+    "signal",
+    "block",
+)
 
 
 @final
@@ -68,7 +78,7 @@ class Model(Displayed):
     bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
     signals : tuple of Signal
-        Those among `elements`.
+        Those among `elements`, and those that blocks consist of.
     notes : tuple of str
         What was assumed, and what is legal but unusual.
 

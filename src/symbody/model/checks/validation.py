@@ -40,6 +40,7 @@ from symbody.model.joint import Joint
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.parameters import cycle_problems, parameter_values
 from symbody.model.shapes.shape import BodyShape
+from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 
 
@@ -127,8 +128,8 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
             yield from joint_entries(element, label)
         elif isinstance(element, ConstraintElement):
             yield from constraint_entries(element, label)
-        elif isinstance(element, Signal):
-            yield from signal_entries(element, label)
+        elif isinstance(element, Signal | SignalBlock):
+            yield from signal_entries(collect_signals([element]), label)
     for joint in draft.free_joints:
         yield from joint_entries(joint, f"body {joint.name}")
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.configurations import consistent_start
+from symbody.analysis.assembly import consistent_start
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_function
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
 from symbody.analysis.plain_assembly import is_plain, plain_assembly, plain_function

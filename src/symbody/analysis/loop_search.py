@@ -1,4 +1,4 @@
-"""Configurations that close the loops: searched from a guess, measured where they stay open."""
+"""The search for configurations in which all loops close, and why none was found where there is none."""
 
 from __future__ import annotations
 
@@ -11,13 +11,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.constraint_evaluator import (
-    STARTS,
-    ConstraintEvaluator,
-    indefinite_rows,
-)
+from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, indefinite_rows
 from symbody.analysis.minimum_gap import minimum_gap
-from symbody.analysis.named_values import named_values, unit_quaternions
 from symbody.analysis.ranges import (
     Ranges,
     draw_measured_values,
@@ -25,11 +20,8 @@ from symbody.analysis.ranges import (
     out_of_range_problem,
     turn_into_ranges,
 )
-from symbody.analysis.velocities import solve_speeds
-from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.values import constant_values
-from symbody.equations.equation_set import EquationSet
-from symbody.errors import AssemblyError, Problem
+from symbody.errors import Problem
 from symbody.manifold import Configuration, least_step
 from symbody.model.constraints import Distance
 from symbody.tolerances import ASSEMBLED
@@ -42,107 +34,19 @@ _GAP_TRIALS: Final = 3
 _VISIBLE: Final = 1e-6
 
 
-def all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:
-    """Return the guesses, and behind them what only the model says of the start."""
-    given = dict(guess or {})
-    return given | {name: value for name, value in eqs.model.initial.items() if name not in given}
-
-
-def consistent_start(
-    evaluator: ConstraintEvaluator, fixed: Mapping[str, float], near: Mapping[str, float]
-) -> tuple[Floats, Floats]:
-    """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
-
-    Raises
-    ------
-    AssemblyError
-        As `assemble`.
-    """
-    positions, rates = evaluator.split_values(fixed)
-    positions, near = unit_quaternions(evaluator.eqs.quaternions, positions, near)
-    q = consistent_positions(evaluator, positions, near)
-    guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
-    return q, solve_speeds(evaluator, q, rates, guess)
-
-
-def consistent_positions(
-    evaluator: ConstraintEvaluator, fixed: Mapping[str, float], near: Mapping[str, float]
-) -> Floats:
-    """Return coordinates (n_q,) in which all constraints hold, with the positions among the fixed values.
-
-    Raises
-    ------
-    AssemblyError
-        As `assemble`.
-    """
-    positions, near = unit_quaternions(evaluator.eqs.quaternions, evaluator.split_values(fixed)[0], near)
-    start = evaluator.initial_coordinates({**near, **positions})
-    assembly = find_assembly(evaluator, measured_start(evaluator, start, positions, near), positions)
-    if assembly is None:
-        raise AssemblyError(
-            open_problem(evaluator, evaluator.initial_coordinates(near), start, positions, NO_RANGES)
-        )
-    return assembly.q
-
-
-def measured_start(
-    evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], near: Mapping[str, float]
-) -> Floats:
-    """Return a start at which coordinates of cut joints have the values guessed for them, if there is one."""
-    guessed = {
-        name: near[name]
-        for name in evaluator.split_values(near)[0]
-        if name not in evaluator.eqs.coordinate_names
-    }
-    measured = {name: value for name, value in guessed.items() if name not in fixed}
-    if not measured:
-        return start
-    attempt = _newton(evaluator, start, {**fixed, **measured})
-    return attempt.q if attempt.is_closed else start
-
-
-def find_configuration(
-    evaluator: ConstraintEvaluator, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
-) -> Floats | None:
-    """Return the configuration nearest to a guess that closes the loops, or None."""
-    eqs = evaluator.eqs
-    near = named_values(eqs, all_guesses(eqs, guess), parameters, strict=set(guess))
-    start = measured_start(evaluator, evaluator.initial_coordinates(near), {}, near)
-    assembly = find_assembly(evaluator, start, {})
-    if assembly is None:
-        _check_meeting_ends(evaluator, _newton(evaluator, start, {}).q)
-    return None if assembly is None else assembly.q
-
-
-def _check_meeting_ends(evaluator: ConstraintEvaluator, q: Floats) -> None:
-    """Refuse ends of a rod of length 0, which meet without closing: the rod has no direction there."""
-    gaps, size = evaluator.gaps(q).values(), evaluator.mechanism.length
-    if all(distance <= _VISIBLE * size and angle <= _VISIBLE for distance, angle in gaps):
-        rods = {
-            rod.name: rod.value
-            for rod in evaluator.eqs.model.constraints
-            if isinstance(rod, Distance) and "t" not in rod.value.names
-        }
-        lengths = constant_values(evaluator.eqs, rods, evaluator.parameters)
-        short = [name for name, length in lengths.items() if abs(length) <= _VISIBLE * size]
-        if short:  # the ends may be apart by rounding, in any direction
-            raise indefinite_rows(", ".join(short))
-        evaluator.velocity_rows(q, {})
-
-
 def find_assembly(
     evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> Configuration | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
     for guess in _starts(evaluator, start, fixed, ranges):
-        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, fixed), ranges)
+        attempt = _restrict_to_ranges(evaluator, newton_end(evaluator, guess, fixed), ranges)
         if attempt.is_closed:
             return attempt
         if evaluator.is_tree:
             return None
     starts = _starts(evaluator, start, fixed, ranges)
     for guess, inside in zip(starts, draw_measured_values(evaluator, ranges, fixed, STARTS), strict=False):
-        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, {**fixed, **inside}), ranges)
+        attempt = _restrict_to_ranges(evaluator, newton_end(evaluator, guess, {**fixed, **inside}), ranges)
         if attempt.is_closed:
             return attempt
     return None
@@ -166,7 +70,7 @@ def _starts(
     yield from draw_starts(evaluator, start, ranges, fixed, STARTS)
 
 
-def _newton(evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float]) -> Configuration:
+def newton_end(evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float]) -> Configuration:
     """Return the end of steps of least length."""
     return evaluator.manifold(fixed).project(q, least_step)
 
@@ -180,7 +84,7 @@ def further_assemblies(
     different = [q]
     others = []
     for guess in islice(_starts(evaluator, start, fixed, ranges), 1, None):
-        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, fixed), ranges)
+        attempt = _restrict_to_ranges(evaluator, newton_end(evaluator, guess, fixed), ranges)
         if attempt.is_closed and all(evaluator.differs(attempt.q, other) for other in different):
             if evaluator.is_isolated(attempt.q, fixed):
                 different.append(attempt.q)
@@ -211,7 +115,7 @@ def open_problem(
             "assembly.conflict", "fixed", f"no configuration has {listed}",
             "the loops close without these values, but not with them", "leave one of them to guess=",
         )  # fmt: skip
-    attempts = sorted((_newton(evaluator, guess, fixed) for guess in _starts(evaluator, start, fixed)),
+    attempts = sorted((newton_end(evaluator, guess, fixed) for guess in _starts(evaluator, start, fixed)),
                       key=lambda attempt: np.nan_to_num(attempt.residual, nan=np.inf))  # fmt: skip
     return _open_joints(evaluator, attempts, fixed)
 
@@ -231,7 +135,7 @@ def _open_joints(
         q, _ = min(trials, key=lambda trial: trial[1])
         (joint, gap), *others = evaluator.gaps(q).items() or [("", (0.0, 0.0))]
         size = evaluator.mechanism.length
-        _check_meeting_ends(evaluator, q)
+        check_meeting_ends(evaluator, q)
         what = f"joint {joint} stays open by {_width(gap, size)}"
         wide = [(name, gap) for name, gap in others if gap[0] > _VISIBLE * size or gap[1] > _VISIBLE]
         if wide:
@@ -249,3 +153,19 @@ def _width(gap: tuple[float, float], size: float) -> str:
         value if value > _VISIBLE * unit else 0.0 for value, unit in zip(gap, (size, 1.0), strict=True)
     )
     return f"{distance:.3g} m and {np.degrees(angle):.3g} deg"
+
+
+def check_meeting_ends(evaluator: ConstraintEvaluator, q: Floats) -> None:
+    """Refuse ends of a rod of length 0, which meet without closing: the rod has no direction there."""
+    gaps, size = evaluator.gaps(q).values(), evaluator.mechanism.length
+    if all(distance <= _VISIBLE * size and angle <= _VISIBLE for distance, angle in gaps):
+        rods = {
+            rod.name: rod.value
+            for rod in evaluator.eqs.model.constraints
+            if isinstance(rod, Distance) and "t" not in rod.value.names
+        }
+        lengths = constant_values(evaluator.eqs, rods, evaluator.parameters)
+        short = [name for name, length in lengths.items() if abs(length) <= _VISIBLE * size]
+        if short:  # the ends may be apart by rounding, in any direction
+            raise indefinite_rows(", ".join(short))
+        evaluator.velocity_rows(q, {})
