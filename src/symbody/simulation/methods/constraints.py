@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import Scales
 from symbody.arguments import checked_fields
-from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
+from symbody.expr.sequence import Output
 from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.native.description import Projector
 from symbody.tolerances import CLOSED
@@ -121,8 +121,27 @@ class Baumgarte:
         return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)
 
 
+class ProjectingFunction(Protocol):
+    """What computes `PROJECTED`, at an address."""
+
+    @property
+    def address(self) -> int:
+        """Where it lies."""
+
+    @property
+    def work_size(self) -> int:
+        """Doubles of scratch that it needs."""
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """What it computes."""
+
+    def constants(self) -> Floats:
+        """Return the numbers c that it takes."""
+
+
 def make_projector(
-    function: CompiledFunction,
+    function: ProjectingFunction,
     eqs: EquationSet,
     sizes: Scales,
     method: Projection,
