@@ -59,7 +59,7 @@ class EventFunctions:
         self._actions = problem.compile_outputs(["energy", *formulas]) if formulas else None
         functions = [function for function in (self._values, self._actions) if function is not None]
         self._callbacks = [
-            CallbackFunction(function, problem.laws) for function in functions if problem.laws.callbacks
+            CallbackFunction(function, problem.laws) for function in functions if problem.laws.need_python
         ]
         addresses = [function.address for function in self._callbacks or functions]
         self.addresses = (*addresses, 0)[:2] + (0 if projector is None else projector.address,)
@@ -104,10 +104,13 @@ class EventFunctions:
         check_status(status)
 
     def _numbers(self, function: CompiledFunction) -> Floats:
-        inputs, none = np.zeros(len(self._problem.laws.callbacks)), np.zeros(0)
-        n_u = len(self._problem.eqs.speed_names)
-        rest = RightHandSide(0, n_u, inputs, none, function.constants(), function.work_size)
-        return function_numbers(rest)
+        laws, none = self._problem.laws, np.zeros(0)
+        inputs, n_u = np.zeros(len(laws.callbacks)), len(self._problem.eqs.speed_names)
+        return function_numbers(
+            RightHandSide(
+                0, n_u, inputs, none, function.constants(), function.work_size, laws.table_numbers()
+            )
+        )
 
     def _as_numbers(self, event: Event) -> WatchedEvent:
         """Return an event as numbers."""
