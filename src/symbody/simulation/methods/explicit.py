@@ -117,10 +117,8 @@ def integrate(
         stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called about 20 times a second with the share of the span that is done; returning False ends the run.
-    projector, watch : Projector, Watch
-        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`.
-    breakpoints : Breakpoints
-        What bounds steps that are not all of one length.
+    projector, watch, breakpoints : Projector, Watch, Breakpoints
+        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`; bound steps.
 
     Raises
     ------
@@ -135,7 +133,8 @@ def integrate(
     rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
     block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
     run = NativeRun(rhs.address, projector.address, block)
-    record = fresh_record(run, check_times(times, start, end), dense, 0 if watch is None else EVENT_SAMPLES)
+    more = 0 if watch is None else EVENT_SAMPLES
+    record = fresh_record(run, check_times(times, start, end), dense, more)
     return drive(run, record, progress, watch)
 
 
