@@ -134,8 +134,7 @@ def integrate(
     block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
     run = NativeRun(rhs.address, projector.address, block)
     more = 0 if watch is None else EVENT_SAMPLES
-    record = fresh_record(run, check_times(times, start, end), dense, more)
-    return drive(run, record, progress, watch)
+    return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
 
 
 def make_goal(
