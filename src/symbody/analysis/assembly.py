@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.accelerations import complete_state
+from symbody.analysis.accelerations import complete_state, state_of_plain
 from symbody.analysis.constraint_evaluator import (
     STARTS,
     ConstraintEvaluator,
@@ -25,6 +25,7 @@ from symbody.analysis.constraint_evaluator import (
 )
 from symbody.analysis.minimum_gap import minimum_gap
 from symbody.analysis.named_values import check_mappings, check_pairs, named_values, unit_quaternions
+from symbody.analysis.plain_assembly import plain_state
 from symbody.analysis.ranges import (
     Ranges,
     checked_ranges,
@@ -103,7 +104,8 @@ def assemble(
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
     if not ropes(eqs.formed):
-        return assemble_taut(eqs, fixed, guess, parameters, inputs, t, ranges, scales)
+        plain = None if ranges else _assemble_plain(eqs, fixed, guess, parameters, inputs, t, scales)
+        return plain or assemble_taut(eqs, fixed, guess, parameters, inputs, t, ranges, scales)
 
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
         return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales)
@@ -115,6 +117,39 @@ def assemble(
     return assemble_with_ropes(
         eqs, exact, near, attempt, lambda held: constraint_evaluator(held, *values, t, mechanism)
     )
+
+
+def _assemble_plain(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value] | None,
+    guess: Mapping[str, Value] | None,
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    scales: Mapping[str, float] | None,
+) -> State | None:
+    """Return a state in which all constraints hold, or None where that takes more than one look."""
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
+    values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    given = dict(parameters or {}), dict(inputs or {})
+    mechanism = mechanism_scales(eqs, given[0], scales, {**near, **values})
+    plain = plain_state(eqs, values, near, given, t, mechanism)
+    if plain is None:
+        return None
+    others = partial(_branches, eqs, fixed, guess, parameters, inputs, t, scales)
+    return state_of_plain(eqs, plain, (values, near), given, t, mechanism, others)
+
+
+def _branches(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value] | None,
+    guess: Mapping[str, Value] | None,
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    scales: Mapping[str, float] | None,
+) -> tuple[State, ...]:
+    return assemble_taut(eqs, fixed, guess, parameters, inputs, t, None, scales).branches
 
 
 def assemble_taut(

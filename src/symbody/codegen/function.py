@@ -94,12 +94,7 @@ class CompiledFunction:
         self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
         self._calls = 0
-        self._sizes = [
-            ("q", len(signature.q)),
-            ("u", len(signature.u)),
-            ("r", len(signature.r)),
-            ("p", len(signature.p)),
-        ]
+        self._sizes = [(group, len(signature.names(group))) for group in "qurp"]
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -246,6 +241,11 @@ class CompiledFunction:
     def in_lanes(self) -> NativeFunction:
         """Return the same code for several points at once, for calls by address; the first call compiles."""
         return self._code.tail.in_lanes()
+
+    @property
+    def constant_count(self) -> int:
+        """How many numbers `constants` returns."""
+        return self._code.constant_count
 
     def constants(self, p: ArrayLike = ()) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""

@@ -182,8 +182,9 @@ def work_tolerance(integration: IntegrationProblem) -> float:
     Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism
     in fast motion would need steps without end.
     """
-    problem, n_u, x = integration.problem, integration.n_u, integration.state
-    kinetic = problem.value("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
+    problem, t, n_u, x = integration.problem, integration.span[0], integration.n_u, integration.state
+    first = problem.first_numbers(t, x)
+    kinetic = problem.value("kinetic_energy", t, x[n_u:], x[:n_u]) if first is None else first.kinetic_energy
     usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
     return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
 

@@ -204,17 +204,17 @@ class StateProjector:
     projector: Projector
     rtol: float
     atol: Floats
-    _block: Floats = field(init=False, repr=False)
+    _blocks: SingleFlight[None, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
-    def __post_init__(self) -> None:
+    def _make_block(self) -> Floats:
         goal = make_goal((0.0, 1.0), self.rtol, self.atol, None, NO_BREAKPOINTS)
         rhs = NO_FUNCTION._replace(n_u=self.projector.n_u)
-        block = make_block(rhs, self.projector, DORMAND_PRINCE_8, goal, np.zeros(self.atol.size), 0.0)
-        object.__setattr__(self, "_block", block)
+        return make_block(rhs, self.projector, DORMAND_PRINCE_8, goal, np.zeros(self.atol.size), 0.0)
 
     def _project(self, t: float, x: Floats) -> float:
         """Move a state onto the constraints; return how far over the tolerated error."""
-        return step_machine().project(self.projector.address, address(self._block), t, address(x))
+        block = self._blocks.get(None, self._make_block)
+        return step_machine().project(self.projector.address, address(block), t, address(x))
 
     def project_one(self, t: float, x: Floats) -> tuple[Floats, float]:
         """Return a closed state, and its distance from `x` over the tolerated error."""

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from symbody.kernels import block as at
 from symbody.simulation.native.description import Floats, Goal, Projector, RightHandSide
 from symbody.simulation.native.runge_kutta import Tableau
+from symbody.single_flight import SingleFlight
+
+_METHODS: Final[SingleFlight[tuple[Tableau, int], Floats]] = SingleFlight(64)
 
 
 def make_block(
@@ -45,7 +50,11 @@ def state_of(block: Floats) -> Floats:
 
 
 def method_numbers(tableau: Tableau, n: int) -> Floats:
-    """Return a method for n states."""
+    """Return a method for n states, not to be changed."""
+    return _METHODS.get((tableau, n), lambda: _method_numbers(tableau, n))
+
+
+def _method_numbers(tableau: Tableau, n: int) -> Floats:
     numbers = np.zeros(at.METHOD_SIZE)
     numbers[at.ORDER], numbers[at.STAGES] = tableau.order, tableau.stages
     numbers[at.STAGE_ROWS], numbers[at.DENSE_ROWS] = len(tableau.A), 4 + len(tableau.dense)
