@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,12 @@ class EventFunctions:
 
     def make_block(self, span: float) -> Floats:
         """Return the block of a watch over a run of some length [s]."""
+        block = self._first_block.copy()
+        block[at.SPAN] = span
+        return block
+
+    @cached_property
+    def _first_block(self) -> Floats:
         eqs, projector = self._problem.eqs, self._projector
         empty = np.zeros(0)
         numbers = WatchNumbers(
@@ -88,7 +95,7 @@ class EventFunctions:
             0 if projector is None else projector.out_size,
             empty if projector is None else projector.scales,
         )
-        return make_watch_block([self._as_numbers(event) for event in self.events], numbers, span)
+        return make_watch_block([self._as_numbers(event) for event in self.events], numbers)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
