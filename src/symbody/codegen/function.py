@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable
 from collections.abc import Sequence as Items
 from dataclasses import replace
@@ -93,18 +92,14 @@ class CompiledFunction:
         self._values = values
         self._specialize = specialize
         self._result = result_type(code.sequence)
-        first = len(signature.q) if signature.s else math.inf
-        self._reads_s = any(x.group == "q" and x.position >= first for x in code.sequence.inputs)
+        n_q = len(signature.q)  # states of signals stand behind the coordinates
+        self._reads_s = any(x.group == "q" and x.position >= n_q for x in code.sequence.inputs)
         # Made when they are first needed: what follows from the values, and calls at a point.
         self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
         self._calls = 0
-        self._sizes = [
-            ("q", len(signature.q) + len(signature.s)),
-            ("u", len(signature.u)),
-            ("r", len(signature.r)),
-            ("p", len(signature.p)),
-        ]
+        sizes = (n_q + len(signature.s), *(len(signature.names(group)) for group in "urp"))
+        self._sizes = list(zip("qurp", sizes, strict=True))
 
     @property
     def outputs(self) -> tuple[Output, ...]:
