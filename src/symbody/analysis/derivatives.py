@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import input_law
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol
@@ -35,7 +36,9 @@ def with_laws(eqs: EquationSet, nodes: Sequence[int], laws: Mapping[str, Value])
     """Return nodes with the inputs replaced by their laws, so that derivatives see what these read."""
     names = eqs.formed.names
     replaced = {
-        names.value(name).index: names.expression(Formula.from_value(law, where=f"input {name}")).index
+        names.value(name).index: input_law(
+            eqs.formed, Formula.from_value(law, where=f"input {name}"), f"input {name}"
+        ).index
         for name, law in laws.items()
     }
     return substitute(eqs.formed.graph, nodes, replaced)

@@ -18,6 +18,7 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import input_law
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.canonical import sub
 from symbody.expr.graph import TIME, SymbolKind
@@ -223,10 +224,11 @@ def _check_finite(
 
 def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:
     """Return the inputs that depend on states or time; values in parameters are points to deviate from."""
-    names, graph = eqs.formed.names, eqs.formed.graph
+    graph = eqs.formed.graph
     laws = {}
     for name, value in inputs.items():
-        node = names.expression(Formula.from_value(value, where=f"input {name}"), f"input {name}").index
+        where = f"input {name}"
+        node = input_law(eqs.formed, Formula.from_value(value, where=where), where).index
         if any(graph.symbols[graph.left[s]].kind != SymbolKind.PARAMETER for s in symbols_of(graph, [node])):
             laws[name] = value
     return laws

@@ -15,6 +15,7 @@ from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import input_law
 from symbody.errors import CompileError, ExpressionError
 from symbody.expr.deadline import begin
 from symbody.expr.evaluate import evaluate_sequence
@@ -218,6 +219,7 @@ def input_nodes(eqs: EquationSet, given: Mapping[str, Value], known: Mapping[int
         raise CompileError(*problems)
     result = {}
     for name, value in given.items():
-        node = names.expression(Formula.from_value(value, where=f"input {name}"), f"input {name}").index
+        where = f"input {name}"
+        node = input_law(eqs.formed, Formula.from_value(value, where=where), where).index
         result[names.value(name).index] = substitute(graph, [node], known)[0]
     return result

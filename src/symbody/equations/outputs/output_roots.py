@@ -101,6 +101,31 @@ def _put_in_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[
     return substitute_solution(formed, substitute_signals(formed, values, raw_output))
 
 
+def input_law(formed: EquationsOfMotion, formula: Formula, where: str) -> Expr:
+    """Return the law of an input, with signals in it replaced by what they stand for.
+
+    Raises
+    ------
+    FormulationError
+        If a signal follows from inputs: a law would need the accelerations that it makes.
+    """
+    law = formed.names.expression(formula, where)
+    plain = substitute_signals(formed, [law], raw_output)[0]
+    if plain.index == law.index:
+        return law
+    value = substitute_solution(formed, [plain])[0]
+    graph = formed.graph
+    symbols = [graph.symbols[graph.left[node]] for node in symbols_of(graph, [value.index])]
+    inputs = sorted(symbol.name for symbol in symbols if symbol.kind is SymbolKind.INPUT)
+    if inputs:
+        raise FormulationError(
+            Problem("signal.of_inputs", where, f"{formula.text!r} reads signals that follow from {', '.join(inputs)}",
+                    "the law of an input would need what it makes at the same instant",
+                    "put a first-order filter between: a signal with a rate, and let the law read its state")
+        )  # fmt: skip
+    return value
+
+
 def _quoted_output(formed: EquationsOfMotion, formula: Formula, name: str, column: int) -> int:
     """Return the node of an output that stands in quotes in a formula.
 
