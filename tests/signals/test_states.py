@@ -192,7 +192,7 @@ def test_sticking_and_loops_go_with_signals() -> None:
 
 
 def test_methods_of_closed_loops_that_know_no_signals_are_refused() -> None:
-    crank = sb.Body("Crank", mass=1, frames={"P": sb.Frame(at=(1, 0, 0))})
+    crank = sb.Body("Crank", mass=1, inertia=(0, 0, 1), frames={"P": sb.Frame(at=(1, 0, 0))})
     slider = sb.Body("Slider", mass=1)
     parts = [
         sb.Revolute("turn", "ground", crank, coordinate="a"),

@@ -119,7 +119,8 @@ def input_law(formed: EquationsOfMotion, formula: Formula, where: str) -> Expr:
     inputs = sorted(symbol.name for symbol in symbols if symbol.kind is SymbolKind.INPUT)
     if inputs:
         raise FormulationError(
-            Problem("signal.of_inputs", where, f"{formula.text!r} reads signals that follow from {', '.join(inputs)}",
+            Problem("signal.of_inputs", where,
+                    f"{formula.text!r} reads signals that follow from {', '.join(inputs)}",
                     "the law of an input would need what it makes at the same instant",
                     "put a first-order filter between: a signal with a rate, and let the law read its state")
         )  # fmt: skip
