@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import symbody.graph as graph
-
 from symbody.arguments import checked_arguments
 from symbody.errors import Problem, TopologyError, nearest
 from symbody.graph.linear_graph import Edge
