@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Callable, Hashable
 from collections.abc import Sequence as Items
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -24,6 +23,8 @@ from symbody.codegen.call_arguments import (
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import SinglePoint
+from symbody.codegen.portable_text import portable_text
+from symbody.codegen.result_types import result_type
 from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.signature import Signature as Signature
 from symbody.codegen.signature import source_text
@@ -56,12 +57,16 @@ class CompiledFunction:
     lanes : bool or None
         Whether batches are computed several points at once. True compiles that at the first batch, None when
         300,000 points have been asked for, False never.
+    portable : bool
+        Fuse no operation, so that `source` has the same bits.
     """
 
     def __init__(
-        self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None
-    ) -> None:
-        self._bind_code(SharedCode(sequence, quick=quick, lanes=lanes), signature, NOTHING, None)
+        self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None,
+        portable: bool = False,
+    ) -> None:  # fmt: skip
+        code = SharedCode(sequence, quick=quick, lanes=lanes, portable=portable)
+        self._bind_code(code, signature, NOTHING, None)
 
     @classmethod
     def from_code(
@@ -89,7 +94,7 @@ class CompiledFunction:
         self._code = code
         self._values = values
         self._specialize = specialize
-        self._result = _result_type(code.sequence)
+        self._result = result_type(code.sequence)
         # Made when they are first needed: what follows from the values, and calls at a point.
         self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
@@ -264,6 +269,9 @@ class CompiledFunction:
     @checked_arguments
     def source(self, language: str = "c") -> str:
         """Return the function as source text of another language; see `generate_code`."""
+        if self._code.portable:
+            groups = {group: self.signature.names(group) for group in "qurp"}
+            return portable_text(self._code.sequence, language, groups)
         return source_text(self.sequence, language, self.signature)
 
     def __repr__(self) -> str:
@@ -273,7 +281,7 @@ class CompiledFunction:
     def __reduce__(self) -> tuple[Callable[..., CompiledFunction], tuple[object, ...]]:
         code = self._code
         specialized = None if self._specialize is None else self.sequence
-        choices = code.quick, code.lanes
+        choices = code.quick, code.lanes, code.portable
         return _remade, (code.sequence, self.signature, choices, self._values, specialized)
 
     def _made_direct(self) -> DirectCall:
@@ -364,16 +372,15 @@ class CompiledFunction:
 def _remade(
     sequence: Sequence,
     signature: Signature,
-    choices: tuple[bool, bool | None],
+    choices: tuple[bool, bool | None, bool],
     values: Floats,
     specialized: Sequence | None,
 ) -> CompiledFunction:
     """Return a function from what was pickled of it."""
-    quick, lanes = choices
+    quick, lanes, portable = choices
     specialize = None if specialized is None else partial(_itself, specialized)
-    return CompiledFunction.from_code(
-        SharedCode(sequence, quick=quick, lanes=lanes), signature, values, specialize
-    )
+    code = SharedCode(sequence, quick=quick, lanes=lanes, portable=portable)
+    return CompiledFunction.from_code(code, signature, values, specialize)
 
 
 def _itself(sequence: Sequence) -> Sequence:
@@ -384,16 +391,3 @@ def _call_bound(
     function: CompiledFunction, t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()
 ) -> Any:
     return function(t, q, u, r)
-
-
-def _result_type(sequence: Sequence) -> Callable[..., Any] | None:
-    """Return a named tuple class, or None for a single output; expressions get the names _0, _1, ..."""
-    if len(sequence.outputs) == 1:
-        return None
-    return _named_tuple(tuple(output.name for output in sequence.outputs))
-
-
-@lru_cache(maxsize=256)
-def _named_tuple(names: tuple[str, ...]) -> Callable[..., Any]:
-    """Return the class for these names: Python compiles each new one. Two threads may make one each."""
-    return namedtuple("Outputs", names, rename=True)
