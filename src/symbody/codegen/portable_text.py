@@ -15,7 +15,7 @@ from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT
 from symbody.codegen.kernels.python_kernels import PYTHON
 from symbody.codegen.kernels.sequence_kernel import GROUPS, sequence_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
-from symbody.errors import CompileError, Problem, nearest
+from symbody.errors import CompileError, Problem
 from symbody.expr.folding import fold_constants
 from symbody.expr.program import written_out
 from symbody.expr.sequence import Sequence
@@ -81,12 +81,11 @@ def portable_text(sequence: Sequence, language: str, names: Names) -> str:
     """
     word = language.lower() if isinstance(language, str) else language
     if word not in _WRITERS:
-        cure = nearest(str(word), _WRITERS)
         raise CompileError(
             Problem("compile.portable_language", "language",
                     f"there is no portable text in {language!r}",
                     "portable texts are written in C, JavaScript and Python",
-                    cure or 'leave portable=True out, or write source("c")')
+                    'write source("c"), or leave portable=True out')
         )  # fmt: skip
     return _WRITERS[word](portable_sequence(sequence), names)
 
