@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.accelerations import complete_state
+from symbody.analysis.accelerations import complete_state, state_of_plain
 from symbody.analysis.constraint_evaluator import (
     STARTS,
     ConstraintEvaluator,
@@ -25,6 +25,7 @@ from symbody.analysis.constraint_evaluator import (
 )
 from symbody.analysis.minimum_gap import minimum_gap
 from symbody.analysis.named_values import check_mappings, check_pairs, named_values, unit_quaternions
+from symbody.analysis.plain_assembly import plain_state
 from symbody.analysis.ranges import (
     Ranges,
     checked_ranges,
@@ -36,6 +37,7 @@ from symbody.analysis.ranges import (
 )
 from symbody.analysis.ropes import assemble_with_ropes
 from symbody.analysis.scales import mechanism_scales
+from symbody.analysis.signal_values import split_signals
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
@@ -73,8 +75,8 @@ def assemble(
     Parameters
     ----------
     fixed : mapping of name to number or formula in parameters
-        Coordinates, speeds, ``_dot`` names, or any named joint coordinate, that must have these values; of an
-        angle also ``"30 deg"``.
+        Coordinates, speeds, ``_dot`` names, any named joint coordinate, or states of signals, that must have
+        these values; of an angle also ``"30 deg"``.
     guess : mapping of name to number or formula in parameters
         Where to look for the others; by default the model's initial values, then 0. Among several
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
@@ -102,19 +104,61 @@ def assemble(
     """
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
+    signals, fixed, guess = split_signals(eqs, fixed, guess, parameters)
     if not ropes(eqs.formed):
-        return assemble_taut(eqs, fixed, guess, parameters, inputs, t, ranges, scales)
+        plain = (
+            None
+            if ranges or signals.size
+            else _assemble_plain(eqs, fixed, guess, parameters, inputs, t, scales)
+        )
+        return plain or assemble_taut(
+            eqs, fixed, guess, parameters, inputs, t, ranges, scales, signals=signals
+        )
 
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
-        return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales)
+        return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales, signals=signals)
 
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
     exact = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     values = dict(parameters or {}), dict(inputs or {})
     mechanism = mechanism_scales(eqs, values[0], scales, {**near, **exact})
     return assemble_with_ropes(
-        eqs, exact, near, attempt, lambda held: constraint_evaluator(held, *values, t, mechanism)
-    )
+        eqs, exact, near, attempt,
+        lambda held: constraint_evaluator(held, *values, t, mechanism, signals=signals),
+    )  # fmt: skip
+
+
+def _assemble_plain(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value] | None,
+    guess: Mapping[str, Value] | None,
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    scales: Mapping[str, float] | None,
+) -> State | None:
+    """Return a state in which all constraints hold, or None where that takes more than one look."""
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
+    values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    given = dict(parameters or {}), dict(inputs or {})
+    mechanism = mechanism_scales(eqs, given[0], scales, {**near, **values})
+    plain = plain_state(eqs, values, near, given, t, mechanism)
+    if plain is None:
+        return None
+    others = partial(_branches, eqs, fixed, guess, parameters, inputs, t, scales)
+    return state_of_plain(eqs, plain, (values, near), given, t, mechanism, others)
+
+
+def _branches(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value] | None,
+    guess: Mapping[str, Value] | None,
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    scales: Mapping[str, float] | None,
+) -> tuple[State, ...]:
+    return assemble_taut(eqs, fixed, guess, parameters, inputs, t, None, scales).branches
 
 
 def assemble_taut(
@@ -126,12 +170,19 @@ def assemble_taut(
     t: float = 0.0,
     ranges: Mapping[str, tuple[Value, Value]] | None = None,
     scales: Mapping[str, float] | None = None,
+    *,
+    signals: Floats | None = None,
 ) -> State:
-    """Return a state in which all constraints hold, those of ropes too; otherwise as `assemble`."""
+    """Return a state in which all constraints hold, those of ropes too; otherwise as `assemble`.
+
+    `signals` are the states of signals, by default those of the model.
+    """
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
     values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, {**near, **values})
-    evaluator = constraint_evaluator(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    evaluator = constraint_evaluator(
+        eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism, signals=signals
+    )
     positions, rates = evaluator.split_values(values)
     positions, near = unit_quaternions(eqs.quaternions, positions, near)
     lower, upper = (

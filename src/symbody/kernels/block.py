@@ -19,6 +19,11 @@ NOT_FINITE: Final = 4
 SINGULAR: Final = 5
 TOO_MANY: Final = 6
 STIFF: Final = 7
+# What motions that are searched for events return besides.
+NO_EVENT_ROOM: Final = 8
+STOPPED: Final = 9
+CHATTERING: Final = 10
+EVENT_FAULT: Final = 11
 
 # Counters, first in the block.
 ACCEPTED: Final = 0

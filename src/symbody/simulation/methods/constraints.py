@@ -115,7 +115,8 @@ class Baumgarte:
             rate = row.drift
             for u, slope in row.jacobian.items():
                 rate = rate + slope * Expr(graph, u)
-            pull = rate * (2 * self.zeta * self.omega) + row.value * self.omega**2  # no value: Phi' decays
+            # Quotients, since what is rounded together with a product depends on the digits of constants.
+            pull = rate / (0.5 / (self.zeta * self.omega)) + row.value / (1.0 / self.omega**2)
             rows.append(replace(row, gamma=row.gamma - pull))
         return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)
 

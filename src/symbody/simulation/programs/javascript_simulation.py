@@ -42,7 +42,7 @@ from symbody.simulation.programs.prepared_motion import (
 
 Floats = NDArray[np.float64]
 
-_ASSEMBLED: Final = ("position_residual", "d position_residual/d q", "velocity_residual", "jacobian")
+_ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
 _ENERGIES: Final = ("kinetic_energy", "potential_energy")
 _PULL_INTERVAL: Final = 1.0 / 240.0  # seconds between changes of the wrench of a pointer
 _KERNELS: Final = (
@@ -222,22 +222,26 @@ def _assembly(motion: PosedMotion, function: ProgramFunction) -> Floats:
     eqs, scales = motion.eqs, motion.integration.problem.scales
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
     count, rows = function.sizes[0], function.sizes[2]
-    closed = np.ones(count)
-    lengths = scales.constraints(eqs)[: len(eqs.formed.holonomic)]
-    closed[: lengths.size] = lengths
+    four = [eqs.coordinate_names.index(name) for names in eqs.quaternions for name in names]
     sizes = np.concatenate([scales.displacements(eqs), scales.coordinates(eqs)])
     at = assembly_block
-    matrices = max(at.matrices_size(n_q, count), at.matrices_size(n_u, rows))
+    matrices = at.matrices_size(max(n_q, n_u))
     parts = [
-        np.zeros(at.HEADER), np.zeros(n_u + n_q), sizes,
-        residual_share(motion.projection, motion.request.atol) * closed,
-        np.zeros(sum(function.sizes)), np.zeros(matrices), _call_numbers(function),
+        np.zeros(at.HEADER), np.zeros(n_u + n_q), sizes, scales.constraints(eqs)[:count],
+        np.zeros(sum(function.sizes)), np.zeros(matrices), _call_numbers(function), np.zeros(n_q),
+        np.array(four, dtype=np.float64),
     ]  # fmt: skip
     begins = np.cumsum([part.size for part in parts])
     head = parts[0]
     head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, rows
-    head[[at.HELD, at.SIZES, at.SCALES, at.OUT, at.MATRICES, at.NUMBERS]] = begins[:-1]
+    order = (at.HELD, at.SIZES, at.SCALES, at.OUT, at.MATRICES, at.NUMBERS, at.OLD, at.QUATERNION_PLACES)
+    head[[*order]] = begins[:-1]
+    head[at.QUATERNIONS] = len(eqs.quaternions)
     head[at.OUT_SIZE] = sum(function.sizes)
+    # Each residual of a state that was projected is as small as this share; states that are shown stay.
+    head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * residual_share(
+        motion.projection, motion.request.atol
+    )
     return np.concatenate(parts)
 
 

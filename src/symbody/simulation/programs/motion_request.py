@@ -176,7 +176,7 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
         made, request.initial, request.guess, request.parameters, laws.formulas, start, scales=scales
     )
     problem = pose_problem(made, request.span, request.parameters, laws, scales, constraints, first)
-    x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
+    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     integration = IntegrationProblem(
         problem, x0, request.span, request.times, request.rtol, request.atol, request.max_steps
     )

@@ -9,7 +9,8 @@ import numpy as np
 
 from symbody.kernels import block as at
 from symbody.kernels import stepping
-from symbody.simulation.events.event_watch import EventFunctions, EventWatch
+from symbody.simulation.events.event_functions import EventFunctions
+from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.run import NativeRun, RawRun, drive, fresh_record
@@ -33,8 +34,8 @@ class WatchedSteps(CompiledSteps):
 
     def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
         super().__init__(problem, numbers)
-        scales = None if self._closing is None else self._closing.projector.scales
-        self._functions = EventFunctions(problem.problem, problem.settings.events, scales)
+        closing = None if self._closing is None else self._closing.projector
+        self._functions = EventFunctions(problem.problem, problem.settings.events, closing)
         self._last: RawRun | None = None
         self._chattering = ""
 
@@ -61,12 +62,10 @@ class WatchedSteps(CompiledSteps):
         self._look_ahead()
         end = numbers.next_end()
         events = self._problem.settings.events
-        watch = EventWatch(
-            events, self._functions, end - start, just_happened(events, self.occurrences, start)
-        )
+        watch = EventWatch(self._functions, end - start, just_happened(events, self.occurrences, start))
         with python_laws(self._laws):
             raw = self._last = self._run(end, watch)
-        self.occurrences, self._chattering = tuple(watch.occurrences), watch.chattering
+        self.occurrences, self._chattering = watch.occurrences, watch.chattering
         arrived = raw.status is Status.SUCCESS
         numbers.arrive(raw.reached, state_of(self._block), at_end=arrived)
         return at.FINISHED if arrived else OTHERWISE
