@@ -107,7 +107,7 @@ def _freedom_lines(eqs: EquationSet) -> list[str]:
     """Return how many freedoms there are, and which constraints take none because others do so already."""
     try:
         count = redundancy(eqs) if eqs.multiplier_names else None
-    except SymbodyError:  # the next count says why, in words of the mechanism
+    except SymbodyError:  # the next count gives the reason, in words of the mechanism
         count = None
     if count is None:
         return [f"degrees of freedom: {_freedoms(eqs)}"]

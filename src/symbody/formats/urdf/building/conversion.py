@@ -240,7 +240,7 @@ def _heavy(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterable[str]:
 
 
 def _weight_notes(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterator[str]:
-    """Return what a user should know about the masses of a robot."""
+    """Return notes on links without mass, and on mass without influence."""
     base = lumps[0]
     if not floats and base.mass:
         yield f"the base {base.root} is fixed: its mass of {float(base.mass):g} kg has no influence"

@@ -43,7 +43,7 @@ def save_urdf(
     Raises
     ------
     FormatError
-        If the mechanism is no tree, has parts that URDF cannot say, all named, or the file cannot be written.
+        If the mechanism is not a tree, has parts that URDF lacks, all named, or the file cannot be written.
     ModelError
         If parameters have no value.
     """
