@@ -12,14 +12,13 @@ from symbody.equations.outputs.derivative_outputs import (
     differentiate_output,
     parse_derivative,
 )
-from symbody.equations.outputs.frame_motion import frame_output
+from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
 from symbody.equations.outputs.friction_outputs import (
     friction_effort,
     friction_names,
     friction_normal,
     friction_reserve,
 )
-from symbody.equations.outputs.gravity_output import gravity_forcing
 from symbody.equations.outputs.joint_outputs import effort_names, joint_effort, reaction_output, total_power
 from symbody.equations.outputs.rope_outputs import ROPE_OUTPUTS
 from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
@@ -34,6 +33,7 @@ from symbody.equations.solving.self_stress import substitute_shares
 from symbody.equations.solving.slopes import inverse_dynamics
 from symbody.equations.solving.solution import resistance, solve, substitute_solution
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
+from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
@@ -225,6 +225,23 @@ def _bias(formed: EquationsOfMotion) -> list[Expr]:
     return [-force for force in formed.dynamics.forcing]
 
 
+def _gravity_forcing(formed: EquationsOfMotion) -> list[Expr]:
+    """Return the generalized forces of gravity (n_u,): power of all weights by each speed [N, N m]."""
+    graph, model = formed.graph, formed.topology.model
+    gravity = formed.names.triple(model.gravity, "gravity")
+    forces = [Expr(graph, 0)] * len(formed.u)
+    speeds = [graph.symbol(symbol) for symbol in formed.u]
+    for body in model.bodies:
+        velocity = frame_motion_entries(formed, "v", body.name)[1]
+        mass = formed.names.expression(body.mass, f"body {body.name}, mass")
+        rows = jacobian(graph, [entry.index for entry in velocity], speeds)
+        for along, row in zip(gravity, rows, strict=True):
+            forces = [
+                force + mass * along * Expr(graph, slope) for force, slope in zip(forces, row, strict=True)
+            ]
+    return forces
+
+
 # Outputs about constraints are empty for a tree without any, but they exist, with their shapes.
 OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "udot": _vector("udot", _udot),
@@ -236,7 +253,7 @@ OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
     "mass_matrix": _matrix("mass_matrix", lambda formed: formed.dynamics.mass_matrix),
     "forcing": _vector("forcing", lambda formed: formed.dynamics.forcing),
-    "gravity_forcing": _vector("gravity_forcing", gravity_forcing),
+    "gravity_forcing": _vector("gravity_forcing", _gravity_forcing),
     "bias": _vector("bias", _bias),
     "inverse_dynamics": _vector("inverse_dynamics", inverse_dynamics),
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),

@@ -9,8 +9,7 @@ from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checks.initial import check_initial, initial_problems
-from symbody.model.checks.physics import check_body, check_frames
-from symbody.model.checks.shapes import check_shapes
+from symbody.model.checks.physics import check_body, check_frame, check_frames
 from symbody.model.checks.signals import collect_signals, loop_problems
 from symbody.model.checks.structure import (
     coupling_problems,
@@ -182,12 +181,12 @@ def _check_numbers(draft: Draft, labels: Iterable[str]) -> NumericChecks:
     check.problems += problems
     check.values(draft.gravity, "model, gravity")
     check_frames(check, draft.ground, "model, ground.frames")
-    check_shapes(check, draft.ground_shapes, "model, ground.shape")
+    _check_shapes(check, draft.ground_shapes, "model, ground.shape")
     check_initial(check, draft.initial, (*draft.joints, *draft.free_joints))
     for label, element in zip(labels, draft.elements, strict=True):
         if isinstance(element, Body):
             check_body(check, element, label)
-            check_shapes(check, element.shapes, f"{label}, shape")
+            _check_shapes(check, element.shapes, f"{label}, shape")
         else:
             element.check_numbers(check, label)
     return check
@@ -210,3 +209,23 @@ def _assumptions(draft: Draft) -> list[str]:
             names = ", ".join(joint.coordinates)
             notes.append(f"joint {joint.name}: coordinates without a name of their own are called {names}")
     return notes
+
+
+def _check_shapes(check: NumericChecks, shapes: Sequence[BodyShape], where: str) -> None:
+    """Refuse negative sizes, opacities beyond 0 to 1, and rotations that are none."""
+    for k, shape in enumerate(shapes):
+        place = f"{where}[{k}]"
+        check_frame(check, shape.frame, place)
+        for path, formula in shape.lengths:
+            length = check.value(formula, f"{place}.{path}")
+            if length is not None and length < 0:
+                check.refuse(
+                    "model.negative_size", f"{place}.{path}", f"the length is {length:g} m",
+                    "a sign is wrong", "give a positive length",
+                )  # fmt: skip
+        opacity = check.value(shape.opacity, f"{place}.opacity")
+        if opacity is not None and not 0 <= opacity <= 1:
+            check.refuse(
+                "model.opacity", f"{place}.opacity", f"the opacity is {opacity:g}",
+                "0 is invisible, 1 hides all behind it", "give a number from 0 to 1",
+            )  # fmt: skip
