@@ -69,6 +69,7 @@ class EventFunctions:
         self._maps = {
             k: problem.compile_outputs([str(value) for value in new.values()]) for k, new in maps.items()
         }
+        self._check_actions()
         self._places = {k: [problem.eqs.state_names.index(name) for name in new] for k, new in maps.items()}
 
     def _check_shapes(self) -> None:
@@ -77,6 +78,17 @@ class EventFunctions:
             Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
                     "an event watches one number", "name one component, such as 'reaction J Fx'")
             for event, output in outputs if output.shape
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
+    def _check_actions(self) -> None:
+        problems = [
+            Problem("simulation.event_shape", f"event {self._events[k].label!r}",
+                    f"the new value of {name} has shape {output.shape}",
+                    "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
+            for k, function in self._maps.items()
+            for name, output in zip(self._events[k].mapping, function.outputs, strict=True) if output.shape
         ]  # fmt: skip
         if problems:
             raise UsageError(*problems)
