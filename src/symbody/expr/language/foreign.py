@@ -14,7 +14,7 @@ _DATA: Final = "an expression is data, never code: only numbers, names, operator
 _MARKS: Final = {
     "string": ("string", "text in quotes has no place in an expression", "write names without quotes"),
     "output": ("string", "an output of the mechanism cannot be read in this formula",
-               "write names without quotes; a force reads an output by a signal with output = \"length S\" and "
+               "write names without quotes; a force reads an output by a signal, output = \"length S\", and "
                "its name here; results, plots, events and laws of inputs read outputs in quotes"),
     "prime": ("prime", "a prime is not a derivative here", "write x_dot for the rate of x"),
     ".": ("attribute", "nothing has attributes here", "write names without dots"),
