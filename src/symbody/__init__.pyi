@@ -41,6 +41,7 @@ from .model import Rectangular as Rectangular
 from .model import Revolute as Revolute
 from .model import Screw as Screw
 from .model import Spherical as Spherical
+from .model import Signal as Signal
 from .model import SpringDamper as SpringDamper
 from .model import Telescoping as Telescoping
 from .model import TorsionSpring as TorsionSpring

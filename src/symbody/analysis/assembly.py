@@ -36,6 +36,7 @@ from symbody.analysis.ranges import (
 )
 from symbody.analysis.ropes import assemble_with_ropes
 from symbody.analysis.scales import mechanism_scales
+from symbody.analysis.signal_values import signal_values, without_signals
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
@@ -73,8 +74,8 @@ def assemble(
     Parameters
     ----------
     fixed : mapping of name to number or formula in parameters
-        Coordinates, speeds, ``_dot`` names, or any named joint coordinate, that must have these values; of an
-        angle also ``"30 deg"``.
+        Coordinates, speeds, ``_dot`` names, any named joint coordinate, or states of signals, that must have
+        these values; of an angle also ``"30 deg"``.
     guess : mapping of name to number or formula in parameters
         Where to look for the others; by default the model's initial values, then 0. Among several
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
@@ -102,19 +103,22 @@ def assemble(
     """
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
+    signals = signal_values(eqs, {**(guess or {}), **(fixed or {})}, parameters)
+    fixed, guess = without_signals(eqs, fixed or {}), without_signals(eqs, guess or {})
     if not ropes(eqs.formed):
-        return assemble_taut(eqs, fixed, guess, parameters, inputs, t, ranges, scales)
+        return assemble_taut(eqs, fixed, guess, parameters, inputs, t, ranges, scales, signals=signals)
 
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
-        return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales)
+        return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales, signals=signals)
 
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
     exact = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     values = dict(parameters or {}), dict(inputs or {})
     mechanism = mechanism_scales(eqs, values[0], scales, {**near, **exact})
     return assemble_with_ropes(
-        eqs, exact, near, attempt, lambda held: constraint_evaluator(held, *values, t, mechanism)
-    )
+        eqs, exact, near, attempt,
+        lambda held: constraint_evaluator(held, *values, t, mechanism, signals=signals),
+    )  # fmt: skip
 
 
 def assemble_taut(
@@ -126,12 +130,19 @@ def assemble_taut(
     t: float = 0.0,
     ranges: Mapping[str, tuple[Value, Value]] | None = None,
     scales: Mapping[str, float] | None = None,
+    *,
+    signals: Floats | None = None,
 ) -> State:
-    """Return a state in which all constraints hold, those of ropes too; otherwise as `assemble`."""
+    """Return a state in which all constraints hold, those of ropes too; otherwise as `assemble`.
+
+    `signals` are the states of signals, by default those of the model.
+    """
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
     values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, {**near, **values})
-    evaluator = constraint_evaluator(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    evaluator = constraint_evaluator(
+        eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism, signals=signals
+    )
     positions, rates = evaluator.split_values(values)
     positions, near = unit_quaternions(eqs.quaternions, positions, near)
     lower, upper = (

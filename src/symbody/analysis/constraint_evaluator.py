@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
 from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.analysis.signal_values import signal_values
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
@@ -43,6 +44,8 @@ class ConstraintEvaluator:
         Names of angles.
     mechanism : Scales
         Length, time and mass of the mechanism, from which the sizes above follow.
+    signals : (n_s,) array
+        States of signals, for outputs that read them.
     """
 
     eqs: EquationSet
@@ -55,6 +58,7 @@ class ConstraintEvaluator:
     constraints: Callable[..., Any]
     angles: frozenset[str] = frozenset()
     mechanism: Scales = Scales()
+    signals: Floats = field(default_factory=lambda: np.zeros(0))
     # Functions compiled so far; they follow from the fields above.
     functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
@@ -265,8 +269,9 @@ def constraint_evaluator(
     t: float,
     scales: Scales | None = None,
     constraints: Callable[..., Any] | None = None,
+    signals: Floats | None = None,
 ) -> ConstraintEvaluator:
-    """Return the constraints of equations as numbers, by default with the scales of the model.
+    """Return the constraints of equations as numbers, by default with the scales and signals of the model.
 
     `constraints` is a `constraint_function` with these parameters, where it is compiled already.
     """
@@ -284,8 +289,9 @@ def constraint_evaluator(
     sizes = mechanism.coordinates(eqs), mechanism.displacements(eqs)
     scales_of_rows = mechanism.constraints(eqs)[: len(eqs.formed.holonomic)]
     return ConstraintEvaluator(
-        eqs, parameters, inputs, t, *sizes, scales_of_rows, function, angles, mechanism
-    )
+        eqs, parameters, inputs, t, *sizes, scales_of_rows, function, angles, mechanism,
+        signal_values(eqs, {}, parameters) if signals is None else signals,
+    )  # fmt: skip
 
 
 def indefinite_rows(where: str) -> AssemblyError:

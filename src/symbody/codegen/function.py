@@ -20,6 +20,7 @@ from symbody.codegen.call_arguments import (
     checked_group,
     checked_threads,
     length_problem,
+    with_signals,
 )
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
@@ -34,12 +35,13 @@ from symbody.single_flight import SingleFlight
 Floats = NDArray[np.float64]
 Specialize = Callable[[], Sequence]
 NOTHING: Final = np.zeros(0)
+_NO_SIGNALS: Final = ()
 # Calls at a point after which a function has its own way into machine code; it takes some 50 us to make.
 _FEW_CALLS: Final = 20
 
 
 class CompiledFunction:
-    """Native function ``f(t, q, u, r=(), p=(), *, out=None)``.
+    """Native function ``f(t, q, u, r=(), p=(), *, s=(), out=None)``.
 
     Arguments are 1-D, or have leading batch axes that broadcast against each other: q of shape
     (B, n_q) gives results of shape (B, ...). Calls are reentrant; batches release the GIL; functions pickle.
@@ -95,7 +97,7 @@ class CompiledFunction:
         self._at_point: Callable[..., Any] | None = None
         self._calls = 0
         self._sizes = [
-            ("q", len(signature.q)),
+            ("q", len(signature.q) + len(signature.s)),
             ("u", len(signature.u)),
             ("r", len(signature.r)),
             ("p", len(signature.p)),
@@ -136,6 +138,7 @@ class CompiledFunction:
         r: ArrayLike = (),
         p: ArrayLike = (),
         *,
+        s: ArrayLike = _NO_SIGNALS,
         out: Floats | None = None,
         threads: int = 1,
     ) -> Any:
@@ -148,6 +151,7 @@ class CompiledFunction:
         u : (..., n_u) speeds
         r : (..., n_r) inputs
         p : (..., n_p) free parameters
+        s : (..., n_s) states of signals, where the outputs depend on them; they may also stand behind q
         out : array, optional
             Receives the result of a single output, of the result's shape, contiguous float64.
         threads : int
@@ -160,6 +164,10 @@ class CompiledFunction:
         SimulationError
             If the mass matrix is singular on the admissible velocities.
         """
+        if self.signature.s:
+            q = self._with_signals(q, s)
+        elif s is not _NO_SIGNALS and np.size(s):
+            raise CompileError(length_problem("s", (), np.shape(s)))
         if out is None and self._at_point is not None:
             result = self._at_point(t, q, u, r, p)
             if result is not None:
@@ -177,6 +185,21 @@ class CompiledFunction:
         check_out(out, batch, self.outputs)
         given["c"] = self._constants(given.pop("p"))
         return self._reshape_outputs(self._code.tail(given, batch, checked_threads(threads)), batch, out)
+
+    def _with_signals(self, q: ArrayLike, s: ArrayLike) -> Floats:
+        """Return q with s behind."""
+        signature = self.signature
+        return with_signals(q, s, (signature.q, signature.s), reads_s=self.reads_signals)
+
+    @property
+    def reads_signals(self) -> bool:
+        """Whether the outputs depend on states of signals."""
+        first = len(self.signature.q)
+        inputs = self._code.sequence.inputs
+        reads: bool = self._made.get(
+            "reads", lambda: any(entry.group == "q" and entry.position >= first for entry in inputs)
+        )
+        return reads
 
     def _constants(self, p: Floats) -> Floats:
         """Return c for free parameters (..., n_p)."""
@@ -199,16 +222,16 @@ class CompiledFunction:
         return np.concatenate([p, np.broadcast_to(self._values, (*p.shape[:-1], self._values.size))], axis=-1)
 
     def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:
-        """Return the outputs for a state (speeds, then coordinates), the order of ``eqs.states``."""
+        """Return the outputs for a state (speeds, coordinates, signals), the order of ``eqs.states``."""
         state = as_array("x", x)
         count = len(self.signature.u)
-        names = self.signature.u + self.signature.q
+        names = self.signature.states
         if state.ndim == 0 or state.shape[-1] != len(names):
             raise CompileError(length_problem("x", names, state.shape))
         return self(t, state[..., count:], state[..., :count], r, p)
 
     def bind(self, p: ArrayLike) -> Callable[..., Any]:
-        """Return ``f(t, q, u, r=())`` with parameters fixed; what depends on them alone is computed now."""
+        """Return ``f(t, q, u, r=(), *, s=())`` with parameters fixed; what depends on them alone is computed now."""
         values = checked_group("p", p, self.signature.names("p"))
         if values.ndim == 1:
             bound = CompiledFunction.from_code(
@@ -217,7 +240,10 @@ class CompiledFunction:
             return partial(_call_bound, bound)
         cached = self._constants(values)
 
-        def evaluate_rest(t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()) -> Any:
+        def evaluate_rest(
+            t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = (), *, s: ArrayLike = ()
+        ) -> Any:
+            q = self._with_signals(q, s) if self.signature.s else q
             now = {
                 group: checked_group(group, x, self.signature.names(group))
                 for group, x in zip("qur", (q, u, r), strict=True)
@@ -258,8 +284,9 @@ class CompiledFunction:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of all arguments: t, coordinates, speeds, inputs, free parameters."""
-        return ("t", *self.signature.q, *self.signature.u, *self.signature.r, *self.signature.p)
+        """Names of all arguments: t, coordinates, speeds, inputs, free parameters, states of signals."""
+        signature = self.signature
+        return ("t", *signature.q, *signature.u, *signature.r, *signature.p, *signature.s)
 
     @checked_arguments
     def source(self, language: str = "c") -> str:
@@ -381,9 +408,15 @@ def _itself(sequence: Sequence) -> Sequence:
 
 
 def _call_bound(
-    function: CompiledFunction, t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()
+    function: CompiledFunction,
+    t: ArrayLike,
+    q: ArrayLike,
+    u: ArrayLike,
+    r: ArrayLike = (),
+    *,
+    s: ArrayLike = (),
 ) -> Any:
-    return function(t, q, u, r)
+    return function(t, q, u, r, s=s)
 
 
 def _result_type(sequence: Sequence) -> Callable[..., Any] | None:

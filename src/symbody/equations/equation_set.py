@@ -123,8 +123,13 @@ class EquationSet(PrintedEquations):
         return self.names.accelerations
 
     @property
+    def signal_state_names(self) -> tuple[str, ...]:
+        """Names of the states s of signals in order."""
+        return self.names.signals
+
+    @property
     def state_names(self) -> tuple[str, ...]:
-        """Names of the states: speeds, then coordinates."""
+        """Names of the states: speeds, then coordinates, then those of signals."""
         return self.names.states
 
     @property
@@ -159,9 +164,14 @@ class EquationSet(PrintedEquations):
         return self._symbols(self.formed.u)
 
     @property
+    def signal_states(self) -> tuple[SympyExpr, ...]:
+        """States s of signals as dynamicsymbols."""
+        return self._symbols(self.formed.signal_states)
+
+    @property
     def states(self) -> tuple[SympyExpr, ...]:
-        """Speeds, then coordinates."""
-        return self.speeds + self.coordinates
+        """Speeds, then coordinates, then the states of signals."""
+        return self.speeds + self.coordinates + self.signal_states
 
     @property
     def inputs(self) -> tuple[SympyExpr, ...]:
@@ -215,7 +225,7 @@ class EquationSet(PrintedEquations):
 
     @property
     def A(self) -> SympyMatrix:
-        """Derivatives of x' by the states (u, q), (n_x, n_x), each with the others held fixed."""
+        """Derivatives of x' by the states (u, q, s), (n_x, n_x), each with the others held fixed."""
         return self.textbook.derivatives("A")
 
     @property

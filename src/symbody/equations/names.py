@@ -12,8 +12,8 @@ class OrderedNames(NamedTuple):
 
     Attributes
     ----------
-    coordinates, speeds, accelerations, states : tuple of str
-        Of q, u, u', and x, which is u before q.
+    coordinates, speeds, accelerations, signals, states : tuple of str
+        Of q, u, u', s, and x, which is u, then q, then s.
     inputs, parameters : tuple of str
         Of r, and of the model.
     multipliers : tuple of str
@@ -27,6 +27,7 @@ class OrderedNames(NamedTuple):
     coordinates: tuple[str, ...]
     speeds: tuple[str, ...]
     accelerations: tuple[str, ...]
+    signals: tuple[str, ...]
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     parameters: tuple[str, ...]
@@ -38,12 +39,14 @@ class OrderedNames(NamedTuple):
 def names_of(formed: EquationsOfMotion) -> OrderedNames:
     """Return the names of equations."""
     q, u = (tuple(symbol.label for symbol in symbols) for symbols in (formed.q, formed.u))
+    signals = tuple(symbol.name for symbol in formed.signal_states)
     labels = {formed.graph.symbol(symbol): symbol.label for symbol in formed.q}
     return OrderedNames(
         coordinates=q,
         speeds=u,
         accelerations=tuple(symbol.derivative.label for symbol in formed.u),
-        states=u + q,
+        signals=signals,
+        states=u + q + signals,
         inputs=tuple(symbol.name for symbol in formed.inputs),
         parameters=tuple(symbol.name for symbol in formed.parameters),
         multipliers=tuple(row.name for row in formed.rows),

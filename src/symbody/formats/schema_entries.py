@@ -40,6 +40,7 @@ _PLAIN: Final[Mapping[Role, Any]] = MappingProxyType(
         fields.Quantity: Expression,
         fields.AngleQuantity: Angle,
         fields.OptionalQuantity: Expression,
+        fields.OptionalText: str | None,
         fields.VectorQuantity: Triple,
         fields.Direction: Axis,
         fields.OptionalDirection: Axis,

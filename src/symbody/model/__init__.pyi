@@ -48,3 +48,4 @@ from .shapes import Cone as Cone
 from .shapes import Cylinder as Cylinder
 from .shapes import Mesh as Mesh
 from .shapes import Sphere as Sphere
+from .signals.signal import Signal as Signal

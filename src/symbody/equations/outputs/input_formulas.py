@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.outputs.output_roots import OUTPUTS_BY_NAME, quoted_output
+from symbody.equations.outputs.output_roots import OUTPUTS_BY_NAME, quoted_output, raw_output
+from symbody.equations.outputs.signal_outputs import substitute_signals
 from symbody.equations.solving.solution import substitute_solution
 from symbody.errors import ExpressionError, FormulationError, Problem
 from symbody.expr.language.formula import Formula, FormulaLike
@@ -63,12 +64,17 @@ def _law_node(formed: EquationsOfMotion, formula: Formula, name: str) -> int:
         quoted = Formula.from_value(f"'{formula.text}'", where=where, has_outputs=True)
         try:
             value = formed.names.expression(quoted, where, outputs=quoted_output(formed, quoted, where))
-            return substitute_solution(formed, [value])[0].index
+            return _explicit(formed, value)
         except ExpressionError as error:
             if error.problems[0].what.startswith(f"{formula.text!r} is no number"):
                 raise
     value = formed.names.expression(formula, where, outputs=quoted_output(formed, formula, where))
-    return substitute_solution(formed, [value])[0].index
+    return _explicit(formed, value)
+
+
+def _explicit(formed: EquationsOfMotion, value: Expr) -> int:
+    """Return the node of an expression in t, q, u, s, inputs and parameters alone."""
+    return substitute_solution(formed, substitute_signals(formed, [value], raw_output))[0].index
 
 
 def _inputs_read(formed: EquationsOfMotion, node: int, among: Iterable[str]) -> tuple[str, ...]:

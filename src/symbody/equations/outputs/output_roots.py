@@ -30,6 +30,7 @@ from symbody.equations.outputs.joint_outputs import (
 )
 from symbody.equations.outputs.quotation import quotation_cure
 from symbody.equations.outputs.rope_outputs import ROPE_OUTPUTS
+from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
 from symbody.equations.solving.drift_correction import (
     position_move,
     position_residual,
@@ -69,13 +70,28 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     asked = parse_derivative(name)
     if asked is not None:
         return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output))
+    shape, values = raw_output(formed, name)
+    return _roots(name, shape, _solved(formed, values))
+
+
+def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], Sequence[Expr]]:
+    """Return the shape and entries of an output, in u', multipliers and signals where it depends on these.
+
+    Raises
+    ------
+    FormulationError
+        If the name means nothing, with the nearest names.
+    """
+    if name in OUTPUTS or parse_derivative(name) is not None:
+        roots = output_roots(formed, name)
+        return roots.shape, [Expr(formed.graph, node) for node in roots.nodes]
     measured = formed.loads.measures.get(name.replace('"', ""))
     if measured is not None:
-        return _roots(name, (), [measured])
+        return (), [measured]
     first, _, rest = name.partition(" ")
     if first in OUTPUTS_BY_NAME and rest:
         shape, values = _named_output(formed, name)
-        return _roots(name, shape, substitute_solution(formed, substitute_shares(formed, values)))
+        return shape, substitute_shares(formed, values)
     try:
         formula = Formula.from_value(name, has_outputs=True)
         value = formed.readable_names.expression(formula, outputs=quoted_output(formed, formula))
@@ -88,7 +104,12 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
                     fault.what, cure)
         ) from error  # fmt: skip
     _check_is_measured(formed, name, value)
-    return _roots(name, (), substitute_solution(formed, [value]))
+    return (), [value]
+
+
+def _solved(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
+    """Return entries in t, q, u, s and r alone: signals, u' and multipliers replaced."""
+    return substitute_solution(formed, substitute_signals(formed, values, raw_output))
 
 
 def _named_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], list[Expr]]:
@@ -195,12 +216,16 @@ def _qdot(formed: EquationsOfMotion) -> list[Expr]:
 
 
 def _states(formed: EquationsOfMotion) -> tuple[Symbol, ...]:
-    return (*formed.u, *formed.q)
+    return (*formed.u, *formed.q, *formed.signal_states)
+
+
+def _rates_of_states(formed: EquationsOfMotion) -> list[Expr]:
+    return [*_udot(formed), *_qdot(formed), *_solved(formed, signal_rates(formed))]
 
 
 def _slopes(formed: EquationsOfMotion, by: Sequence[Symbol]) -> list[list[Expr]]:
-    """Return the derivatives of x' = (u', q') by symbols, all others held fixed."""
-    return differentiate_output(formed, "xdot", [rate.index for rate in (*_udot(formed), *_qdot(formed))], by)
+    """Return the derivatives of x' = (u', q', s') by symbols, all others held fixed."""
+    return differentiate_output(formed, "xdot", [rate.index for rate in _rates_of_states(formed)], by)
 
 
 def _roots(name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> Roots:
@@ -241,7 +266,8 @@ def _bias(formed: EquationsOfMotion) -> list[Expr]:
 OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "udot": _vector("udot", _udot),
     "qdot": _vector("qdot", _qdot),
-    "xdot": _vector("xdot", lambda formed: [*_udot(formed), *_qdot(formed)]),
+    "xdot": _vector("xdot", _rates_of_states),
+    "signal_rates": _vector("signal_rates", lambda formed: _solved(formed, signal_rates(formed))),
     "A": _matrix("A", lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
     "B": _matrix("B", lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
     "lambda": _vector("lambda", lambda formed: solve(formed)[1]),

@@ -11,6 +11,7 @@ from symbody.model.body import Body
 from symbody.model.checks.initial import check_initial, initial_problems
 from symbody.model.checks.physics import check_body, check_frames
 from symbody.model.checks.shapes import check_shapes
+from symbody.model.checks.signals import collect_signals, loop_problems
 from symbody.model.checks.structure import (
     coupling_problems,
     duplicate_elements,
@@ -26,6 +27,7 @@ from symbody.model.checks.symbols import (
     constraint_entries,
     joint_entries,
     scope_problems,
+    signal_entries,
 )
 from symbody.model.constraint import ConstraintElement, FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
@@ -38,6 +40,7 @@ from symbody.model.joint import Joint
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.parameters import cycle_problems, parameter_values
 from symbody.model.shapes.shape import BodyShape
+from symbody.model.signals.signal import Signal
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +112,7 @@ def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
         problems += scope_problems(label, element.formula_sites(), symbols)
         if isinstance(element, Body):
             problems += scope_problems(label, element.shape_formula_sites(), symbols)
+    problems += loop_problems(collect_signals(draft.elements))
     problems += initial_problems(draft.initial, symbols, draft.joints)
     return problems + _degree_problems(draft, labels)
 
@@ -123,6 +127,8 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
             yield from joint_entries(element, label)
         elif isinstance(element, ConstraintElement):
             yield from constraint_entries(element, label)
+        elif isinstance(element, Signal):
+            yield from signal_entries(element, label)
     for joint in draft.free_joints:
         yield from joint_entries(joint, f"body {joint.name}")
 

@@ -130,7 +130,7 @@ class EventFunctions:
             residual, move = found[0], found[1]
             if (np.abs(residual) <= self._tolerances).all():
                 break
-            q += move
+            q[: move.size] += move
         u += found[3]
         return result
 

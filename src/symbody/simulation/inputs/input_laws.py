@@ -45,12 +45,15 @@ class InputLaws:
         What is slow, and why.
     tables : mapping of place to Table
         Those among `callbacks` that are tables.
+    coordinates : int, optional
+        How many coordinates there are, where states of signals may stand behind them.
     """
 
     formulas: Mapping[str, Value]
     callbacks: Mapping[str, Callback]
     notes: tuple[str, ...]
     tables: Mapping[int, Table]
+    coordinates: int | None = None
 
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the values of callbacks at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
@@ -74,6 +77,7 @@ class InputLaws:
         SimulationError
             If a law raises, or returns anything but a finite number.
         """
+        q = q[: self.coordinates]
         return [_call_law(name, law, t, q, u) for name, law in self.callbacks.items()]
 
     def slopes(self, t: float, x: Floats, n_u: int) -> Floats:
@@ -103,7 +107,12 @@ def silent_input_note(units: Mapping[str, str], name: str) -> str:
     return f"input {name} has no value and is 0 {units.get(name, '')}".rstrip()
 
 
-def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
+def input_laws(
+    names: Sequence[str],
+    given: Mapping[str, Law],
+    span: tuple[float, float],
+    coordinates: int | None = None,
+) -> InputLaws:
     """Return the laws of inputs; those without one are 0, and unknown names are left to `compile`.
 
     Raises
@@ -136,7 +145,7 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
     kept = {name: value for name, value in formulas.items() if name not in callbacks}
     in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
     tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
-    return InputLaws(kept, in_order, tuple(notes), tables)
+    return InputLaws(kept, in_order, tuple(notes), tables, coordinates)
 
 
 class CallbackFunction:
@@ -157,7 +166,7 @@ class CallbackFunction:
         self._function = function
         self._laws = laws
         signature = function.signature
-        self._q, self._u = (ctypes.c_double * len(names) for names in (signature.q, signature.u))
+        self._q, self._u = (ctypes.c_double * len(signature.names(group)) for group in "qu")
         self._r = ctypes.c_double * len(signature.r)
         self._inner = _NATIVE(function.address)
         self._entry = _NATIVE(self._call)

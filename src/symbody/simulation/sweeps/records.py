@@ -65,8 +65,8 @@ class LoopJob:
 
     @property
     def state_size(self) -> int:
-        """Number of speeds and coordinates."""
-        return len(self.function.signature.u) + len(self.function.signature.q)
+        """Number of speeds, coordinates and states of signals."""
+        return len(self.function.signature.states)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
