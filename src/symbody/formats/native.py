@@ -79,7 +79,9 @@ def model_from_toml(text: str, where: str = "model file") -> Model:
     return _model(parse_toml(plain, where), line_locator(plain, where), os.path.dirname(where))
 
 
-def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None = None) -> str:
+def model_to_toml(
+    model: Model, onto: str = "", layout: Mapping[str, Any] | None = None, *, is_alone: bool = False
+) -> str:
     """Return the TOML text of a model.
 
     Parameters
@@ -88,13 +90,15 @@ def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None
         Text of a model file; its comments, order and layout are kept where it still says the same.
     layout : mapping, optional
         Takes the place of ``[layout]``; None keeps it as it is.
+    is_alone : bool
+        Whether the text is to be read without the files that the model names: it then holds what is in them.
 
     Raises
     ------
     FormatError
         If the layout holds something that TOML cannot say.
     """
-    text = _toml_text(_content(model), onto)
+    text = _toml_text(_content(model, is_alone=is_alone), onto)
     return text if layout is None else _with_layout(text, layout)
 
 
@@ -174,7 +178,7 @@ def _model(data: object, locate: Locate, folder: str = "") -> Model:
         raise ModelError(*relocate(error.problems, bases, locate)) from None
 
 
-def _content(model: Model, folder: str | None = None) -> dict[str, Node]:
+def _content(model: Model, folder: str | None = None, *, is_alone: bool = False) -> dict[str, Node]:
     """Return what the file of a model says, without layout; `folder` as in `shape_entries`."""
     content: dict[str, Node] = {"name": model.name, "gravity": write_node(model.gravity)}
     if model.inputs:
@@ -192,7 +196,9 @@ def _content(model: Model, folder: str | None = None) -> dict[str, Node]:
         content["ground"] = fixed
     for kind in KINDS:
         entries: list[Node] = [
-            write_element(element, folder) for element in model.elements if element.kind == kind
+            write_element(element, folder, is_alone=is_alone)
+            for element in model.elements
+            if element.kind == kind
         ]
         if entries:
             content[kind] = entries

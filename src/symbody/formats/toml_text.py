@@ -143,7 +143,7 @@ def _array(nodes: list[Node]) -> Array:
     return array
 
 
-def _scalar(node: Formula | str | bool) -> Item:
+def _scalar(node: Formula | str | bool | int) -> Item:
     if isinstance(node, Formula):
         number = _number(node)
         return tomlkit.string(node.text) if number is None else number

@@ -49,3 +49,4 @@ from .shapes import Cylinder as Cylinder
 from .shapes import Mesh as Mesh
 from .shapes import Sphere as Sphere
 from .signals.signal import Signal as Signal
+from .tables.lookup import Lookup as Lookup

@@ -27,12 +27,23 @@ from symbody.model.joint import Joint
 from symbody.model.parameters import dependence_order, parameter_values, resolve
 from symbody.model.shapes.shape import BodyShape, read_shapes
 from symbody.model.signals.signal import Signal
+from symbody.model.tables.lookup import Lookup
 from symbody.notebook import Displayed
 
 E = TypeVar("E", bound=Element)
 
 # Elements are kept in this order, as a file lists them; within a kind, in the order given.
-KINDS: Final = ("body", "joint", "spring", "torsion_spring", "force", "torque", "constraint", "signal")
+KINDS: Final = (
+    "body",
+    "joint",
+    "spring",
+    "torsion_spring",
+    "force",
+    "torque",
+    "constraint",
+    "table",
+    "signal",
+)
 
 
 @final
@@ -67,7 +78,7 @@ class Model(Displayed):
     ----------
     bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
-    signals : tuple of Signal
+    signals, tables : tuple of Signal, of Lookup
         Those among `elements`.
     notes : tuple of str
         What was assumed, and what is legal but unusual.
@@ -98,6 +109,7 @@ class Model(Displayed):
     joints: tuple[Joint, ...] = field(init=False, compare=False)
     constraints: tuple[ConstraintElement, ...] = field(init=False, compare=False)
     signals: tuple[Signal, ...] = field(init=False, compare=False)
+    tables: tuple[Lookup, ...] = field(init=False, compare=False)
     notes: tuple[str, ...] = field(init=False, compare=False)
 
     @checked_arguments
@@ -148,6 +160,7 @@ class Model(Displayed):
         object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
         object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, ConstraintElement)))
         object.__setattr__(self, "signals", collect_signals(placed))
+        object.__setattr__(self, "tables", tuple(e for e in placed if isinstance(e, Lookup)))
         object.__setattr__(self, "notes", (*notes, *remarks))
 
     def __repr__(self) -> str:

@@ -11,7 +11,7 @@ from pkgutil import iter_modules
 from types import MappingProxyType, ModuleType
 from typing import Any, Final
 
-from symbody.model import constraints, joints, loads, shapes, signals
+from symbody.model import constraints, joints, loads, shapes, signals, tables
 from symbody.model.body import Body
 from symbody.model.declaration import REQUIRED, Field
 from symbody.model.element import Element
@@ -31,6 +31,7 @@ _GROUPS: Final = MappingProxyType(
         "force": "Forces and torques",
         "torque": "Forces and torques",
         "signal": "Signals",
+        "table": "Signals",
     }
 )
 
@@ -40,7 +41,9 @@ def element_types(kind: str) -> Mapping[str, type[Element]]:
     """Return the elements of a kind by their words in model files; "" where the kind has one type."""
     if kind == Body.kind:
         return MappingProxyType({"": Body})
-    classes = [each for folder in (joints, constraints, loads, signals) for each in _final_classes(folder)]
+    classes = [
+        each for folder in (joints, constraints, loads, signals, tables) for each in _final_classes(folder)
+    ]
     words = {type_word(each): each for each in classes if issubclass(each, Element) and each.kind == kind}
     return MappingProxyType(dict(sorted(words.items())))
 

@@ -10,6 +10,7 @@ from symbody.equations.outputs.output_roots import OUTPUTS_BY_NAME, quoted_outpu
 from symbody.equations.outputs.signal_outputs import substitute_signals
 from symbody.equations.solving.solution import substitute_solution
 from symbody.errors import ExpressionError, FormulationError, Problem
+from symbody.expr.expression import Expr
 from symbody.expr.language.formula import Formula, FormulaLike
 from symbody.expr.rewrite import substitute, symbols_of
 

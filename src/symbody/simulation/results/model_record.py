@@ -36,7 +36,7 @@ _KINDS: Final[Mapping[str, object]] = {
 def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
     """Return what is written of it, and the points of its tables as arrays (2, N)."""
     record: Record = {
-        "text": model_to_toml(provenance.model),
+        "text": model_to_toml(provenance.model, is_alone=True),
         "parameters": _texts(provenance.given),
         "rotation_tree": provenance.trees.rotation,
         "translation_tree": provenance.trees.translation,
