@@ -36,7 +36,7 @@ from symbody.analysis.ranges import (
 )
 from symbody.analysis.ropes import assemble_with_ropes
 from symbody.analysis.scales import mechanism_scales
-from symbody.analysis.signal_values import signal_values, without_signals
+from symbody.analysis.signal_values import split_signals
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
@@ -103,8 +103,7 @@ def assemble(
     """
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
-    signals = signal_values(eqs, {**(guess or {}), **(fixed or {})}, parameters)
-    fixed, guess = without_signals(eqs, fixed or {}), without_signals(eqs, guess or {})
+    signals, fixed, guess = split_signals(eqs, fixed, guess, parameters)
     if not ropes(eqs.formed):
         return assemble_taut(eqs, fixed, guess, parameters, inputs, t, ranges, scales, signals=signals)
 

@@ -151,9 +151,8 @@ def mechanism_scales(
     UsageError
         If a name in `given` is unknown, or a value is not positive.
     """
-    states = set(eqs.signal_state_names)
-    signals = checked_sizes({name: x for name, x in (given or {}).items() if name in states})
-    chosen = checked_scales({name: x for name, x in (given or {}).items() if name not in states})
+    signals = checked_sizes(eqs, given)
+    chosen = checked_scales({name: x for name, x in (given or {}).items() if name not in signals})
     lengths, pulls, masses, moments = parameter_set(eqs, parameters).quantities
     length = chosen.get("length", largest_magnitude(lengths))
     if not length and near is None:
@@ -226,7 +225,7 @@ def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
     return chosen
 
 
-def checked_sizes(given: Mapping[str, float]) -> dict[str, float]:
+def checked_sizes(eqs: EquationSet, given: Mapping[str, float] | None) -> dict[str, float]:
     """Return the sizes of states of signals that the caller chose.
 
     Raises
@@ -234,15 +233,16 @@ def checked_sizes(given: Mapping[str, float]) -> dict[str, float]:
     UsageError
         If one is not a positive number.
     """
+    sizes = {name: x for name, x in (given or {}).items() if name in eqs.signal_state_names}
     problems = [
         Problem("simulation.scales", f"scales[{name!r}]", f"{name} = {value!r} is not a positive number", "",
                 "give a finite number above 0, or leave it out")
-        for name, value in given.items()
+        for name, value in sizes.items()
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
-    return {name: float(value) for name, value in given.items()}
+    return {name: float(value) for name, value in sizes.items()}
 
 
 def geometry(eqs: EquationSet) -> dict[str, Value]:

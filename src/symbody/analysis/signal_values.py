@@ -34,6 +34,17 @@ def signal_values(
     return np.array(list(constant_values(eqs, formulas, parameters).values()), dtype=np.float64)
 
 
+def split_signals(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value] | None,
+    guess: Mapping[str, Value] | None,
+    parameters: Mapping[str, Value] | None,
+) -> tuple[Floats, dict[str, Value], dict[str, Value]]:
+    """Return the states of signals (n_s,), and what is fixed and guessed of all else."""
+    signals = signal_values(eqs, {**(guess or {}), **(fixed or {})}, parameters)
+    return signals, without_signals(eqs, fixed or {}), without_signals(eqs, guess or {})
+
+
 def without_signals(eqs: EquationSet, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return what is given by name without the states of signals."""
     states = set(eqs.signal_state_names)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
+import math
 from collections.abc import Callable, Hashable
 from collections.abc import Sequence as Items
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -25,6 +25,7 @@ from symbody.codegen.call_arguments import (
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import SinglePoint
+from symbody.codegen.results import result_type, split_outputs
 from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.signature import Signature as Signature
 from symbody.codegen.signature import source_text
@@ -91,7 +92,9 @@ class CompiledFunction:
         self._code = code
         self._values = values
         self._specialize = specialize
-        self._result = _result_type(code.sequence)
+        self._result = result_type(code.sequence)
+        first = len(signature.q) if signature.s else math.inf
+        self._reads_s = any(x.group == "q" and x.position >= first for x in code.sequence.inputs)
         # Made when they are first needed: what follows from the values, and calls at a point.
         self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
@@ -188,18 +191,7 @@ class CompiledFunction:
 
     def _with_signals(self, q: ArrayLike, s: ArrayLike) -> Floats:
         """Return q with s behind."""
-        signature = self.signature
-        return with_signals(q, s, (signature.q, signature.s), reads_s=self.reads_signals)
-
-    @property
-    def reads_signals(self) -> bool:
-        """Whether the outputs depend on states of signals."""
-        first = len(self.signature.q)
-        inputs = self._code.sequence.inputs
-        reads: bool = self._made.get(
-            "reads", lambda: any(entry.group == "q" and entry.position >= first for entry in inputs)
-        )
-        return reads
+        return with_signals(q, s, (self.signature.q, self.signature.s), reads_s=self._reads_s)
 
     def _constants(self, p: Floats) -> Floats:
         """Return c for free parameters (..., n_p)."""
@@ -231,7 +223,7 @@ class CompiledFunction:
         return self(t, state[..., count:], state[..., :count], r, p)
 
     def bind(self, p: ArrayLike) -> Callable[..., Any]:
-        """Return ``f(t, q, u, r=(), *, s=())`` with parameters fixed; what depends on them alone is computed now."""
+        """Return ``f(t, q, u, r=(), *, s=())`` with parameters fixed; what they decide is computed now."""
         values = checked_group("p", p, self.signature.names("p"))
         if values.ndim == 1:
             bound = CompiledFunction.from_code(
@@ -285,8 +277,7 @@ class CompiledFunction:
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of all arguments: t, coordinates, speeds, inputs, free parameters, states of signals."""
-        signature = self.signature
-        return ("t", *signature.q, *signature.u, *signature.r, *signature.p, *signature.s)
+        return self.signature.arguments
 
     @checked_arguments
     def source(self, language: str = "c") -> str:
@@ -321,13 +312,7 @@ class CompiledFunction:
 
     def _taken_apart(self, flat: Floats) -> Any:
         """Return several outputs of one point, which lie one after the other."""
-        results, start = [], 0
-        for output in self.outputs:
-            shape = output.shape
-            stop = start + len(output.values)
-            part = flat[start:stop]
-            results.append(part if len(shape) == 1 else part.reshape(shape))
-            start = stop
+        results = split_outputs(self.outputs, flat)
         return self._result(*results) if self._result is not None else results[0]
 
     def _points(self, t: ArrayLike, *arguments: ArrayLike) -> tuple[float, list[Floats]] | None:
@@ -375,11 +360,7 @@ class CompiledFunction:
         )
 
     def _reshape_outputs(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
-        results, start = [], 0
-        for output in self.outputs:
-            stop = start + len(output.values)
-            results.append(flat[..., start:stop].reshape(batch + output.shape))
-            start = stop
+        results = split_outputs(self.outputs, flat, batch)
         if self._result is not None:
             return self._result(*results)
         if out is None:
@@ -417,16 +398,3 @@ def _call_bound(
     s: ArrayLike = (),
 ) -> Any:
     return function(t, q, u, r, s=s)
-
-
-def _result_type(sequence: Sequence) -> Callable[..., Any] | None:
-    """Return a named tuple class, or None for a single output; expressions get the names _0, _1, ..."""
-    if len(sequence.outputs) == 1:
-        return None
-    return _named_tuple(tuple(output.name for output in sequence.outputs))
-
-
-@lru_cache(maxsize=256)
-def _named_tuple(names: tuple[str, ...]) -> Callable[..., Any]:
-    """Return the class for these names: Python compiles each new one. Two threads may make one each."""
-    return namedtuple("Outputs", names, rename=True)

@@ -28,6 +28,11 @@ class Signature:
         return {"q": self.q + self.s, "u": self.u, "r": self.r, "p": self.p}.get(group, ("t",))
 
     @property
+    def arguments(self) -> tuple[str, ...]:
+        """Names of t, coordinates, speeds, inputs, parameters, states of signals."""
+        return ("t", *self.q, *self.u, *self.r, *self.p, *self.s)
+
+    @property
     def states(self) -> tuple[str, ...]:
         """Names of the states x: speeds, coordinates, states of signals."""
         return self.u + self.q + self.s

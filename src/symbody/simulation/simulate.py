@@ -52,8 +52,7 @@ def simulate(
     t_end : float or (t0, t_end)
         End time [s], or both ends; initial values hold at the first.
     initial : mapping of name to number or formula in parameters
-        Coordinates, speeds, ``_dot`` names, any named joint coordinate and states of signals that have these
-        values at first.
+        Coordinates, speeds, ``_dot`` names, joint coordinates and signals that have these values at first.
     guess : mapping of name to number or formula in parameters
         Where the others are looked for, see `assemble`; by default the model's initial values, then 0.
     parameters : mapping of name to number or formula
@@ -72,8 +71,7 @@ def simulate(
         Tolerances of the local error, relative and absolute; by default atol is 1e-10 of the mechanism's
         largest length or of 1 rad, for speeds over its time; see `analysis.scales.Scales`.
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
-        What counts as large [m, s, kg] where it shall not follow from the model; of a state, its first value,
-        or 1 where that is 0.
+        What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
     progress : bool or callable, optional
         True shows a bar, also of the loop's compilation; a callable takes the share that is done, and ends
         the motion by returning False.

@@ -11,8 +11,8 @@ from symbody.expr.sequence import Sequence
 
 TEXTS: Final[Mapping[str, Callable[[Sequence, str, Arguments | None], str]]] = {
     # These two take what the sequence reads; the others all arguments, in their order.
-    "c": lambda sequence, name, _: c.generate(sequence, name),
-    "python": lambda sequence, name, _: python.generate(sequence, name),
+    "c": lambda sequence, name, given: c.generate(sequence, name, has_signals="s" in (given or {})),
+    "python": lambda sequence, name, given: python.generate(sequence, name, has_signals="s" in (given or {})),
     "fortran": fortran.generate,
     "matlab": matlab.generate,  # Octave reads it too
     "octave": matlab.generate,

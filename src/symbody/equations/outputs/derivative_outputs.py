@@ -60,7 +60,7 @@ def derivative_roots(
     Raises
     ------
     FormulationError
-        If a word is none of ``q``, ``u``, ``r``, ``s`` and no symbol of these equations, with the nearest names.
+        If a word is none of ``q``, ``u``, ``r``, ``s`` and no symbol of the equations, with the nearest ones.
     """
     by = tuple(chain.from_iterable(_symbols(formed, name, word) for word in asked.by))
     rows = differentiate_output(formed, asked.output, values.nodes, by, side_by_side=side_by_side)

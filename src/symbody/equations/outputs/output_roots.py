@@ -71,7 +71,7 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     if asked is not None:
         return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output))
     shape, values = raw_output(formed, name)
-    return _roots(name, shape, _solved(formed, values))
+    return _roots(name, shape, _put_in_solution(formed, values))
 
 
 def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], Sequence[Expr]]:
@@ -107,7 +107,7 @@ def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], S
     return (), [value]
 
 
-def _solved(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
+def _put_in_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
     """Return entries in t, q, u, s and r alone: signals, u' and multipliers replaced."""
     return substitute_solution(formed, substitute_signals(formed, values, raw_output))
 
@@ -220,7 +220,7 @@ def _states(formed: EquationsOfMotion) -> tuple[Symbol, ...]:
 
 
 def _rates_of_states(formed: EquationsOfMotion) -> list[Expr]:
-    return [*_udot(formed), *_qdot(formed), *_solved(formed, signal_rates(formed))]
+    return [*_udot(formed), *_qdot(formed), *_put_in_solution(formed, signal_rates(formed))]
 
 
 def _slopes(formed: EquationsOfMotion, by: Sequence[Symbol]) -> list[list[Expr]]:
@@ -267,7 +267,7 @@ OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "udot": _vector("udot", _udot),
     "qdot": _vector("qdot", _qdot),
     "xdot": _vector("xdot", _rates_of_states),
-    "signal_rates": _vector("signal_rates", lambda formed: _solved(formed, signal_rates(formed))),
+    "signal_rates": _vector("signal_rates", lambda formed: _put_in_solution(formed, signal_rates(formed))),
     "A": _matrix("A", lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
     "B": _matrix("B", lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
     "lambda": _vector("lambda", lambda formed: solve(formed)[1]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from graphlib import CycleError
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
@@ -53,6 +54,21 @@ def substitute_signals(
         return list(values)
     made = _in_order(formed, definitions, {symbol: open_symbols(x) for symbol, x in definitions.items()})
     return [Expr(graph, node) for node in substitute(graph, [value.index for value in values], made)]
+
+
+def signal_equations(formed: EquationsOfMotion) -> list[tuple[Symbol, Expr]]:
+    """Return what the model says of signals: rates of states, values of others, each in other signals."""
+    names = formed.readable_names
+    own = {signal.name for signal in formed.topology.model.signals}
+    plain = replace(names, values={name: x for name, x in names.values.items() if name not in own})
+    equations = []
+    for signal in formed.topology.model.signals:
+        symbol = signal_symbol(signal.name)
+        if signal.rate is not None:
+            equations.append((symbol.derivative, plain.expression(signal.rate)))
+        elif signal.value is not None:
+            equations.append((symbol, plain.expression(signal.value)))
+    return equations
 
 
 def explicit_outputs(

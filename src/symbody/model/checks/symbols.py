@@ -24,8 +24,8 @@ class Meaning(NamedTuple):
     Attributes
     ----------
     word : str
-        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"``, ``"speed"``, ``"acceleration"``, ``"signal"``
-        or ``"signal rate"``.
+        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"``, ``"speed"``, ``"acceleration"``,
+        ``"signal"`` or ``"signal rate"``.
     where : str
         The place that introduces it.
     """

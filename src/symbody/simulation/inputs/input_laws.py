@@ -7,7 +7,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import FrameType
 from typing import Final
 
@@ -56,7 +56,7 @@ class InputLaws:
     callbacks: Mapping[str, Callback]
     notes: tuple[str, ...]
     tables: Mapping[int, Table]
-    coordinates: int | None = None
+    coordinates: int | None = field(default=None, kw_only=True)
 
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the values of callbacks at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
@@ -148,7 +148,7 @@ def input_laws(
     kept = {name: value for name, value in formulas.items() if name not in callbacks}
     in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
     tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
-    return InputLaws(kept, in_order, tuple(notes), tables, coordinates)
+    return InputLaws(kept, in_order, tuple(notes), tables, coordinates=coordinates)
 
 
 def laws_of_tables(eqs: EquationSet) -> dict[str, Law]:

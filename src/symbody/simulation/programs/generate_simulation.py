@@ -90,7 +90,7 @@ def _prepare(
         )
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
-    x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
+    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     samples = np.linspace(*span, _SAMPLES) if times is None else times
     integration = IntegrationProblem(problem, x0, span, samples, rtol, atol, max_steps)
     return prepare_motion(integration, integrator, constraints)

@@ -173,7 +173,7 @@ def pose_motion(eqs: EquationSet, request: MotionRequest) -> PosedMotion:
     constraints = request.constraints
     stabilized = constraints.applied(made) if isinstance(constraints, Baumgarte) else made
     problem = SimulationProblem(stabilized, dict(request.parameters), laws, scales)
-    x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
+    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     integration = IntegrationProblem(problem, x0, request.span, None, request.rtol, request.atol)
     names = (*request.free_inputs, *(() if wrench is None else wrench.names))
     formulas = {name: law for name, law in laws.formulas.items() if name not in names}

@@ -84,7 +84,7 @@ def prepare_motion(
     block = make_block(rhs, projector, method.tableau, goal, x, integration.span[0], first_step)
     times = np.asarray(integration.times, dtype=np.float64)
     block[at.TIMES] = block[at.SAMPLE_ROOM] = times.size
-    names = (*eqs.speed_names, *eqs.coordinate_names, "work")
+    names = (*eqs.state_names, "work")
     return PreparedMotion(kernels, block, times, names)
 
 

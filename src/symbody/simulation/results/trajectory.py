@@ -138,7 +138,7 @@ class Trajectory(SampleTable):
             return evaluate_samples(formula, self.__getitem__, self.t, self.t.shape)
         if self.evaluate is None:
             raise self._unknown(name)
-        values = self.evaluate(name, np.atleast_1d(self.t), *self._state())
+        values = self.evaluate(name, np.atleast_1d(self.t), *self.state_arrays())
         return values if self.t.ndim else values[..., 0]
 
     @checked_arguments
@@ -156,7 +156,11 @@ class Trajectory(SampleTable):
         if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
             return {name: self[name] for name in names}
         made = dict(
-            zip(missing, self.evaluate.together(missing, np.atleast_1d(self.t), *self._state()), strict=True)
+            zip(
+                missing,
+                self.evaluate.together(missing, np.atleast_1d(self.t), *self.state_arrays()),
+                strict=True,
+            )
         )
         shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
         shaped |= {name: self[name] for name in of_samples}
@@ -176,7 +180,7 @@ class Trajectory(SampleTable):
                 return row
         return self.stored.get(name)
 
-    def _state(self) -> tuple[Floats, Floats]:
+    def state_arrays(self) -> tuple[Floats, Floats]:
         """Return q with s behind, as compiled functions take them, and u; time last."""
         positions = np.concatenate([self.q, self.s]) if self.signal_state_names else self.q
         return self._with_time(positions), self._with_time(self.u)

@@ -58,7 +58,7 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         return
     samples = run.t.size
     records.x[row] = np.nan
-    records.x[row, :samples] = np.concatenate([run.u, run.q]).T
+    records.x[row, :samples] = np.concatenate([run.u, run.q, run.s]).T
     records.codes[row] = OTHERS + list(Status).index(run.status)
     statistics = run.statistics
     counts = {

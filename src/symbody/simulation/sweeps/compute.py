@@ -22,7 +22,7 @@ from symbody.simulation.native.description import Floats, Projector, RightHandSi
 from symbody.simulation.native.lane_blocks import make_lane_block
 from symbody.simulation.native.machine import address, lane_motions, many_motions
 from symbody.simulation.sweeps.case_by_case import compute_case
-from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, Signal, blocks
+from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, StopSignal, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.single_flight import SingleFlight
 
@@ -161,7 +161,7 @@ def compute_chunk(payload: bytes, chunk: Chunk, threads: int) -> Records | str:
 
 
 def _compute_in_threads(job: LoopJob, chunk: Chunk, records: Records, threads: int) -> None:
-    signal = Signal.new()
+    signal = StopSignal.new()
     ends = list(blocks(chunk.count, -(-chunk.count // max(threads, 1))))
     if len(ends) == 1:
         compute_in_loop(job, chunk, records, signal.stop, signal.done)
@@ -169,7 +169,7 @@ def _compute_in_threads(job: LoopJob, chunk: Chunk, records: Records, threads: i
     with ThreadPoolExecutor(len(ends)) as pool:
         futures = [
             pool.submit(
-                compute_in_loop, job, chunk.cut(*both), records.cut(*both), signal.stop, Signal.new().done
+                compute_in_loop, job, chunk.cut(*both), records.cut(*both), signal.stop, StopSignal.new().done
             )
             for both in ends
         ]

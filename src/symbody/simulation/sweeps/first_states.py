@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from symbody.analysis.assembly import consistent_start
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
+from symbody.analysis.signal_values import without_signals
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
@@ -128,7 +129,9 @@ def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) 
     parameter_set(eqs, table.fixed_parameters, table.parameter_names)
     refuse_unknown(eqs, (*table.initial_names, *table.fixed_initial, *guess))
     legal = positions_and_rates(eqs)
-    ordered = {**guess, **{name: value for name, value in eqs.model.initial.items() if name not in guess}}
+    of_model: dict[str, Value] = {**eqs.model.initial}
+    of_model |= {signal.name: signal.initial for signal in eqs.model.signals if signal.is_state}
+    ordered = {**guess, **{name: value for name, value in of_model.items() if name not in guess}}
     return {name: value for name, value in ordered.items() if name in legal}
 
 
@@ -187,8 +190,9 @@ class _Assembler:
                 sizes,
             )
             try:
-                q, u = consistent_start(closure, _row(fixed, k), _row(guessed, k))
-                states[k] = np.concatenate([u, q])
+                given, near = _row(fixed, k), _row(guessed, k)
+                q, u = consistent_start(closure, without_signals(eqs, given), without_signals(eqs, near))
+                states[k] = [*u, *q, *(given.get(name, near[name]) for name in eqs.signal_state_names)]
             except SymbodyError as error:
                 notes[k] = str(error)
         return states, notes

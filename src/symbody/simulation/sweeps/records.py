@@ -215,7 +215,7 @@ class Records:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Signal:
+class StopSignal:
     """Numbers that the compiled loop shares with the thread that waits for it.
 
     Attributes
@@ -230,7 +230,7 @@ class Signal:
     done: Integers
 
     @classmethod
-    def new(cls) -> Signal:
+    def new(cls) -> StopSignal:
         """Return a signal for a loop that has not begun."""
         return cls(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
 
