@@ -16,7 +16,9 @@ def arm(*parts: Element, torque: str = "km*i", inputs: Iterable[str] = (), **mor
     body = sb.Body("Arm", mass="m", inertia=(0, 0, "J"), frames=frames)
     drive = sb.Drive(applied=torque, damping="b")
     motor = sb.Revolute("motor", "ground", "Arm.base", coordinate="theta", torque=drive)
-    return sb.Model("arm", [body, motor, *parts], gravity=(0, "-g", 0), parameters=VALUES, inputs=inputs, **more)
+    return sb.Model(
+        "arm", [body, motor, *parts], gravity=(0, "-g", 0), parameters=VALUES, inputs=inputs, **more
+    )
 
 
 def dc_motor_arm() -> sb.Model:

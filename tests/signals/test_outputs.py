@@ -73,9 +73,15 @@ def test_outputs_that_are_no_number_are_refused(output: str, code: str) -> None:
 
 def test_splitting_a_formula_changes_no_bit() -> None:
     whole = arm(torque="km*(sin(theta) + (theta_dot - 2*theta)*km)/(1 + theta^2)", inputs=[])
-    parts = [sb.Signal("d", "1 + theta^2"), sb.Signal("n", "sin(theta) + e*km"), sb.Signal("e", "theta_dot - 2*theta")]
+    parts = [
+        sb.Signal("d", "1 + theta^2"),
+        sb.Signal("n", "sin(theta) + e*km"),
+        sb.Signal("e", "theta_dot - 2*theta"),
+    ]
     split = arm(*parts, torque="km*n/d")
-    one, two = (sb.generate_code(sb.form_equations(model), ["xdot", "energy"], "c") for model in (whole, split))
+    one, two = (
+        sb.generate_code(sb.form_equations(model), ["xdot", "energy"], "c") for model in (whole, split)
+    )
     assert one == two
 
 

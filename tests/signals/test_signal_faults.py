@@ -60,7 +60,10 @@ def test_constraints_motions_and_inertia_take_no_signals() -> None:
 
 
 def test_rates_of_signals_stand_in_no_formula() -> None:
-    assert codes(sb.Signal("a", rate=1), sb.Signal("c", "a_dot"))[0] == ("names.not_here", "signal c, value, column 1")
+    assert codes(sb.Signal("a", rate=1), sb.Signal("c", "a_dot"))[0] == (
+        "names.not_here",
+        "signal c, value, column 1",
+    )
 
 
 def test_unknown_names_in_signals() -> None:

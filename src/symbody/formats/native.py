@@ -19,15 +19,18 @@ from symbody.formats.entries import (
     write_element,
     write_node,
 )
+from symbody.formats.includes import include_entry, read_includes
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
+from symbody.formats.schema import NEWER_SECTIONS, VERSION
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.toml_text import write_layout, write_toml
 from symbody.formats.writing import write_text
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import KINDS, Model
+from symbody.model.parts.expansion import own_content, whole_content
 
 
 @checked_arguments
@@ -76,7 +79,8 @@ def model_from_toml(text: str, where: str = "model file") -> Model:
         See `load_model`.
     """
     plain = text.removeprefix("\N{ZERO WIDTH NO-BREAK SPACE}").replace("\r\n", "\n")
-    return _model(parse_toml(plain, where), line_locator(plain, where), os.path.dirname(where))
+    reading = (os.path.realpath(where),)
+    return _model(parse_toml(plain, where), line_locator(plain, where), os.path.dirname(where), reading)
 
 
 def model_to_toml(
@@ -142,8 +146,10 @@ def read_layout(text: str, where: str = "model file") -> dict[str, Any]:
     return layout if isinstance(layout, dict) else {}
 
 
-def _model(data: object, locate: Locate, folder: str = "") -> Model:
+def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, ...] = ()) -> Model:
     content = check_structure(data, locate)
+    parts = read_includes(content.get("include", []), locate, folder, reading, _model)
+    locate = parts.locate
     problems: list[Problem] = []
     elements: list[Element] = []
     paths: list[Path] = []
@@ -162,11 +168,12 @@ def _model(data: object, locate: Locate, folder: str = "") -> Model:
     if problems:
         raise ModelError(*problems)
     labels = element_labels(elements)
-    bases: dict[str, Path] = {"model": (), **{labels[k]: path for k, path in enumerate(paths)}}
+    bases: dict[str, Path] = {"model": (), **parts.paths}
+    bases |= {labels[k]: path for k, path in enumerate(paths)}
     try:
         return Model(
             content["name"],
-            elements,
+            [*elements, *parts.includes],
             gravity=content.get("gravity", (0, 0, 0)),
             parameters={name: None if v == "" else v for name, v in content.get("parameters", {}).items()},
             inputs=content.get("inputs", ()),
@@ -181,30 +188,34 @@ def _model(data: object, locate: Locate, folder: str = "") -> Model:
 def _content(model: Model, folder: str | None = None, *, is_alone: bool = False) -> dict[str, Node]:
     """Return what the file of a model says, without layout; `folder` as in `shape_entries`."""
     content: dict[str, Node] = {"name": model.name, "gravity": write_node(model.gravity)}
-    if model.inputs:
-        content["inputs"] = list(model.inputs)
-    if model.parameters:
+    own = whole_content(model) if is_alone else own_content(model)
+    if own.inputs:
+        content["inputs"] = list(own.inputs)
+    if own.parameters:
         content["parameters"] = {
-            name: "" if formula is None else formula for name, formula in model.parameters.items()
+            name: "" if formula is None else formula for name, formula in own.parameters.items()
         }
     fixed: dict[str, Node] = {}
-    if model.ground:
-        fixed["frames"] = write_node(model.ground)
-    if model.ground_shapes:
-        fixed["shape"] = shape_entries(model.ground_shapes, folder)
+    if own.ground:
+        fixed["frames"] = {name: write_node(frame) for name, frame in own.ground.items()}
+    if own.ground_shapes:
+        fixed["shape"] = shape_entries(own.ground_shapes, folder)
     if fixed:
         content["ground"] = fixed
     for kind in KINDS:
         entries: list[Node] = [
             write_element(element, folder, is_alone=is_alone)
-            for element in model.elements
+            for element in own.elements
             if element.kind == kind
         ]
         if entries:
             content[kind] = entries
-    if model.initial:
-        content["initial"] = write_node(model.initial)
-    return content
+    if own.includes:
+        content["include"] = [include_entry(include, folder) for include in own.includes]
+    if own.initial:
+        content["initial"] = {name: formula for name, formula in own.initial.items()}
+    is_new = any(section in content for section in NEWER_SECTIONS)
+    return {"version": VERSION, **content} if is_new else content
 
 
 def _toml_text(content: Mapping[str, Node], onto: str, folder: str | None = None) -> str:
