@@ -50,7 +50,7 @@ def test_every_element_is_listed_with_its_fields() -> None:
 
 def test_keys_of_the_model() -> None:
     keys = set(inspect.signature(Model).parameters) - {"elements", "ground_shapes", "notes"}
-    assert set(ModelFile.model_fields) - set(KINDS) == keys | {"layout", "version"}
+    assert set(ModelFile.model_fields) - set(KINDS) == keys | {"include", "layout", "version"}
 
 
 @pytest.mark.parametrize("value", ["m", "", 1, 1.5, Decimal("1.50"), -(10**30)])

@@ -69,7 +69,7 @@ def read_includes(
             includes.append(_make(entry, part, folder))
             places.append(where)
         except ModelError as error:
-            problems += _relocated(error.problems, entry, path, locate)
+            problems += _fault_places(error.problems, entry, path, locate)
             continue
         for element in part.elements:
             own = [other for other in part.elements if other.kind == element.kind]
@@ -87,7 +87,7 @@ def read_includes(
     return IncludedParts(tuple(includes), paths, locate_part)
 
 
-def _relocated(
+def _fault_places(
     problems: Sequence[Problem], entry: Mapping[str, Any], path: Path, locate: Locate
 ) -> Sequence[Problem]:
     """Return faults of the table with its line; those of the part's file have theirs."""

@@ -84,7 +84,12 @@ def model_from_toml(text: str, where: str = "model file") -> Model:
 
 
 def model_to_toml(
-    model: Model, onto: str = "", layout: Mapping[str, Any] | None = None, *, is_alone: bool = False
+    model: Model,
+    onto: str = "",
+    layout: Mapping[str, Any] | None = None,
+    *,
+    is_alone: bool = False,
+    folder: str = "",
 ) -> str:
     """Return the TOML text of a model.
 
@@ -96,13 +101,15 @@ def model_to_toml(
         Takes the place of ``[layout]``; None keeps it as it is.
     is_alone : bool
         Whether the text is to be read without the files that the model names: it then holds what is in them.
+    folder : str
+        Where `onto` stands, in which paths begin; "" leaves paths as they are.
 
     Raises
     ------
     FormatError
         If the layout holds something that TOML cannot say.
     """
-    text = _toml_text(_content(model, is_alone=is_alone), onto)
+    text = _toml_text(_content(model, folder or None, is_alone=is_alone), onto, folder or None)
     return text if layout is None else _with_layout(text, layout)
 
 
@@ -188,32 +195,32 @@ def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, .
 def _content(model: Model, folder: str | None = None, *, is_alone: bool = False) -> dict[str, Node]:
     """Return what the file of a model says, without layout; `folder` as in `shape_entries`."""
     content: dict[str, Node] = {"name": model.name, "gravity": write_node(model.gravity)}
-    own = whole_content(model) if is_alone else own_content(model)
-    if own.inputs:
-        content["inputs"] = list(own.inputs)
-    if own.parameters:
+    said = whole_content(model) if is_alone else own_content(model)
+    if said.inputs:
+        content["inputs"] = list(said.inputs)
+    if said.parameters:
         content["parameters"] = {
-            name: "" if formula is None else formula for name, formula in own.parameters.items()
+            name: "" if formula is None else formula for name, formula in said.parameters.items()
         }
     fixed: dict[str, Node] = {}
-    if own.ground:
-        fixed["frames"] = {name: write_node(frame) for name, frame in own.ground.items()}
-    if own.ground_shapes:
-        fixed["shape"] = shape_entries(own.ground_shapes, folder)
+    if said.ground:
+        fixed["frames"] = {name: write_node(frame) for name, frame in said.ground.items()}
+    if said.ground_shapes:
+        fixed["shape"] = shape_entries(said.ground_shapes, folder)
     if fixed:
         content["ground"] = fixed
     for kind in KINDS:
         entries: list[Node] = [
             write_element(element, folder, is_alone=is_alone)
-            for element in own.elements
+            for element in said.elements
             if element.kind == kind
         ]
         if entries:
             content[kind] = entries
-    if own.includes:
-        content["include"] = [include_entry(include, folder) for include in own.includes]
-    if own.initial:
-        content["initial"] = {name: formula for name, formula in own.initial.items()}
+    if said.includes:
+        content["include"] = [include_entry(include, folder) for include in said.includes]
+    if said.initial:
+        content["initial"] = {name: formula for name, formula in said.initial.items()}
     is_new = any(section in content for section in NEWER_SECTIONS)
     return {"version": VERSION, **content} if is_new else content
 

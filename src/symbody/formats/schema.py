@@ -66,7 +66,7 @@ IncludeEntry: Final = create_model(
         Field(default={}, description="In place of the part's values, in symbols of this model."),
     ),
 )
-_INCLUDES: Final[Any] = list[IncludeEntry]  # type: ignore[valid-type]
+_ENTRY: Final[Any] = IncludeEntry
 _LISTS: Final[Mapping[str, Any]] = {kind: (entry_list_type(kind), []) for kind in KINDS}
 ModelFile: Final = create_model(
     "ModelFile",
@@ -91,7 +91,7 @@ ModelFile: Final = create_model(
     ground=(GroundEntry, Field(default_factory=GroundEntry)),
     **_LISTS,
     include=(
-        _INCLUDES,
+        list[_ENTRY],
         Field(default=[], description="Parts: model files, once or several times, under prefixes."),
     ),
     initial=(

@@ -84,8 +84,7 @@ def simulate(
     """
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    watched = check_events(events, eqs)
-    inputs = {**laws_of_tables(eqs), **(inputs or {})}
+    watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)

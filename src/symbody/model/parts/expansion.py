@@ -64,16 +64,16 @@ def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]
         draft = replace(
             draft,
             elements=(*_with_frames(draft.elements, content), *content.elements),
-            parameters=_added(draft.parameters, content.parameters),
+            parameters=_extend_values(draft.parameters, content.parameters),
             inputs=tuple(dict.fromkeys((*draft.inputs, *content.inputs))),
-            initial=_added(draft.initial, content.initial),
+            initial=_extend_values(draft.initial, content.initial),
             ground=_ground_frames(draft, content),
             ground_shapes=(*draft.ground_shapes, *(content.shapes if content.at.body == GROUND else ())),
         )
     return draft
 
 
-def _added(values: Mapping[str, V], further: Mapping[str, V]) -> FrozenMapping[V]:
+def _extend_values(values: Mapping[str, V], further: Mapping[str, V]) -> FrozenMapping[V]:
     """Return values with further ones behind them; those that stand there already stay."""
     return FrozenMapping({**values, **{name: value for name, value in further.items() if name not in values}})
 
@@ -87,7 +87,7 @@ def part_content(
     if not isinstance(at, FrameRef):
         problems.append(Problem("model.unknown_place", f"{label}, at", at[0], "", at[1]))
         return None
-    renaming = _renaming(include, at)
+    renaming = _make_renaming(include, at)
     base = _frame_of(at, bodies, ground)
     elements = [rename_element(element, renaming) for element in part.elements]
     new = {renaming.symbol(name): formula for name, formula in part.parameters.items()}
@@ -120,7 +120,7 @@ def part_content(
     )
 
 
-def _renaming(include: Include, at: FrameRef) -> Renaming:
+def _make_renaming(include: Include, at: FrameRef) -> Renaming:
     part = include.part
     joints = (*part.joints, *part.free_joints)
     speeds = [name for joint in joints for name in joint.quasi_speed_names]
@@ -203,7 +203,7 @@ def own_content(model: Model) -> OwnContent:
     for include in reversed(model.includes):
         content = part_content(include, model.bodies, model.ground, [])
         if include.file and content is not None and _is_unchanged(own, content, {*include.share}):
-            own = _without(own, content, include)
+            own = _remove_part(own, content, include)
     return own
 
 
@@ -215,29 +215,31 @@ def _is_unchanged(own: OwnContent, content: PartContent, shared: AbstractSet[str
     return holds and all(own.initial.get(name) is not None for name in content.initial)
 
 
-def _without(own: OwnContent, content: PartContent, include: Include) -> OwnContent:
+def _remove_part(whole: OwnContent, content: PartContent, include: Include) -> OwnContent:
     at, shared = content.at.body, {*include.share}
     elements = [
-        _without_frames(element, content) if isinstance(element, Body) and element.name == at else element
-        for element in own.elements
+        _remove_frames(element, content) if isinstance(element, Body) and element.name == at else element
+        for element in whole.elements
         if element not in content.elements
     ]
-    ground = {name: frame for name, frame in own.ground.items() if at != GROUND or name not in content.frames}
+    ground = {
+        name: frame for name, frame in whole.ground.items() if at != GROUND or name not in content.frames
+    }
     count = len(content.shapes) if at == GROUND else 0
-    shapes = own.ground_shapes[: len(own.ground_shapes) - count]
+    shapes = whole.ground_shapes[: len(whole.ground_shapes) - count]
     gone = {name for name in content.parameters if name not in shared}
     return OwnContent(
         tuple(elements),
-        {name: value for name, value in own.parameters.items() if name not in gone},
-        tuple(name for name in own.inputs if name not in content.inputs or name in shared),
-        {name: value for name, value in own.initial.items() if content.initial.get(name) != value},
+        {name: value for name, value in whole.parameters.items() if name not in gone},
+        tuple(name for name in whole.inputs if name not in content.inputs or name in shared),
+        {name: value for name, value in whole.initial.items() if content.initial.get(name) != value},
         ground,
         shapes,
-        (include, *own.includes),
+        (include, *whole.includes),
     )
 
 
-def _without_frames(body: Body, content: PartContent) -> Body:
+def _remove_frames(body: Body, content: PartContent) -> Body:
     frames = {name: frame for name, frame in body.frames.items() if name not in content.frames}
     count = len(body.shapes) - len(content.shapes)
     return replace(body, frames=FrozenMapping(frames), shapes=body.shapes[:count])

@@ -23,15 +23,15 @@ def place_frame(base: Frame, frame: Frame) -> Frame:
     NotImplementedError
         If the rotation cannot be written with sines and cosines of the angles of `base`; it says what it is.
     """
-    return _placed(base, frame)
+    return _place(base, frame)
 
 
 def place_shape(base: Frame, shape: BodyShape) -> BodyShape:
     """Return a shape in the axes of the body on which `base` stands; see `place_frame`."""
-    return _placed(base, shape)
+    return _place(base, shape)
 
 
-def _placed(base: Frame, item: P) -> P:
+def _place(base: Frame, item: P) -> P:
     if base == Frame():
         return item
     at = _sum(base.at, _rotate(base, item.at))

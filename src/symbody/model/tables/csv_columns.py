@@ -78,7 +78,7 @@ def read_points(place: str, where: str, columns: Sequence[Column], units: Sequen
     problems: list[Problem] = []
     points: list[Point] = []
     lines: list[int] = []
-    for number, row in _continued((line, first), rows, has_header):
+    for number, row in _value_rows((line, first), rows, has_header):
         values = [_number(row, k, f"{where}:{number}", problems) for k in chosen]
         if len(problems) >= _MOST_PROBLEMS:
             break
@@ -141,7 +141,7 @@ def _separator(lines: Iterator[str]) -> str:
     return next((mark for mark in _SEPARATORS if mark in first), ",")
 
 
-def _continued(
+def _value_rows(
     first: tuple[int, list[str]], rows: Iterator[tuple[int, list[str]]], has_header: bool
 ) -> Iterator[tuple[int, list[str]]]:
     if not has_header:

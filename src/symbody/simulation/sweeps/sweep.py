@@ -104,13 +104,12 @@ def sweep(
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     inputs = {**laws_of_tables(eqs), **(inputs or {})}
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
-    tolerances = rtol, atol
-    options = MotionOptions.check(span, times, integrator, constraints, tolerances, max_steps, lanes, scales)
+    limits = (rtol, atol), max_steps, lanes, scales
+    options = MotionOptions.check(span, times, integrator, constraints, *limits)
     workers = check_workers(executor, threads, part, patience)
     check = partial(check_memory, samples=options.times.size, states=len(eqs.state_names))
     table = case_table(parameters or {}, initial or {}, combine, samples, seed, check)
-    watched = check_events(events, eqs)
-    job = SweepJob(eqs, table, dict(guess or {}), dict(inputs), laws, options, watched)
+    job = SweepJob(eqs, table, dict(guess or {}), dict(inputs), laws, options, check_events(events, eqs))
     with show_progress(progress, "sweep") as report:
         return _run_sweep(job, workers, store, report)
 
