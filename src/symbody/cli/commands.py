@@ -302,7 +302,7 @@ def _motion(
         eqs,
         end,
         parameters=given.parameters,
-        inputs=given.inputs,
+        inputs=given.laws(),
         initial=given.initial,
         times=None if samples is None else np.linspace(0.0, end, samples),
         progress=bar,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -18,7 +18,7 @@ from symbody.model.model import resolve_parameters
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -206,6 +206,7 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
     UsageError
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
+    request = replace(request, inputs={**laws_of_tables(eqs), **request.inputs})
     laws = input_laws(eqs.input_names, request.inputs, request.span)
     problems = [*_refusals(request, laws), *_switching_problems(eqs)]
     if problems:
