@@ -43,7 +43,9 @@ def mode_line(mode: Mode) -> str:
         facts.append(f"damping ratio {_plain(mode.damping_ratio)}")
     elif math.isfinite(mode.time_constant):
         facts.append(f"time constant {_plain(mode.time_constant)} s")
-    return f"eigenvalue {_complex(mode.eigenvalue)} 1/s: {', '.join([*facts, f'shape {_shape(mode)}'])}"
+    return (
+        f"eigenvalue {_complex(eigenvalue_on_axes(mode))} 1/s: {', '.join([*facts, f'shape {_shape(mode)}'])}"
+    )
 
 
 def mode_table(modes: Sequence[Mode]) -> str:
@@ -51,7 +53,7 @@ def mode_table(modes: Sequence[Mode]) -> str:
     heading = ("eigenvalue [1/s]", "frequency [rad/s]", "damping ratio", "time constant [s]", "shape")
     single = [mode for mode in modes if mode.eigenvalue.imag >= 0.0]
     rows = [
-        (_complex(mode.eigenvalue, pair=True), *map(_plain, _figures(mode)), _shape(mode))
+        (_complex(eigenvalue_on_axes(mode), pair=True), *map(_plain, _figures(mode)), _shape(mode))
         for mode in single[:_MOST_MODES]
     ]
     widths = [max(map(len, column)) for column in zip(heading, *rows, strict=True)]
@@ -65,6 +67,12 @@ def mode_table(modes: Sequence[Mode]) -> str:
 
 def _figures(mode: Mode) -> tuple[float, float, float]:
     return mode.frequency, mode.damping_ratio, mode.time_constant
+
+
+def eigenvalue_on_axes(mode: Mode) -> complex:
+    """Return the eigenvalue with 0 for a real part that is rounding."""
+    value = mode.eigenvalue
+    return value if abs(value.real) > mode.tolerance else complex(0.0, value.imag)
 
 
 def _plain(value: float) -> str:

@@ -54,7 +54,9 @@ class Mode(Displayed):
     @property
     def damping_ratio(self) -> float:
         """``-Re / |eigenvalue|``: 1 and above does not oscillate, below 0 grows; NaN for eigenvalue 0."""
-        return -self.eigenvalue.real / self.frequency if self.frequency > self.tolerance else math.nan
+        if self.frequency <= self.tolerance:
+            return math.nan
+        return -self.eigenvalue.real / self.frequency if math.isfinite(self.time_constant) else 0.0
 
     @property
     def time_constant(self) -> float:

@@ -12,6 +12,7 @@ from symbody.equations.outputs.derivative_outputs import (
     differentiate_output,
     parse_derivative,
 )
+from symbody.equations.outputs.frame_cures import frame_cure
 from symbody.equations.outputs.frame_motion import frame_output
 from symbody.equations.outputs.friction_outputs import (
     friction_effort,
@@ -71,7 +72,9 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     except (ExpressionError, FormulationError) as error:
         words = [*output_names(formed), *formed.names.symbols]
         fault = error.problems[0]
-        cure = fault.fix if fault.code == "equations.quoted_output" else nearest(name, words)
+        frames = [frame for frame in formed.kinematics.velocities if "|" not in frame]
+        near = frame_cure(name, frames) or nearest(name, words)
+        cure = fault.fix if fault.code == "equations.quoted_output" else near
         raise FormulationError(
             Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
                     fault.what, cure)
