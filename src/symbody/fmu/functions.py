@@ -1,4 +1,4 @@
-"""Functions of a mechanism as kernels, with the numbers that they are called with."""
+"""Functions of a mechanism as C, with the numbers that they are called with."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.codegen.kernels.sequence_kernel import sequence_kernels
-from symbody.codegen.kernels.tree import KernelTree
+from symbody.codegen.texts.c import function_text
 from symbody.equations.equation_set import EquationSet
 from symbody.expr import opcodes as op
 from symbody.expr.folding import fold_constants
@@ -31,9 +30,9 @@ class ModelFunction:
     Attributes
     ----------
     name : str
-        Of the kernel.
-    kernels : mapping of name to KernelTree
-        The function and what it calls; ``<name>_values`` computes what depends on parameters alone.
+        Of the function in C.
+    text : str
+        It, and ``<name>_values``, which computes what depends on parameters alone.
     sequence : Sequence
         What is computed.
     arguments : RightHandSide
@@ -45,7 +44,7 @@ class ModelFunction:
     """
 
     name: str
-    kernels: Mapping[str, KernelTree]
+    text: str
     sequence: Sequence
     arguments: RightHandSide
     values_work: int
@@ -90,16 +89,16 @@ def make_function(
     sequence, _ = form_sequence(eqs, tuple(outputs), parameters, tunable)
     sequence = fold_constants(written_out(sequence))
     head, tail = sequence.split("p")
-    kernels, work = sequence_kernels(tail, name)
-    values_work, made = 0, dict(kernels)
+    text, work = function_text(tail, name)
+    values_work = 0
     if head.output_size:
-        more, values_work = sequence_kernels(head, f"{name}_values")
-        made |= more
+        more, values_work = function_text(head, f"{name}_values")
+        text += more
     n_u = len(eqs.speed_names)
     constants = np.zeros(head.output_size)
     arguments = RightHandSide(1, n_u, np.zeros(len(eqs.input_names)), values, constants, work)
     sizes = tuple(len(output.values) for output in sequence.outputs)
-    return ModelFunction(name, made, sequence, arguments, max(values_work, 1) if head.output_size else 0, sizes)
+    return ModelFunction(name, text, sequence, arguments, max(values_work, int(head.output_size > 0)), sizes)
 
 
 def dependencies(sequence: Sequence) -> tuple[Symbols, ...]:

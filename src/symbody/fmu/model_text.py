@@ -9,12 +9,11 @@ from typing import Final
 import numpy as np
 
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
-from symbody.codegen.kernels.dialect import PREFIX
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree, Type
 from symbody.fmu.functions import Floats
-from symbody.fmu.program import SPAN, FmuProgram
+from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states, independent_states
 from symbody.kernels import assembly as assembly_block
 from symbody.kernels import block
@@ -57,8 +56,6 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
     kernels: dict[str, KernelTree] = {}
     for file, roots in _KERNELS:
         kernels |= read_kernels(file, *roots)
-    for function in program.functions.values():
-        kernels |= function.kernels
     pool, places = _pool(program)
     filled = np.flatnonzero(pool)
     eqs, given = program.eqs, program.parameters
@@ -80,10 +77,11 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _table("char *const", "sb_names", (_string(variable.name) for variable in variables), "const "),
         _functions(program, places),
     ]
+    texts = [function.text for function in program.functions.values()]
     sizes = _sizes(program, pool, places) | {"SB_TOKEN": _string(token)}
     title = f"/* {_plain(eqs.model.name)}, written by symbody: what the C of the FMU computes with. */\n"
     head = "".join(f"#define {name} {value}\n" for name, value in sizes.items())
-    return "\n".join([title, PREAMBLE, head, kernel_text(kernels, C), _FUNCTION, *tables])
+    return "\n".join([title, PREAMBLE, head, kernel_text(kernels, C), *texts, _FUNCTION, *tables])
 
 
 def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
@@ -127,15 +125,15 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
     texts = {
         "SB_SPAN": repr(SPAN), "SB_CLOSED": repr(program.closed), "SB_OPEN": repr(OPEN),
-        "SB_PROJECTION": f"{PREFIX}{'projection' if program.is_projected else 'motion'}",
-        "SB_ASSEMBLY_FUNCTION": f"{PREFIX}{'assembly' if 'assembly' in functions else 'motion'}",
+        "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
+        "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip
     return {name: str(value) for name, value in numbers.items()} | texts
 
 
 def _functions(program: FmuProgram, places: Mapping[str, int]) -> str:
     rows = [
-        f"{{{PREFIX}{name}, {f'{PREFIX}{name}_values' if function.values_work else 'NULL'}, {places[name]}}}"
+        f"{{{FUNCTION}{name}, {f'{FUNCTION}{name}_values' if function.values_work else 'NULL'}, {places[name]}}}"
         for name, function in program.functions.items()
     ]
     return _table("SbFunction", "sb_functions", rows)

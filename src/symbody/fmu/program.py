@@ -34,6 +34,7 @@ from symbody.simulation.sweeps.case_by_case import reason_for_simulate
 
 ASSEMBLED: Final = ("position_residual", "d position_residual/d q", "velocity_residual", "jacobian")
 MOST_TRIALS: Final = 2**52
+FUNCTION: Final = "mechanism_"  # begins the names of functions in C
 _BY: Final = "d(q, u, r)"
 SPAN: Final = 10.0  # seconds of the default experiment
 RTOL: Final = 1e-8
@@ -218,7 +219,7 @@ class _Functions:
 
     def make(self, eqs: EquationSet, name: str, outputs: Sequence[str]) -> ModelFunction:
         given = self.parameters
-        return make_function(eqs, name, outputs, given.fixed_formulas, given.arguments, given.values)
+        return make_function(eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, given.values)
 
 
 def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:

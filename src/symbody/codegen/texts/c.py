@@ -114,6 +114,20 @@ def generate(
     return "\n".join([*head, *_functions(layout)]) + "\n"
 
 
+def function_text(sequence: Sequence, name: str, *, piece_size: int = PIECE_SIZE) -> tuple[str, int]:
+    """Return a static function for a file that holds the kernels, and its doubles of scratch.
+
+    Parameters
+    ----------
+    name : str
+        Of the function; parts of it have numbers behind the name.
+    """
+    plan = plan_pieces(sequence, piece_size)
+    words = assign_identifiers([entry.name for entry in sequence.inputs], _is_reserved)
+    layout = TextLayout(sequence, plan, name, {}, {}, tuple(words), ())
+    return "\n".join(_functions(layout, "static int")) + "\n", plan.work_size
+
+
 def _is_reserved(word: str) -> bool:
     return word in _RESERVED or _RESERVED_FORM.fullmatch(word) is not None
 
@@ -160,15 +174,15 @@ def _interface(plan: Plan, name: str) -> Iterator[str]:
     yield "}"
 
 
-def _functions(layout: TextLayout) -> Iterator[str]:
+def _functions(layout: TextLayout, kind: str = "int") -> Iterator[str]:
     name, pieces = layout.name, layout.plan.pieces
     if len(pieces) == 1:
-        yield from _piece_function(layout, pieces[0], f"int {name}")
+        yield from _piece_function(layout, pieces[0], f"{kind} {name}")
         return
     for k, piece in enumerate(pieces):
         yield from _piece_function(layout, piece, f"static int {name}_{k}")
     yield ""
-    yield f"int {name}({_PARAMETERS})"
+    yield f"{kind} {name}({_PARAMETERS})"
     yield "{"
     yield "    int status = 0, next;"
     for k in range(len(pieces)):

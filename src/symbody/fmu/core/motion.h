@@ -294,7 +294,7 @@ static void begin_steps(Motion *m)
     B[SB_NEXT_BREAK] = B[SB_FIRST_BREAK];
     m->from = m->to = m->time;
     m->is_fresh = 0;
-    m->code = symbody_begin(symbody_motion, B, nothing, nothing, nothing, m->ends);
+    m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->ends);
     B[SB_FIRST_STEP] = SB_IS_FIXED ? B[SB_MAX_STEP] : fabs(B[SB_STEP]);
 }
 
@@ -302,7 +302,7 @@ static void take_step(Motion *m)
 {
     double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_TIME];
     m->code = symbody_advance(
-        symbody_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
+        mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
     if (B[SB_STEPS] != 0.0) {
         B[SB_STEPS] = 0.0;
         m->from = before;
