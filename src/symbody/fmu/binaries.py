@@ -56,7 +56,9 @@ PLATFORMS: Final[Mapping[str, Platform]] = {
 
 def own_platform() -> Platform | None:
     """Return the platform of this machine, if it is one of them."""
-    machine = {"AMD64": "x86_64", "arm64": "aarch64", "ARM64": "aarch64"}.get(platform.machine(), platform.machine())
+    machine = {"AMD64": "x86_64", "arm64": "aarch64", "ARM64": "aarch64"}.get(
+        platform.machine(), platform.machine()
+    )
     return PLATFORMS.get(f"{machine}-{platform.system().lower()}")
 
 
@@ -107,10 +109,13 @@ def compile_libraries(
     missing = [each.name for each, command in commands.items() if not command]
     if missing and asked is not None:
         raise EnvironmentFault(
-            Problem("fmu.compiler", "platforms", f"no compiler here makes libraries for {', '.join(missing)}", "",
+            Problem("fmu.compiler", "platforms",
+                    f"no compiler here makes libraries for {', '.join(missing)}", "",
                     f"{INSTALL} brings one that makes all of them, or leave platforms out")
         )  # fmt: skip
-    libraries = {each: _compile(sources, main, each, command) for each, command in commands.items() if command}
+    libraries = {
+        each: _compile(sources, main, each, command) for each, command in commands.items() if command
+    }
     notes = ()
     if not libraries:
         notes = (
@@ -138,7 +143,8 @@ def _compile(sources: Mapping[str, bytes], main: str, target: Platform, command:
         library = f"library{target.suffix}"
         flags = [flag for flag in _FLAGS if not (target.suffix == ".dll" and "visibility" in flag)]
         done = subprocess.run(
-            [*command, *flags, main, "-o", library, "-lm"], cwd=folder, capture_output=True, text=True, check=False
+            [*command, *flags, main, "-o", library, "-lm"], cwd=folder, capture_output=True, text=True,
+            check=False,
         )  # fmt: skip
         if done.returncode:
             lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()

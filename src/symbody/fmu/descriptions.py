@@ -70,7 +70,11 @@ def description_3(model: Described) -> bytes:
         "description": model.description, "generationTool": f"symbody {symbody.__version__}",
         "variableNamingConvention": "structured",
     })  # fmt: skip
-    common = {"modelIdentifier": model.identifier, "canGetAndSetFMUState": "true", "canSerializeFMUState": "true"}
+    common = {
+        "modelIdentifier": model.identifier,
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+    }
     common |= {"providesDirectionalDerivatives": _word(model.has_derivatives)}
     xml.SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
     xml.SubElement(root, "CoSimulation", common | {
@@ -113,7 +117,11 @@ def description_2(model: Described, sources: Iterable[str]) -> bytes:
         "generationTool": f"symbody {symbody.__version__}", "variableNamingConvention": "structured",
         "numberOfEventIndicators": str(model.event_count),
     })  # fmt: skip
-    common = {"modelIdentifier": model.identifier, "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"}
+    common = {
+        "modelIdentifier": model.identifier,
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
     common |= {"providesDirectionalDerivative": _word(model.has_derivatives)}
     files = tuple(sources)
     for word, further in (
@@ -166,7 +174,11 @@ def build_description(identifier: str, file: str) -> bytes:
 
 
 def _head(variable: FmuVariable, reference: int) -> Attributes:
-    attributes = {"name": variable.name, "valueReference": str(reference), "description": variable.description}
+    attributes = {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "description": variable.description,
+    }
     attributes |= {"causality": variable.causality, "variability": variable.variability}
     if variable.initial:
         attributes["initial"] = variable.initial
@@ -190,7 +202,10 @@ def _dependencies(variable: FmuVariable, shift: int) -> Attributes:
     if variable.dependencies is None:
         return {}
     references = " ".join(str(reference + shift) for reference, _ in variable.dependencies)
-    return {"dependencies": references, "dependenciesKind": " ".join(kind for _, kind in variable.dependencies)}
+    return {
+        "dependencies": references,
+        "dependenciesKind": " ".join(kind for _, kind in variable.dependencies),
+    }
 
 
 def _units(root: xml.Element, model: Described) -> None:

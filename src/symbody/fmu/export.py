@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final
 
 import symbody
 from symbody.arguments import checked_arguments
@@ -30,20 +30,14 @@ from symbody.fmu.names import identifier
 from symbody.fmu.parameters import fmu_parameters
 from symbody.fmu.program import SPAN, FmuProgram, make_program
 from symbody.fmu.variables import FmuVariable, fmu_variables
+from symbody.fmu.versions import CORE, HEADERS, MAIN, Version
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 
 _DATE: Final = (1980, 1, 1, 0, 0, 0)  # the first that an archive can hold, so that bytes do not change
-_CORE: Final = ("motion.h", "instance.h")
-_HEADERS: Final[Mapping[str, tuple[str, ...]]] = {
-    "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
-    "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
-}
-_LICENCE: Final[Mapping[str, str]] = {
-    "2.0": "documentation/licenses/fmi-headers.txt", "3.0": "documentation/licenses/fmi-headers.txt",
-}  # fmt: skip
+_LICENCE: Final = "documentation/licenses/fmi-headers.txt"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +73,7 @@ class Fmu:
 def save_fmu(
     eqs: EquationSet,
     path: str | os.PathLike[str],
-    version: Literal["2.0", "3.0"] = "3.0",
+    version: Version = "3.0",
     outputs: Iterable[str] = (),
     initial: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None,
@@ -137,14 +131,22 @@ def save_fmu(
     watched = check_events(events if isinstance(events, Event) else tuple(events), eqs)
     given = fmu_parameters(eqs, parameters or {}, fixed)
     program = make_program(eqs, shown, initial or {}, given, watched, constraints, integrator)
+    return _write(program, file, version, platforms, sources)
+
+
+def _write(
+    program: FmuProgram, file: Path, version: Version, platforms: str | Iterable[str] | None, sources: bool
+) -> Fmu:
+    """Write the archive of a program."""
     variables = fmu_variables(program)
     token = _token(program, variables, version)
+    name = program.eqs.model.name
     described = Described(
-        eqs.model.name, f"multibody model {eqs.model.name}", identifier(file.stem), token, variables,
-        len(watched), SPAN, "derivatives" in program.functions,
+        name, f"multibody model {name}", identifier(file.stem), token, variables, len(program.events), SPAN,
+        "derivatives" in program.functions,
     )  # fmt: skip
     text = _source_files(program, variables, token, version)
-    libraries, notes = compile_libraries(text, _main(version), platforms, version)
+    libraries, notes = compile_libraries(text, MAIN[version], platforms, version)
     if not libraries and not sources:
         raise UsageError(
             Problem("fmu.empty", "sources", "the archive would hold neither sources nor a library", "",
@@ -163,17 +165,13 @@ def _check_path(file: Path) -> None:
         )  # fmt: skip
 
 
-def _main(version: str) -> str:
-    return "fmi2.c" if version == "2.0" else "fmi3.c"
-
-
 def _source_files(
     program: FmuProgram, variables: tuple[FmuVariable, ...], token: str, version: str
 ) -> dict[str, bytes]:
     """Return the C of an FMU by file name."""
     package = files(__package__)
-    made = {name: (package / "core" / name).read_bytes() for name in (_main(version), *_CORE)}
-    made |= {name: (package / "headers" / name).read_bytes() for name in _HEADERS[version]}
+    made = {name: (package / "core" / name).read_bytes() for name in (MAIN[version], *CORE)}
+    made |= {name: (package / "headers" / name).read_bytes() for name in HEADERS[version]}
     return made | {"model.h": model_text(program, variables, token).encode()}
 
 
@@ -181,7 +179,7 @@ def _content(
     described: Described, text: Mapping[str, bytes], libraries: Mapping[Platform, bytes], version: str
 ) -> dict[str, bytes]:
     """Return the files of the archive."""
-    main = _main(version)
+    main = MAIN[version]
     if version == "2.0":
         made = {"modelDescription.xml": description_2(described, [main] if text else [])}
     else:
@@ -193,7 +191,7 @@ def _content(
         folder = each.name_2 if version == "2.0" else each.name
         made[f"binaries/{folder}/{described.identifier}{each.suffix}"] = content
     if text:
-        made[_LICENCE[version]] = (files(__package__) / "headers" / "LICENSE.txt").read_bytes()
+        made[_LICENCE] = (files(__package__) / "headers" / "LICENSE.txt").read_bytes()
     return made
 
 

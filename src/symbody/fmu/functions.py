@@ -115,6 +115,4 @@ def dependencies(sequence: Sequence) -> tuple[Symbols, ...]:
 
 def are_symbols(sequence: Sequence) -> tuple[bool, ...]:
     """Return whether each result is an argument itself."""
-    return tuple(
-        sequence.operations[k].op == op.SYMBOL for output in sequence.outputs for k in output.values
-    )
+    return tuple(sequence.operations[k].op == op.SYMBOL for output in sequence.outputs for k in output.values)

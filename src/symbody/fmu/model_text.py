@@ -31,11 +31,12 @@ _KERNELS: Final = (
     ("runge_kutta", ("call",)),
 )
 _BLOCK_PLACES: Final = (
-    "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP", "RTOL",
+    "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",
+    "RTOL",
     "VECTORS", "STATE_OLD", "KERNEL", "STEPS", "SAMPLES", "AFTER_REJECTION", "STIFF_VOTES", "OTHER_VOTES",
     "UNJUDGED", "NEXT_BREAK", "FIRST_BREAK", "BREAK_TIME", "BREAK_JUMPS", "BREAK_MARGIN", "BREAK_SIZE",
-    "PROJECTOR", "P_FUNCTION", "P_OUT", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED", "COLLAPSED", "NOT_FINITE",
-    "SINGULAR", "TOO_MANY",
+    "PROJECTOR", "P_FUNCTION", "P_OUT", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED", "COLLAPSED",
+    "NOT_FINITE", "SINGULAR", "TOO_MANY",
 )  # fmt: skip
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
@@ -120,7 +121,9 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(isinstance(program.method, FixedStep)),
         "SB_DENSE_ROWS": dense, "SB_PIECES": dense * n, "SB_LOOKS": _LOOKS, "SB_MOST_EVENTS": _MOST_EVENTS,
     }  # fmt: skip
-    indices = {word: list(functions).index(name) if name in functions else 0 for name, word in _PURPOSES.items()}
+    indices = {
+        word: list(functions).index(name) if name in functions else 0 for name, word in _PURPOSES.items()
+    }
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
     texts = {
@@ -132,10 +135,10 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
 
 
 def _functions(program: FmuProgram, places: Mapping[str, int]) -> str:
-    rows = [
-        f"{{{FUNCTION}{name}, {f'{FUNCTION}{name}_values' if function.values_work else 'NULL'}, {places[name]}}}"
-        for name, function in program.functions.items()
-    ]
+    rows = []
+    for name, function in program.functions.items():
+        values = f"{function.name}_values" if function.values_work else "NULL"
+        rows.append(f"{{{function.name}, {values}, {places[name]}}}")
     return _table("SbFunction", "sb_functions", rows)
 
 

@@ -207,7 +207,9 @@ def make_program(
     if actions:
         made["action"] = functions.make(eqs, "action", actions)
     if parameters.calculated:
-        made["parameters"] = functions.make(eqs, "parameters", [f"({name})" for name in parameters.calculated])
+        made["parameters"] = functions.make(
+            eqs, "parameters", [f"({name})" for name in parameters.calculated]
+        )
     return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made)
 
 
@@ -219,7 +221,9 @@ class _Functions:
 
     def make(self, eqs: EquationSet, name: str, outputs: Sequence[str]) -> ModelFunction:
         given = self.parameters
-        return make_function(eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, given.values)
+        return make_function(
+            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, given.values
+        )
 
 
 def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
+
+from numpy.typing import NDArray
 
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.evaluate import evaluate_sequence
@@ -13,7 +16,9 @@ from symbody.fmu.functions import Floats, ModelFunction, Symbols, are_symbols, d
 from symbody.fmu.names import entry_name, rate_name, unique_names, variable_name
 from symbody.fmu.program import FmuProgram
 
-VIOLATION = "largest position constraint over the size of the mechanism, 0 for open mechanisms"
+Flags = NDArray[np.bool_]
+
+VIOLATION: Final = "largest position constraint over the size of the mechanism, 0 for open mechanisms"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +58,7 @@ class FmuVariable:
 
 
 def fmu_variables(program: FmuProgram) -> tuple[FmuVariable, ...]:
-    """Return all variables: time, states, their derivatives, inputs, parameters, outputs, event indicators."""
+    """Return time, states, their derivatives, inputs, parameters, outputs and event indicators."""
     made = [
         FmuVariable("time", "independent", "continuous", unit="s", description="time"),
         *_states(program), *_rates(program), *_inputs(program), *_parameters(program), *_outputs(program),
@@ -101,7 +106,7 @@ def _constraint_values(program: FmuProgram) -> list[Floats]:
     return [np.reshape(np.asarray(v, dtype=np.float64), s) for v, s in zip(values, shapes, strict=True)]
 
 
-def _free_columns(matrix: Floats, is_preferred: np.ndarray) -> list[bool]:
+def _free_columns(matrix: Floats, is_preferred: Flags) -> list[bool]:
     """Return which variables of linear constraints can be chosen, those preferred as far as possible."""
     A = matrix / np.maximum(np.abs(matrix).max(axis=1, initial=0.0, keepdims=True), 1e-300)
     free = np.ones(A.shape[1], dtype=bool)
@@ -165,7 +170,9 @@ def _parameters(program: FmuProgram) -> Iterator[FmuVariable]:
     if not given.calculated:
         return
     fixed = [k for k, name in enumerate(given.arguments) if name in given.fixed]
-    for name, read in zip(given.calculated, dependencies(program.functions["parameters"].sequence), strict=True):
+    for name, read in zip(
+        given.calculated, dependencies(program.functions["parameters"].sequence), strict=True
+    ):
         tunable = any(("p", k) in read for k in range(len(given.arguments)) if k not in fixed)
         yield FmuVariable(
             variable_name(name), "calculatedParameter", "tunable" if tunable else "fixed", "calculated",
@@ -217,8 +224,3 @@ def _references(eqs: EquationSet, read: Symbols, kind: str) -> tuple[tuple[int, 
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     firsts = {"t": 0, "u": 1, "q": 1 + n_u, "r": 1 + 2 * n}
     return tuple(sorted((firsts[group] + place, kind) for group, place in read if group in firsts))
-
-
-def states_of(variables: Sequence[FmuVariable]) -> list[int]:
-    """Return the value references of the states, in their order."""
-    return [v.derivative for v in variables if v.derivative is not None]
