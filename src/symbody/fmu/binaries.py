@@ -116,7 +116,7 @@ def compile_libraries(
     libraries = {
         each: _compile(sources, main, each, command) for each, command in commands.items() if command
     }
-    notes = ()
+    notes: tuple[str, ...] = ()
     if not libraries:
         notes = (
             "the archive holds sources and no library, since there is no C compiler: importers that compile "

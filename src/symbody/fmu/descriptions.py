@@ -237,7 +237,8 @@ def _word(value: bool) -> str:
 
 def _written(root: xml.Element) -> bytes:
     xml.indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + xml.tostring(root, encoding="utf-8") + b"\n"
+    text: bytes = xml.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text + b"\n"
 
 
 def interface_of(variables: Sequence[FmuVariable]) -> str:

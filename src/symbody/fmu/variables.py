@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from symbody.equations.equation_set import EquationSet
