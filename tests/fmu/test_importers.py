@@ -19,6 +19,7 @@ import xmlschema
 from fmpy.validation import validate_fmu
 
 import symbody as sb
+from symbody.fmu import binaries
 from tests.fmu.importer import EXAMPLES, example, instance, pendulum, simulate, states
 from tests.laws.mechanisms import random_mechanism
 from tests.laws.model_files import model_with_state
@@ -243,12 +244,16 @@ def test_libraries_of_all_platforms(version: str, tmp_path: Path) -> None:
         assert content.startswith(heads[suffix]), name
         assert f"fmi{version[0]}DoStep".encode() in content, name
         if suffix == ".so":
-            versions = {tuple(map(int, each.split(b"."))) for each in re.findall(rb"GLIBC_(\d+\.\d+)", content)}
+            versions = {
+                tuple(map(int, each.split(b"."))) for each in re.findall(rb"GLIBC_(\d+\.\d+)", content)
+            }
             assert max(versions, default=(0,)) <= (2, 17) or "x86_64-linux" in name or "linux64" in name
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_random_mechanisms(seed: int, tmp_path: Path) -> None:
+def test_random_mechanisms(seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    flags = [flag.replace("-O2", "-O0") for flag in binaries.FLAGS]  # the optimizer takes most of the time
+    monkeypatch.setattr(binaries, "FLAGS", flags)
     eqs = sb.form_equations(model_with_state(random_mechanism(seed)))
     made = sb.save_fmu(eqs, tmp_path / "mechanism.fmu")
     assert validate_fmu(str(made.path)) == []

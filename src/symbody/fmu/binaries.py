@@ -15,7 +15,7 @@ from typing import Final
 
 from symbody.errors import CompileError, EnvironmentFault, Problem, UsageError, nearest
 
-_FLAGS: Final = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fvisibility=hidden")
+FLAGS: Final = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fvisibility=hidden")
 _OLDEST_GLIBC: Final = "2.17"
 INSTALL: Final = 'pip install "symbody[fmu]"'
 
@@ -141,7 +141,7 @@ def _compile(sources: Mapping[str, bytes], main: str, target: Platform, command:
         for name, content in sources.items():
             (Path(folder) / name).write_bytes(content)
         library = f"library{target.suffix}"
-        flags = [flag for flag in _FLAGS if not (target.suffix == ".dll" and "visibility" in flag)]
+        flags = [flag for flag in FLAGS if not (target.suffix == ".dll" and "visibility" in flag)]
         done = subprocess.run(
             [*command, *flags, main, "-o", library, "-lm"], cwd=folder, capture_output=True, text=True,
             check=False,
