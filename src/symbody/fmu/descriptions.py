@@ -50,7 +50,7 @@ class Described:
     has_derivatives: bool
 
     @property
-    def shown(self) -> tuple[FmuVariable, ...]:
+    def scalar_variables(self) -> tuple[FmuVariable, ...]:
         """The variables without event indicators."""
         return self.variables[: len(self.variables) - self.event_count]
 
@@ -91,7 +91,7 @@ def description_3(model: Described) -> bytes:
             attributes["derivative"] = str(variable.derivative)
         xml.SubElement(variables, "Float64", attributes)
     _structure_3(root, model)
-    return _written(root)
+    return _document(root)
 
 
 def _structure_3(root: xml.Element, model: Described) -> None:
@@ -105,7 +105,7 @@ def _structure_3(root: xml.Element, model: Described) -> None:
             xml.SubElement(structure, word, {"valueReference": str(k)} | _dependencies(model.variables[k], 0))
     for k in model.initial_unknowns:
         xml.SubElement(structure, "InitialUnknown", {"valueReference": str(k)})
-    for k in range(len(model.shown), len(model.variables)):
+    for k in range(len(model.scalar_variables), len(model.variables)):
         attributes = {"valueReference": str(k)} | _dependencies(model.variables[k], 0)
         xml.SubElement(structure, "EventIndicator", attributes)
 
@@ -137,21 +137,21 @@ def description_2(model: Described, sources: Iterable[str]) -> bytes:
     _categories(root, "name")
     _experiment(root, model)
     variables = xml.SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(model.shown):
+    for reference, variable in enumerate(model.scalar_variables):
         entry = xml.SubElement(variables, "ScalarVariable", _head(variable, reference))
         attributes = _real(variable)
         if variable.derivative is not None:
             attributes["derivative"] = str(variable.derivative + 1)
         xml.SubElement(entry, "Real", attributes)
     _structure_2(root, model)
-    return _written(root)
+    return _document(root)
 
 
 def _structure_2(root: xml.Element, model: Described) -> None:
     structure = xml.SubElement(root, "ModelStructure")
     kinds = [
-        ("Outputs", [k for k, v in enumerate(model.shown) if v.causality == "output"]),
-        ("Derivatives", [k for k, v in enumerate(model.shown) if v.derivative is not None]),
+        ("Outputs", [k for k, v in enumerate(model.scalar_variables) if v.causality == "output"]),
+        ("Derivatives", [k for k, v in enumerate(model.scalar_variables) if v.derivative is not None]),
     ]
     for word, references in kinds:
         if references:
@@ -170,7 +170,7 @@ def build_description(identifier: str, file: str) -> bytes:
     build = xml.SubElement(root, "BuildConfiguration", {"modelIdentifier": identifier})
     files = xml.SubElement(build, "SourceFileSet", {"language": "C99"})
     xml.SubElement(files, "SourceFile", {"name": file})
-    return _written(root)
+    return _document(root)
 
 
 def _head(variable: FmuVariable, reference: int) -> Attributes:
@@ -235,7 +235,7 @@ def _word(value: bool) -> str:
     return "true" if value else "false"
 
 
-def _written(root: xml.Element) -> bytes:
+def _document(root: xml.Element) -> bytes:
     xml.indent(root)
     text: bytes = xml.tostring(root, encoding="UTF-8", xml_declaration=True)
     return text + b"\n"

@@ -86,9 +86,8 @@ def save_fmu(
 ) -> Fmu:
     """Write a mechanism as an FMU, for model exchange and for co-simulation.
 
-    Inputs of the model are inputs; its parameters can be set, also between events; `outputs`, the energy and
-    the violation of the constraints are outputs; speeds and coordinates are the states. The text of the
-    archive is C99 that needs the C library alone.
+    Inputs and parameters can be set; `outputs`, the energy and the violation of the constraints are outputs;
+    speeds and coordinates are the states. The C inside needs the C library alone.
 
     Parameters
     ----------
@@ -97,8 +96,7 @@ def save_fmu(
     outputs : iterable of str
         What `compile` computes: numbers, vectors or matrices, which become one variable an entry.
     initial : mapping, optional
-        Fixed values of the first state, which is assembled. An importer may set others: those that are
-        independent, and the rest follows inside the FMU.
+        Fixed values of the first state. An importer may set others, and the rest follows inside the FMU.
     parameters : mapping, optional
         Values that differ from the model's.
     fixed : iterable of str

@@ -127,7 +127,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
     texts = {
-        "SB_SPAN": repr(SPAN), "SB_CLOSED": repr(program.closed), "SB_OPEN": repr(OPEN),
+        "SB_SPAN": repr(SPAN), "SB_CLOSED": repr(program.closing_share), "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
         "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip

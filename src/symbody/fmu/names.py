@@ -71,11 +71,11 @@ def identifier(name: str) -> str:
 def _part(word: str) -> str:
     if _PLAIN.fullmatch(word):
         return word
-    letters = (letter if _QUOTABLE.fullmatch(letter) else _escaped(letter) for letter in word)
+    letters = (letter if _QUOTABLE.fullmatch(letter) else _escape(letter) for letter in word)
     return f"'{''.join(letters)}'"
 
 
-def _escaped(letter: str) -> str:
+def _escape(letter: str) -> str:
     if letter in "'\"\\":
         return f"\\{letter}"
     return " " if letter.isspace() else f"#{ord(letter):x}#"

@@ -97,7 +97,7 @@ class FmuProgram:
         return self.motion.method
 
     @property
-    def closed(self) -> float:
+    def closing_share(self) -> float:
         """By which share of its scale a constraint may be open."""
         return residual_share(self.motion.projection, None)
 
@@ -146,7 +146,7 @@ class FmuProgram:
         sizes = np.concatenate([scales.displacements(self.eqs), scales.coordinates(self.eqs)])
         matrices = max(at.matrices_size(n_q, count), at.matrices_size(n_u, rows))
         parts = [
-            np.zeros(at.HEADER), np.zeros(n_u + n_q), sizes, self.closed * closed, np.zeros(function.size),
+            np.zeros(at.HEADER), np.zeros(n_u + n_q), sizes, self.closing_share * closed, np.zeros(function.size),
             np.zeros(matrices), function.numbers,
         ]  # fmt: skip
         begins = np.cumsum([part.size for part in parts])
