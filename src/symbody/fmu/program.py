@@ -146,8 +146,8 @@ class FmuProgram:
         sizes = np.concatenate([scales.displacements(self.eqs), scales.coordinates(self.eqs)])
         matrices = max(at.matrices_size(n_q, count), at.matrices_size(n_u, rows))
         parts = [
-            np.zeros(at.HEADER), np.zeros(n_u + n_q), sizes, self.closing_share * closed, np.zeros(function.size),
-            np.zeros(matrices), function.numbers,
+            np.zeros(at.HEADER), np.zeros(n_u + n_q), sizes, self.closing_share * closed,
+            np.zeros(function.size), np.zeros(matrices), function.numbers,
         ]  # fmt: skip
         begins = np.cumsum([part.size for part in parts])
         head = parts[0]
