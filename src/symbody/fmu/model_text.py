@@ -111,7 +111,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     rows = output.size + n if "derivatives" in functions else 0
     dense = int(program.block()[block.METHOD + block.DENSE_ROWS])
     numbers = {
-        "SB_X": n, "SB_U": len(eqs.speed_names), "SB_R": n_r, "SB_P": len(program.parameters.arguments),
+        "SB_X": n, "SB_U": len(eqs.speed_names), "SB_Q": len(eqs.coordinate_names),
+        "SB_R": n_r, "SB_P": len(program.parameters.arguments),
         "SB_CALCULATED": len(program.parameters.calculated), "SB_CONSTRAINTS": output.sizes[0],
         "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
         "SB_EVENTS": len(program.events), "SB_ACTIONS": len(program.actions), "SB_SLOPES": rows * (n + n_r),

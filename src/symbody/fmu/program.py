@@ -17,7 +17,7 @@ from symbody.fmu.parameters import FmuParameters
 from symbody.kernels import assembly as at
 from symbody.kernels import block
 from symbody.simulation.events.events import Event
-from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inputs.input_laws import InputLaws, input_laws
 from symbody.simulation.methods.constraints import (
     PROJECTED,
     Baumgarte,
@@ -32,10 +32,9 @@ from symbody.simulation.native.description import Projector
 from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
 from symbody.simulation.sweeps.case_by_case import reason_for_simulate
 
-ASSEMBLED: Final = ("position_residual", "d position_residual/d q", "velocity_residual", "jacobian")
+ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
 MOST_TRIALS: Final = 2**52
 FUNCTION: Final = "mechanism_"  # begins the names of functions in C
-_BY: Final = "d(q, u, r)"
 SPAN: Final = 10.0  # seconds of the default experiment
 RTOL: Final = 1e-8
 
@@ -81,10 +80,11 @@ class FmuProgram:
 
     @property
     def nominal(self) -> Floats:
-        """What counts as large of each state (u, q)."""
+        """What counts as large of each state (u, q, s)."""
         scales = self.motion.integration.problem.scales
         speeds = scales.displacements(self.eqs) / scales.time
-        return np.concatenate([speeds, scales.coordinates(self.eqs)])
+        signals = np.ones(len(self.eqs.signal_state_names))
+        return np.concatenate([speeds, scales.coordinates(self.eqs), signals])
 
     @property
     def is_projected(self) -> bool:
@@ -138,22 +138,24 @@ class FmuProgram:
         """Return the block of `symbody.kernels.assembly`; empty for open mechanisms."""
         if "assembly" not in self.functions:
             return np.zeros(0)
-        function, scales = self.functions["assembly"], self.motion.integration.problem.scales
-        n_u, n_q = len(self.eqs.speed_names), len(self.eqs.coordinate_names)
+        eqs, function = self.eqs, self.functions["assembly"]
+        scales = self.motion.integration.problem.scales
+        n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
         count, rows = function.sizes[0], function.sizes[2]
-        closed = np.ones(count)
-        closed[: self.constraint_scales.size] = self.constraint_scales
-        sizes = np.concatenate([scales.displacements(self.eqs), scales.coordinates(self.eqs)])
-        matrices = max(at.matrices_size(n_q, count), at.matrices_size(n_u, rows))
+        four = [float(eqs.coordinate_names.index(name)) for names in eqs.quaternions for name in names]
         parts = [
-            np.zeros(at.HEADER), np.zeros(n_u + n_q), sizes, self.closing_share * closed,
-            np.zeros(function.size), np.zeros(matrices), function.numbers,
+            np.zeros(at.HEADER), np.zeros(n_u + n_q), scales.displacements(eqs), scales.coordinates(eqs),
+            scales.constraints(eqs)[:count], np.zeros(function.size),
+            np.zeros(at.matrices_size(max(n_q, n_u))), function.numbers, np.zeros(n_q), np.array(four),
         ]  # fmt: skip
         begins = np.cumsum([part.size for part in parts])
         head = parts[0]
         head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, rows
-        head[[at.HELD, at.SIZES, at.SCALES, at.OUT, at.MATRICES, at.NUMBERS]] = begins[:-1]
-        head[at.OUT_SIZE] = function.size
+        head[[at.HELD, at.SIZES]] = begins[:2]
+        order = (at.SCALES, at.OUT, at.MATRICES, at.NUMBERS, at.OLD, at.QUATERNION_PLACES)
+        head[[*order]] = begins[3:-1]
+        head[at.QUATERNIONS], head[at.OUT_SIZE] = len(eqs.quaternions), function.size
+        head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * self.closing_share
         return np.concatenate(parts)
 
     @property
@@ -185,7 +187,7 @@ def make_program(
         constraints=constraints if isinstance(constraints, Projection) else None, rtol=RTOL,
         span=(0.0, SPAN), is_pulled=False,
     )  # fmt: skip
-    motion = pose_motion(eqs, request)
+    motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
     stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
     stabilized = stabilizing.applied(eqs) if eqs.multiplier_names else eqs
     functions = _Functions(parameters)
@@ -198,8 +200,9 @@ def make_program(
         made["projection"] = functions.make(eqs, "projection", PROJECTED)
         made["assembly"] = functions.make(eqs, "assembly", ASSEMBLED)
     if eqs.state_names:
-        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{_BY}"])
-        shown = [f"d {name}/{_BY}" for name in ("constraints", "energy", *outputs)]
+        by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
+        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"])
+        shown = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
         made["sensitivities"] = functions.make(eqs, "sensitivities", shown)
     if events:
         made["indicators"] = functions.make(eqs, "indicators", [str(event.expression) for event in events])

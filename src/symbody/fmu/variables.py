@@ -68,7 +68,7 @@ def fmu_variables(program: FmuProgram) -> tuple[FmuVariable, ...]:
 
 
 def independent_states(program: FmuProgram) -> tuple[bool, ...]:
-    """Return which states (u, q) can be set: the others follow from the constraints."""
+    """Return which states (u, q, s) can be set: the others follow from the constraints."""
     eqs = program.eqs
     n_u = len(eqs.speed_names)
     if "assembly" not in program.functions:
@@ -80,7 +80,7 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     count = len(eqs.formed.holonomic)
     wanted = np.array([f"{name}_dot" in preferred for name in eqs.coordinate_names])
     free_q = _free_columns(by_q[:count], wanted)
-    return (*free_u, *free_q)
+    return (*free_u, *free_q, *(True for _ in eqs.signal_state_names))
 
 
 def held_states(program: FmuProgram) -> tuple[bool, ...]:

@@ -119,8 +119,8 @@ def write_element(element: Element, folder: str | None = None) -> dict[str, Node
     if "start" in values:
         entry["between"] = [write_node(values.pop("start")), write_node(values.pop("end"))]
     given = [*_required_arguments(element), *(_ALWAYS & set(values))]
-    plainest = type(element)(**{name: getattr(element, name) for name in given})
-    defaults = {name: value for name, value in _values(plainest).items() if name not in given}
+    fields = element.fields
+    defaults = {name: fields[name].default_value(element, name) for name in fields if name not in given}
     for name, value in values.items():
         if name not in entry and value is not None and (name not in defaults or value != defaults[name]):
             entry[name] = write_node(_alone(element, value))

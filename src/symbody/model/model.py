@@ -14,6 +14,7 @@ from symbody.expr.parser import parse_angle
 from symbody.model.arguments import Arguments, Value, plain_value
 from symbody.model.body import Body, frame_table
 from symbody.model.checks import physics
+from symbody.model.checks.signals import collect_signals
 from symbody.model.checks.structure import free_joints
 from symbody.model.checks.validation import Draft, check_draft
 from symbody.model.constraint import ConstraintElement
@@ -25,12 +26,23 @@ from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import Joint
 from symbody.model.parameters import dependence_order, parameter_values, resolve
 from symbody.model.shapes.shape import BodyShape, read_shapes
+from symbody.model.signals.signal import Signal
 from symbody.notebook import Displayed
 
 E = TypeVar("E", bound=Element)
 
 # Elements are kept in this order, as a file lists them; within a kind, in the order given.
-KINDS: Final = ("body", "joint", "spring", "torsion_spring", "force", "torque", "constraint")
+KINDS: Final = (
+    "body",
+    "joint",
+    "spring",
+    "torsion_spring",
+    "force",
+    "torque",
+    "constraint",
+    "signal",
+    "block",
+)
 
 
 @final
@@ -65,6 +77,8 @@ class Model(Displayed):
     ----------
     bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
+    signals : tuple of Signal
+        Those among `elements`, and those that blocks consist of.
     notes : tuple of str
         What was assumed, and what is legal but unusual.
 
@@ -93,6 +107,7 @@ class Model(Displayed):
     bodies: tuple[Body, ...] = field(init=False, compare=False)
     joints: tuple[Joint, ...] = field(init=False, compare=False)
     constraints: tuple[ConstraintElement, ...] = field(init=False, compare=False)
+    signals: tuple[Signal, ...] = field(init=False, compare=False)
     notes: tuple[str, ...] = field(init=False, compare=False)
 
     @checked_arguments
@@ -142,6 +157,7 @@ class Model(Displayed):
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
         object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
         object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, ConstraintElement)))
+        object.__setattr__(self, "signals", collect_signals(placed))
         object.__setattr__(self, "notes", (*notes, *remarks))
 
     def __repr__(self) -> str:

@@ -89,7 +89,7 @@ def outputs_sequence(
     """
     nodes = dict(replacements) | input_nodes(eqs, inputs, replacements)
     left = tuple(name for name in eqs.input_names if name not in inputs and name not in arguments)
-    signature = Signature(eqs.coordinate_names, eqs.speed_names, left, arguments)
+    signature = Signature(eqs.coordinate_names, eqs.speed_names, left, arguments, eqs.signal_state_names)
     try:
         roots = []
         for name in outputs:

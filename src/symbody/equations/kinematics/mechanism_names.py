@@ -27,7 +27,8 @@ def mechanism_names(graph: Graph, topology: Topology, roles: Iterable[JointRole]
         for name in speeds.names
     ]
     _check_clashes(topology, [*coordinates, *quasi])
-    names = model_names(graph, model.parameters, model.inputs, coordinates, quasi)
+    signals = [signal.name for signal in model.signals]
+    names = model_names(graph, model.parameters, model.inputs, coordinates, quasi, signals)
     prescribed: dict[str, Expr] = {}
     for role in roles:
         for name in role.prescribed_coordinates:
@@ -41,7 +42,7 @@ def mechanism_names(graph: Graph, topology: Topology, roles: Iterable[JointRole]
 def _check_clashes(topology: Topology, names: Sequence[str]) -> None:
     """Refuse symbols of the model that are called like a variable of a free body."""
     model = topology.model
-    symbols = {*model.parameters, *model.inputs}
+    symbols = {*model.parameters, *model.inputs, *(signal.name for signal in model.signals)}
     clashes = sorted({name for name in names if name in symbols or names.count(name) > 1})
     if clashes:
         raise FormulationError(

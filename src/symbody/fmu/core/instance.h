@@ -300,7 +300,7 @@ static int do_step(Instance *instance, const char *function, double start, doubl
 static int column_of(unsigned reference)
 {
     if (reference >= AT_X && reference < AT_X + SB_X) {
-        int k = (int)(reference - AT_X); /* columns are q, u, r; states are u, q */
+        int k = (int)(reference - AT_X); /* columns are q, s, u, r; states are u, q, s */
         return k < SB_U ? SB_X - SB_U + k : k - SB_U;
     }
     if (reference >= AT_R && reference < AT_P) return SB_X + (int)(reference - AT_R);

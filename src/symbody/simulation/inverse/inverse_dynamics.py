@@ -205,8 +205,20 @@ def _check_questions(
                 "", "use a Distance that is not a rope where it is taut, or leave it out where it is slack")
         for name in ropes(eqs.formed)
     ]  # fmt: skip
+    if eqs.signal_state_names:
+        problems.append(_moving_signals(eqs))
     if problems:
         raise UsageError(*problems)
+
+
+def _moving_signals(eqs: EquationSet) -> Problem:
+    listed = ", ".join(eqs.signal_state_names)
+    return Problem(
+        "inverse.signals", f"signal {eqs.signal_state_names[0]}",
+        f"the states of signals {listed} do not follow from the motion of the mechanism",
+        "they have rates of their own, which the unknown inputs may drive",
+        "find the effort with an input in the place of the signals, or simulate with them",
+    )  # fmt: skip
 
 
 def _no_input(eqs: EquationSet, name: str) -> Problem:

@@ -78,8 +78,8 @@ class Sweep(Displayed):
 
     @property
     def state_names(self) -> tuple[str, ...]:
-        """Names of the rows of `x`: speeds, then coordinates."""
-        return (*self.speed_names, *self.coordinate_names)
+        """Names of the rows of `x`: speeds, coordinates, states of signals."""
+        return (*self.speed_names, *self.coordinate_names, *self.evaluation.eqs.signal_state_names)
 
     @property
     def succeeded(self) -> NDArray[np.bool_]:
@@ -125,12 +125,13 @@ class Sweep(Displayed):
         case %= count
         samples = int(self.counts[case, _SAMPLES])
         n_u = len(self.speed_names)
+        n = n_u + len(self.coordinate_names)
         accepted, rejected, evaluations = self.counts[case, :3].tolist()
         values = ", ".join(f"{name} = {column[case]:g}" for name, column in self.cases.items())
         note, details = self.case_notes.get(case, ""), self.evaluation.details.get(case)
         return Trajectory(
             self.t[:samples],
-            self.x[case, n_u:, :samples],
+            self.x[case, n_u:n, :samples],
             self.x[case, :n_u, :samples],
             self.coordinate_names,
             self.speed_names,
@@ -142,6 +143,8 @@ class Sweep(Displayed):
             name=self.name,
             provenance=self.evaluation.provenance(case),
             events=() if details is None else details.events,
+            s=self.x[case, n:, :samples],
+            signal_state_names=self.evaluation.eqs.signal_state_names,
             stored={} if details is None or details.work is None else {"work": details.work},
         )
 

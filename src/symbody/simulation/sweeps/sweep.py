@@ -102,7 +102,7 @@ def sweep(
         used.
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
-    laws = input_laws(eqs.input_names, inputs or {}, span)
+    laws = input_laws(eqs.input_names, inputs or {}, span, len(eqs.coordinate_names))
     tolerances = rtol, atol
     options = MotionOptions.check(span, times, integrator, constraints, tolerances, max_steps, lanes, scales)
     workers = check_workers(executor, threads, part, patience)
@@ -232,7 +232,7 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
         return ""
     case, x = started[0], chunk.states[started[0]]
     values = job.table.values(case)[0]
-    q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=True))
+    q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=False))
     scales = mechanism_scales(eqs, values, options.scales, q).fit_span(*options.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
     try:
