@@ -13,6 +13,7 @@ from symbody.equations.outputs.derivative_outputs import (
     differentiate_output,
     parse_derivative,
 )
+from symbody.equations.outputs.frame_cures import frame_cure
 from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
 from symbody.equations.outputs.friction_outputs import (
     friction_effort,
