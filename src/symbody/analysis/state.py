@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from symbody.analysis.plain_assembly import PlainState
 from symbody.analysis.value_lines import values_line
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
@@ -54,6 +55,8 @@ class State(Displayed):
     )
     # How many constraints follow from the others here.
     _dependent: int = field(default=0, repr=False)
+    # What one call of compiled code has given, if it did.
+    _plain: PlainState | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__} at t = {self.t:.6g} s: {self._values()}"
@@ -69,9 +72,16 @@ class State(Displayed):
         return self._dependent > 0
 
     @property
+    def plain(self) -> PlainState | None:
+        """The state as numbers, where constraints are independent by a wide margin."""
+        return self._plain
+
+    @property
     def branches(self) -> tuple[State, ...]:
         """Other assemblies with the same fixed values, nearest to the guess first; there may be more."""
-        return self._branches.get(None, lambda: tuple(self._others()))
+        return self._branches.get(
+            None, lambda: tuple(replace(other, _functions=self._functions) for other in self._others())
+        )
 
     @checked_arguments
     def __getitem__(self, name: str) -> float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable
 from collections.abc import Sequence as Items
 from dataclasses import replace
@@ -93,18 +92,14 @@ class CompiledFunction:
         self._values = values
         self._specialize = specialize
         self._result = result_type(code.sequence)
-        first = len(signature.q) if signature.s else math.inf
-        self._reads_s = any(x.group == "q" and x.position >= first for x in code.sequence.inputs)
+        n_q = len(signature.q)  # states of signals stand behind the coordinates
+        self._reads_s = any(x.group == "q" and x.position >= n_q for x in code.sequence.inputs)
         # Made when they are first needed: what follows from the values, and calls at a point.
         self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
         self._calls = 0
-        self._sizes = [
-            ("q", len(signature.q) + len(signature.s)),
-            ("u", len(signature.u)),
-            ("r", len(signature.r)),
-            ("p", len(signature.p)),
-        ]
+        sizes = (n_q + len(signature.s), *(len(signature.names(group)) for group in "urp"))
+        self._sizes = list(zip("qurp", sizes, strict=True))
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -229,7 +224,7 @@ class CompiledFunction:
             bound = CompiledFunction.from_code(
                 self._code, replace(self.signature, p=()), self._all_parameters(values)
             )
-            return partial(_call_bound, bound)
+            return partial(bound, p=())
         cached = self._constants(values)
 
         def evaluate_rest(
@@ -264,6 +259,11 @@ class CompiledFunction:
     def in_lanes(self) -> NativeFunction:
         """Return the same code for several points at once, for calls by address; the first call compiles."""
         return self._code.tail.in_lanes()
+
+    @property
+    def constant_count(self) -> int:
+        """How many numbers `constants` returns."""
+        return self._code.constant_count
 
     def constants(self, p: ArrayLike = ()) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""
@@ -386,15 +386,3 @@ def _remade(
 
 def _itself(sequence: Sequence) -> Sequence:
     return sequence
-
-
-def _call_bound(
-    function: CompiledFunction,
-    t: ArrayLike,
-    q: ArrayLike,
-    u: ArrayLike,
-    r: ArrayLike = (),
-    *,
-    s: ArrayLike = (),
-) -> Any:
-    return function(t, q, u, r, s=s)

@@ -25,6 +25,7 @@ from symbody.model.loads.springs import Six, SixOrMatrix
 from symbody.model.registry import definition_name, element_types, shape_types
 from symbody.model.shapes.mesh import ScaleFactors
 from symbody.model.shapes.shape import Color, Shapes
+from symbody.model.signals import block_fields
 from symbody.model.tables import lookup
 
 Role: TypeAlias = type[declaration.Field[Any, Any]]
@@ -63,6 +64,10 @@ _PLAIN: Final[Mapping[Role, Any]] = MappingProxyType(
         joint_fields.PrescribedMotions: dict[str, Angle],
         joint_fields.Armature: Expression,
         orientation.SpeedNames: list[str] | None,
+        block_fields.NamedGains: dict[str, Expression],
+        block_fields.OutputLimits: Annotated[list[Expression], Field(min_length=2, max_length=2)] | None,
+        block_fields.Coefficients: list[Expression],
+        block_fields.MatrixRows: list[list[Expression]],
         SpringLaw: values.Law,
         SixOrMatrix: values.Six,
         Six: values.Six,

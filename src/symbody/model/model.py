@@ -45,6 +45,7 @@ KINDS: Final = (
     "constraint",
     "table",
     "signal",
+    "block",
 )
 
 
@@ -81,7 +82,9 @@ class Model(Displayed):
     ----------
     bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
-    signals, tables : tuple of Signal, of Lookup
+    signals : tuple of Signal
+        Those among `elements`, and those that blocks consist of.
+    tables : tuple of Lookup
         Those among `elements`.
     includes : tuple of Include
         The parts, whose elements stand among `elements`.

@@ -17,9 +17,10 @@ from symbody.model.declaration import REQUIRED, Field
 from symbody.model.element import Element
 from symbody.model.model import KINDS
 from symbody.model.shapes.shape import BodyShape
+from symbody.model.signals import blocks
 
 # Kinds of which a file has several types, named by a word.
-TYPED: Final = ("joint", "constraint")
+TYPED: Final = ("joint", "constraint", "block")
 # What the diagram editor calls groups of kinds.
 _GROUPS: Final = MappingProxyType(
     {
@@ -32,6 +33,7 @@ _GROUPS: Final = MappingProxyType(
         "torque": "Forces and torques",
         "signal": "Signals",
         "table": "Signals",
+        "block": "Blocks",
     }
 )
 
@@ -42,7 +44,9 @@ def element_types(kind: str) -> Mapping[str, type[Element]]:
     if kind == Body.kind:
         return MappingProxyType({"": Body})
     classes = [
-        each for folder in (joints, constraints, loads, signals, tables) for each in _final_classes(folder)
+        each
+        for folder in (joints, constraints, loads, signals, blocks, tables)
+        for each in _final_classes(folder)
     ]
     words = {type_word(each): each for each in classes if issubclass(each, Element) and each.kind == kind}
     return MappingProxyType(dict(sorted(words.items())))

@@ -119,7 +119,7 @@ def pose_problem(
     """Return the equations to integrate, with all that they depend on besides the state."""
     sizes = mechanism_scales(eqs, dict(parameters), scales, first.q).fit_span(*span)
     stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
-    return SimulationProblem(stabilized, dict(parameters), laws, sizes)
+    return SimulationProblem(stabilized, dict(parameters), laws, sizes, first)
 
 
 def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:

@@ -107,11 +107,12 @@ def constraint_entries(condition: ConstraintElement, label: str) -> Iterator[tup
             yield f"{name}{suffix}", Meaning(word, f"{label}, parameter")
 
 
-def signal_entries(signal: Signal, label: str) -> Iterator[tuple[str, Meaning]]:
-    """Return what a signal adds to the symbols: its name, and the rate of a state."""
-    yield signal.name, Meaning("signal", f"{label}, name")
-    if signal.is_state:
-        yield f"{signal.name}_dot", Meaning("signal rate", f"{label}, rate")
+def signal_entries(signals: Iterable[Signal], label: str) -> Iterator[tuple[str, Meaning]]:
+    """Return what an element adds to the symbols: names of its signals, and rates of states."""
+    for signal in signals:
+        yield signal.name, Meaning("signal", f"{label}, name")
+        if signal.is_state:
+            yield f"{signal.name}_dot", Meaning("signal rate", f"{label}, name")
 
 
 def table_entries(table: Lookup, label: str, constants: AbstractSet[str]) -> Iterator[tuple[str, Meaning]]:

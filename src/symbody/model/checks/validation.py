@@ -41,6 +41,7 @@ from symbody.model.joint import Joint
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.parameters import cycle_problems, parameter_values
 from symbody.model.shapes.shape import BodyShape
+from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 from symbody.model.tables.lookup import Lookup
 
@@ -146,8 +147,8 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
             yield from joint_entries(element, label)
         elif isinstance(element, ConstraintElement):
             yield from constraint_entries(element, label)
-        elif isinstance(element, Signal):
-            yield from signal_entries(element, label)
+        elif isinstance(element, Signal | SignalBlock):
+            yield from signal_entries(collect_signals([element]), label)
         elif isinstance(element, Lookup) and element.name not in draft.inputs:
             yield from table_entries(element, label, draft.parameters.keys())
     for joint in draft.free_joints:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.native.run import SLICE_SECONDS, Progress, RawRun, Statistics, memory_limit
-from symbody.simulation.native.segments import Cut, Watch, steps_before
+from symbody.simulation.native.segments import Cut, StepWatch, steps_before
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -130,7 +130,7 @@ class Course:
         From times (N,) and states (N, n) to the power (N,) [W].
     closed : callable
         Brings states (N, n) at times (N,) back onto the constraints.
-    watch : Watch or None
+    watch : StepWatch or None
         Looks at the steps now and then, and may cut the run.
     before : RawRun or None
         A run that was broken off where this one starts; the result contains it.
@@ -144,7 +144,7 @@ class Course:
     progress: Progress | None
     power: Power
     closed: Callable[[Floats, Floats], Floats]
-    watch: Watch | None = None
+    watch: StepWatch | None = None
     before: RawRun | None = None
 
 
