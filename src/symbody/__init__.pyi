@@ -36,6 +36,8 @@ from .model import Frame as Frame
 from .model import Free as Free
 from .model import Friction as Friction
 from .model import Gimbal as Gimbal
+from .model import Include as Include
+from .model import Lookup as Lookup
 from .model import Model as Model
 from .model import PID as PID
 from .model import PinSlot as PinSlot
@@ -147,6 +149,11 @@ from .simulation import Stepper as Stepper
 from .simulation import inverse_dynamics as inverse_dynamics
 from .analysis import IndexOneSolution as IndexOneSolution
 from .analysis import solve_index_1 as solve_index_1
+
+# its use in other tools
+from .fmu import Fmu as Fmu
+from .fmu import FmuVariable as FmuVariable
+from .fmu import save_fmu as save_fmu
 
 # its pictures
 from .visual import plot as plot

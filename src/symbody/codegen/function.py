@@ -24,6 +24,7 @@ from symbody.codegen.call_arguments import (
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import SinglePoint
+from symbody.codegen.portable_text import portable_text
 from symbody.codegen.results import result_type, split_outputs
 from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.signature import Signature as Signature
@@ -58,12 +59,16 @@ class CompiledFunction:
     lanes : bool or None
         Whether batches are computed several points at once. True compiles that at the first batch, None when
         300,000 points have been asked for, False never.
+    portable : bool
+        Fuse no operation, so that `source` has the same bits.
     """
 
     def __init__(
-        self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None
-    ) -> None:
-        self._bind_code(SharedCode(sequence, quick=quick, lanes=lanes), signature, NOTHING, None)
+        self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None,
+        portable: bool = False,
+    ) -> None:  # fmt: skip
+        code = SharedCode(sequence, quick=quick, lanes=lanes, portable=portable)
+        self._bind_code(code, signature, NOTHING, None)
 
     @classmethod
     def from_code(
@@ -282,6 +287,9 @@ class CompiledFunction:
     @checked_arguments
     def source(self, language: str = "c") -> str:
         """Return the function as source text of another language; see `generate_code`."""
+        if self._code.portable:
+            groups = {group: self.signature.names(group) for group in "qurp"}
+            return portable_text(self._code.sequence, language, groups)
         return source_text(self.sequence, language, self.signature)
 
     def __repr__(self) -> str:
@@ -291,7 +299,7 @@ class CompiledFunction:
     def __reduce__(self) -> tuple[Callable[..., CompiledFunction], tuple[object, ...]]:
         code = self._code
         specialized = None if self._specialize is None else self.sequence
-        choices = code.quick, code.lanes
+        choices = code.quick, code.lanes, code.portable
         return _remade, (code.sequence, self.signature, choices, self._values, specialized)
 
     def _made_direct(self) -> DirectCall:
@@ -372,16 +380,15 @@ class CompiledFunction:
 def _remade(
     sequence: Sequence,
     signature: Signature,
-    choices: tuple[bool, bool | None],
+    choices: tuple[bool, bool | None, bool],
     values: Floats,
     specialized: Sequence | None,
 ) -> CompiledFunction:
     """Return a function from what was pickled of it."""
-    quick, lanes = choices
+    quick, lanes, portable = choices
     specialize = None if specialized is None else partial(_itself, specialized)
-    return CompiledFunction.from_code(
-        SharedCode(sequence, quick=quick, lanes=lanes), signature, values, specialize
-    )
+    code = SharedCode(sequence, quick=quick, lanes=lanes, portable=portable)
+    return CompiledFunction.from_code(code, signature, values, specialize)
 
 
 def _itself(sequence: Sequence) -> Sequence:

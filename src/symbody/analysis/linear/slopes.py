@@ -18,11 +18,10 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.outputs.output_roots import input_law
+from symbody.equations.outputs.input_formulas import input_law_nodes
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.canonical import sub
 from symbody.expr.graph import TIME, SymbolKind
-from symbody.expr.language.formula import Formula
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
@@ -226,11 +225,9 @@ def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:
     """Return the inputs that depend on states or time; values in parameters are points to deviate from."""
     graph = eqs.formed.graph
     laws = {}
-    for name, value in inputs.items():
-        where = f"input {name}"
-        node = input_law(eqs.formed, Formula.from_value(value, where=where), where).index
+    for name, node in input_law_nodes(eqs.formed, inputs).items():
         if any(graph.symbols[graph.left[s]].kind != SymbolKind.PARAMETER for s in symbols_of(graph, [node])):
-            laws[name] = value
+            laws[name] = inputs[name]
     return laws
 
 
