@@ -34,7 +34,7 @@ def compile(
     portable: bool = False,
     time_limit: float | None = None,
 ) -> CompiledFunction:
-    """Return a native function ``f(t, q, u, r=(), p=(), *, out=None, threads=1)`` of the `outputs`.
+    """Return a native function ``f(t, q, u, r=(), p=(), *, s=(), out=None, threads=1)`` of the `outputs`.
 
     Parameters
     ----------
