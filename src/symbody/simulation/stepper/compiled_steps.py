@@ -237,7 +237,7 @@ class CompiledSteps:
         nothing = np.zeros(0)
         rhs = RightHandSide(
             self._right_hand_side, len(self._problem.settings.eqs.speed_names), np.zeros(numbers.inputs.size),
-            nothing, self._function.constants(), self._function.work_size,
+            nothing, self._function.constants(), self._function.work_size, self._problem.tables,
         )  # fmt: skip
         settings, span = self._problem.settings, (self._window, self._window_end)
         goal = make_goal(
