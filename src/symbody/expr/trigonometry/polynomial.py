@@ -163,8 +163,9 @@ def _divide(p: Polynomial, kernel: Polynomial) -> tuple[Polynomial, Polynomial]:
     lead = max(kernel, key=_order)
     rest = dict(p)
     multiplier: Polynomial = {}
-    for monomial in sorted(p, key=_order, reverse=True):
-        if monomial in rest and multiplicity(monomial, lead):
+    multiples = [monomial for monomial in p if multiplicity(monomial, lead)]  # mostly none
+    for monomial in sorted(multiples, key=_order, reverse=True):
+        if monomial in rest:
             cofactor = quotient(monomial, lead)
             share = divide(rest[monomial], kernel[lead])
             part: Polynomial = {product(cofactor, term): share * c for term, c in kernel.items()}
