@@ -38,8 +38,6 @@ def compile(
 
     Parameters
     ----------
-    eqs : EquationSet
-        The equations.
     outputs : str or iterable of str
         Output names, for instance ``"udot"`` or ``["mass_matrix", "forcing"]``, or expressions. For
         ``"inverse_dynamics"`` the inputs are followed by the accelerations, ``eqs.acceleration_names``.
