@@ -47,8 +47,8 @@ def test_python_runs_the_search(direction: float) -> None:
     """A straight motion x = t in two steps; values (x^2 - 2) (x - 1/2)^2 and x - 2.5, found by Python alone."""
     numbers = WatchNumbers(2, 1, 1, np.zeros(32), np.zeros(0), np.zeros(0), 0, np.zeros(0))
     events = [WatchedEvent(0, at.RECORDS, False, ()), WatchedEvent(0, at.STOPS, False, ())]
-    block = make_watch_block(events, numbers, 3.0)
-    block[[at.DIRECTION, at.PIECE_ROWS, at.HAPPENED_ROOM]] = direction, 4.0, 32.0
+    block = make_watch_block(events, numbers)
+    block[[at.DIRECTION, at.SPAN, at.PIECE_ROWS, at.HAPPENED_ROOM]] = direction, 3.0, 4.0, 32.0
     breaks = np.array([0.0, 1.25, 3.0]) if direction > 0.0 else np.array([3.0, 1.25, 0.0])
     pieces = np.zeros((2, 4, 2))
     pieces[:, 0], pieces[:, 1] = breaks[:-1, np.newaxis], np.diff(breaks)[:, np.newaxis]

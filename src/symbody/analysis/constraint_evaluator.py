@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.analysis.signal_values import signal_values
 from symbody.codegen.formation.bound_function import bound_function
@@ -302,3 +301,26 @@ def indefinite_rows(where: str) -> AssemblyError:
                 "give it a length, or another constraint, such as a joint between the two points; or "
                 "start beside this position")
     )  # fmt: skip
+
+
+class ConstraintValues(NamedTuple):
+    """Constraints on positions (n_h,), on velocities at rest (n_c,), their Jacobians, and cosines of axes."""
+
+    constraints: Floats
+    position_jacobian: Floats
+    jacobian: Floats
+    velocity_constraints: Floats
+    alignment: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Unconstrained:
+    """The constraints of a tree, for which nothing has to be compiled."""
+
+    coordinates: int
+    speeds: int
+
+    def __call__(self, t: float, q: Floats, u: Floats) -> ConstraintValues:
+        """Return no values, with as many columns as there are coordinates (n_q,) and speeds (n_u,)."""
+        none = np.zeros(0)
+        return ConstraintValues(none, np.zeros((0, self.coordinates)), np.zeros((0, self.speeds)), none, none)

@@ -10,11 +10,12 @@ from typing import Final
 
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
-from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.names import Value, offer_argument
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.signature import source_text
 from symbody.equations.equation_set import EquationSet
+from symbody.errors import CompileError
 from symbody.expr.deadline import in_time
 
 _LESS: Final = "ask for fewer outputs at a time, or for code in less time by quick=True"
@@ -30,6 +31,7 @@ def compile(
     quick: bool = False,
     lanes: bool | None = None,
     specialize: bool = False,
+    portable: bool = False,
     time_limit: float | None = None,
 ) -> CompiledFunction:
     """Return a native function ``f(t, q, u, r=(), p=(), *, out=None, threads=1)`` of the `outputs`.
@@ -55,6 +57,10 @@ def compile(
         Put the values of parameters into the code, for up to 15 % less time a call. By default they are
         arguments of it that the function keeps, so that functions with other values share the code: it is
         compiled once, and once more for each choice of parameters that are exactly 0.
+    portable : bool
+        Fuse no operation, and compute sines, cosines and linear systems by symbody's own kernels: ``source``
+        in "c", "javascript" and "python" then gives the same bits as this function, on every computer.
+        Values of parameters are put into the code. Calls take up to twice as long; there are no lanes.
     time_limit : float, optional
         Seconds after which this ends with an error that names the stage; outputs whose formulas were found
         stay with `eqs`, so that the next call goes on from there. By default it takes its time.
@@ -68,9 +74,13 @@ def compile(
     """
 
     def make_function() -> CompiledFunction:
-        if specialize:
-            return CompiledFunction(*form_sequence(eqs, outputs, parameters, free), quick=quick, lanes=lanes)
-        return bound_function(eqs, outputs, parameters, free, quick=quick, lanes=lanes)
+        try:
+            if specialize or portable:
+                formed = form_sequence(eqs, outputs, parameters, free)
+                return CompiledFunction(*formed, quick=quick, lanes=lanes, portable=portable)
+            return bound_function(eqs, outputs, parameters, free, quick=quick, lanes=lanes)
+        except CompileError as error:
+            raise CompileError(*map(offer_argument, error.problems)) from error
 
     return in_time(time_limit, "compiling", _LESS, make_function)
 

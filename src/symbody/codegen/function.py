@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable
 from collections.abc import Sequence as Items
 from dataclasses import replace
@@ -25,6 +24,7 @@ from symbody.codegen.call_arguments import (
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import SinglePoint
+from symbody.codegen.portable_text import portable_text
 from symbody.codegen.results import result_type, split_outputs
 from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.signature import Signature as Signature
@@ -59,12 +59,16 @@ class CompiledFunction:
     lanes : bool or None
         Whether batches are computed several points at once. True compiles that at the first batch, None when
         300,000 points have been asked for, False never.
+    portable : bool
+        Fuse no operation, so that `source` has the same bits.
     """
 
     def __init__(
-        self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None
-    ) -> None:
-        self._bind_code(SharedCode(sequence, quick=quick, lanes=lanes), signature, NOTHING, None)
+        self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None,
+        portable: bool = False,
+    ) -> None:  # fmt: skip
+        code = SharedCode(sequence, quick=quick, lanes=lanes, portable=portable)
+        self._bind_code(code, signature, NOTHING, None)
 
     @classmethod
     def from_code(
@@ -93,18 +97,14 @@ class CompiledFunction:
         self._values = values
         self._specialize = specialize
         self._result = result_type(code.sequence)
-        first = len(signature.q) if signature.s else math.inf
-        self._reads_s = any(x.group == "q" and x.position >= first for x in code.sequence.inputs)
+        n_q = len(signature.q)  # states of signals stand behind the coordinates
+        self._reads_s = any(x.group == "q" and x.position >= n_q for x in code.sequence.inputs)
         # Made when they are first needed: what follows from the values, and calls at a point.
         self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
         self._calls = 0
-        self._sizes = [
-            ("q", len(signature.q) + len(signature.s)),
-            ("u", len(signature.u)),
-            ("r", len(signature.r)),
-            ("p", len(signature.p)),
-        ]
+        sizes = (n_q + len(signature.s), *(len(signature.names(group)) for group in "urp"))
+        self._sizes = list(zip("qurp", sizes, strict=True))
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -229,7 +229,7 @@ class CompiledFunction:
             bound = CompiledFunction.from_code(
                 self._code, replace(self.signature, p=()), self._all_parameters(values)
             )
-            return partial(_call_bound, bound)
+            return partial(bound, p=())
         cached = self._constants(values)
 
         def evaluate_rest(
@@ -287,6 +287,9 @@ class CompiledFunction:
     @checked_arguments
     def source(self, language: str = "c") -> str:
         """Return the function as source text of another language; see `generate_code`."""
+        if self._code.portable:
+            groups = {group: self.signature.names(group) for group in "qurp"}
+            return portable_text(self._code.sequence, language, groups)
         return source_text(self.sequence, language, self.signature)
 
     def __repr__(self) -> str:
@@ -296,7 +299,7 @@ class CompiledFunction:
     def __reduce__(self) -> tuple[Callable[..., CompiledFunction], tuple[object, ...]]:
         code = self._code
         specialized = None if self._specialize is None else self.sequence
-        choices = code.quick, code.lanes
+        choices = code.quick, code.lanes, code.portable
         return _remade, (code.sequence, self.signature, choices, self._values, specialized)
 
     def _made_direct(self) -> DirectCall:
@@ -377,29 +380,16 @@ class CompiledFunction:
 def _remade(
     sequence: Sequence,
     signature: Signature,
-    choices: tuple[bool, bool | None],
+    choices: tuple[bool, bool | None, bool],
     values: Floats,
     specialized: Sequence | None,
 ) -> CompiledFunction:
     """Return a function from what was pickled of it."""
-    quick, lanes = choices
+    quick, lanes, portable = choices
     specialize = None if specialized is None else partial(_itself, specialized)
-    return CompiledFunction.from_code(
-        SharedCode(sequence, quick=quick, lanes=lanes), signature, values, specialize
-    )
+    code = SharedCode(sequence, quick=quick, lanes=lanes, portable=portable)
+    return CompiledFunction.from_code(code, signature, values, specialize)
 
 
 def _itself(sequence: Sequence) -> Sequence:
     return sequence
-
-
-def _call_bound(
-    function: CompiledFunction,
-    t: ArrayLike,
-    q: ArrayLike,
-    u: ArrayLike,
-    r: ArrayLike = (),
-    *,
-    s: ArrayLike = (),
-) -> Any:
-    return function(t, q, u, r, s=s)

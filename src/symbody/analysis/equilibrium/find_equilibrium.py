@@ -54,7 +54,8 @@ class Equilibrium(State):
             verdict = self.verdict
         except SymbodyError:  # no linear equations here
             verdict = "stability not known"
-        return f"Equilibrium, {verdict}: {values_line(self.q, self.eqs.units)}"
+        lines = [values_line(values, self.eqs.units) for values in (self.q, self.s)]
+        return f"Equilibrium, {verdict}: {'; '.join(filter(None, lines))}"
 
     @property
     def linearization(self) -> Linearization:

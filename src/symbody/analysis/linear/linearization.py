@@ -20,7 +20,7 @@ from symbody.single_flight import SingleFlight
 Floats = NDArray[np.float64]
 
 
-class StateSpace(NamedTuple):
+class LinearMatrices(NamedTuple):
     """The matrices of ``x' = A x + B r``, ``y = C x + D r``."""
 
     A: Floats
@@ -87,9 +87,9 @@ class Linearization(Displayed):
         return iter(self.state_space)
 
     @property
-    def state_space(self) -> StateSpace:
+    def state_space(self) -> LinearMatrices:
         """The matrices as a named tuple."""
-        return StateSpace(self.A, self.B, self.C, self.D)
+        return LinearMatrices(self.A, self.B, self.C, self.D)
 
     @property
     def eigenvalues(self) -> NDArray[np.complex128]:

@@ -158,9 +158,8 @@ def _indices(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
 
 
 def _labels(sequence: Sequence, arguments: Arguments) -> dict[str, list[str]]:
-    groups = [
-        group for group in WORDS if group not in "cs" or sequence.group_size(group) or group in arguments
-    ]
+    there = {"c": sequence.group_size("c") > 0, "s": "s" in arguments or sequence.group_size("s") > 0}
+    groups = [group for group in WORDS if there.get(group, True)]
     labels = {}
     for group in groups:
         size = 1 if group == "t" else sequence.group_size(group)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,9 +58,10 @@ class EventFunctions:
         self._check_shapes()
         formulas = [str(value) for event in self.events for value in event.mapping.values()]
         self._actions = problem.compile_outputs(["energy", *formulas]) if formulas else None
+        self._check_actions()
         functions = [function for function in (self._values, self._actions) if function is not None]
         self._callbacks = [
-            CallbackFunction(function, problem.laws) for function in functions if problem.laws.callbacks
+            CallbackFunction(function, problem.laws) for function in functions if problem.laws.need_python
         ]
         addresses = [function.address for function in self._callbacks or functions]
         self.addresses = (*addresses, 0)[:2] + (0 if projector is None else projector.address,)
@@ -74,8 +76,26 @@ class EventFunctions:
         if problems:
             raise UsageError(*problems)
 
+    def _check_actions(self) -> None:
+        named = [(event.label, name) for event in self.events for name in event.mapping]
+        outputs = () if self._actions is None else self._actions.outputs[1:]
+        problems = [
+            Problem("simulation.event_shape", f"event {label!r}",
+                    f"the new value of {name} has shape {output.shape}",
+                    "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
+            for (label, name), output in zip(named, outputs, strict=True) if output.shape
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
     def make_block(self, span: float) -> Floats:
         """Return the block of a watch over a run of some length [s]."""
+        block = self._first_block.copy()
+        block[at.SPAN] = span
+        return block
+
+    @cached_property
+    def _first_block(self) -> Floats:
         eqs, projector = self._problem.eqs, self._projector
         empty = np.zeros(0)
         numbers = WatchNumbers(
@@ -88,7 +108,7 @@ class EventFunctions:
             0 if projector is None else projector.out_size,
             empty if projector is None else projector.scales,
         )
-        return make_watch_block([self._as_numbers(event) for event in self.events], numbers, span)
+        return make_watch_block([self._as_numbers(event) for event in self.events], numbers)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
@@ -104,10 +124,13 @@ class EventFunctions:
         check_status(status)
 
     def _numbers(self, function: CompiledFunction) -> Floats:
-        inputs, none = np.zeros(len(self._problem.laws.callbacks)), np.zeros(0)
-        n_u = len(self._problem.eqs.speed_names)
-        rest = RightHandSide(0, n_u, inputs, none, function.constants(), function.work_size)
-        return function_numbers(rest)
+        laws, none = self._problem.laws, np.zeros(0)
+        inputs, n_u = np.zeros(len(laws.callbacks)), len(self._problem.eqs.speed_names)
+        return function_numbers(
+            RightHandSide(
+                0, n_u, inputs, none, function.constants(), function.work_size, laws.table_numbers()
+            )
+        )
 
     def _as_numbers(self, event: Event) -> WatchedEvent:
         """Return an event as numbers."""

@@ -19,6 +19,15 @@ _MOST_ACTING: Final = 10
 _MOST_RECORDED: Final = 100
 
 
+def _fit(degree: int, room: int) -> Floats:
+    """Return nodes and matrix, and room behind them."""
+    return np.concatenate([chebyshev_nodes(degree), to_coefficients(degree).ravel(), np.zeros(room)])
+
+
+_EXTREMUM_FIT: Final = _fit(at.EXTREMUM_NODES - 1, 2 * at.EXTREMUM_NODES)
+_STEP_FIT: Final = _fit(DEGREE, 0)
+
+
 class WatchedEvent(NamedTuple):
     """One event as numbers.
 
@@ -68,13 +77,13 @@ class WatchNumbers(NamedTuple):
     tolerances: Floats
 
 
-def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers, span: float) -> Floats:
-    """Return the block of a watch over a run of some length [s] that has not begun."""
+def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers) -> Floats:
+    """Return the block of a watch that has not begun; the length of its run is still to be set."""
     m, n = len(events), numbers.states
     targets = np.array([place for event in events for place in event.targets], dtype=np.float64)
     parts = {
-        at.EXTREMUM_FIT: np.append(_fit(at.EXTREMUM_NODES - 1), np.zeros(2 * at.EXTREMUM_NODES)),
-        at.STEP_FIT: _fit(DEGREE),
+        at.EXTREMUM_FIT: _EXTREMUM_FIT,
+        at.STEP_FIT: _STEP_FIT,
         at.TABLE: _event_table(events).ravel(),
         at.TARGETS: targets,
         at.PENDING: np.zeros(at.ZERO_SIZE * at.ZEROS_PER_EVENT * m),
@@ -98,7 +107,7 @@ def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers, span
     block[[at.ACTIONS, at.CLOSING]] *= [numbers.actions.size > 0, numbers.closing.size > 0]
     block[[at.STATES, at.SPEEDS, at.COORDINATES, at.EVENTS]] = n, numbers.speeds, numbers.coordinates, m
     block[[at.RESIDUALS, at.PROJECTED_VALUES]] = numbers.tolerances.size, numbers.projected
-    block[[at.ACTION_VALUES, at.SPAN, at.NODE]] = 1 + targets.size, span, at.STEP_NODES
+    block[[at.ACTION_VALUES, at.NODE]] = 1 + targets.size, at.STEP_NODES
     return block
 
 
@@ -115,11 +124,6 @@ def event_rows(block: Floats) -> Floats:
     """Return the table of the events, a view (m, EVENT_SIZE)."""
     first, m = int(block[at.TABLE]), int(block[at.EVENTS])
     return block[first : first + m * at.EVENT_SIZE].reshape(m, at.EVENT_SIZE)
-
-
-def _fit(degree: int) -> Floats:
-    """Return nodes and matrix."""
-    return np.append(chebyshev_nodes(degree), to_coefficients(degree))
 
 
 def _event_table(events: Sequence[WatchedEvent]) -> Floats:

@@ -16,9 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
 from symbody.expr.language.formula import Formula
-from symbody.simulation.inputs.tables import Table
+from symbody.model.model import Model
+from symbody.model.tables.lookup import Lookup
+from symbody.simulation.inputs.tables import Table, table_numbers
 
 Floats = NDArray[np.float64]
 Callback = Callable[[float, Floats, Floats], float]
@@ -40,7 +43,7 @@ class InputLaws:
     formulas : mapping of name to formula
         Part of the equations.
     callbacks : mapping of name to callable
-        Called at every evaluation, with t, q, u.
+        Of t, q and u: what is no part of the equations.
     notes : tuple of str
         What is slow, and why.
     tables : mapping of place to Table
@@ -65,9 +68,20 @@ class InputLaws:
         """
         if not self.callbacks:
             return np.empty((t.size, 0))
+        if not self.need_python:
+            return np.stack([table.at(t) for table in self.tables.values()], axis=1)
         return np.array([self.evaluate(*point) for point in zip(t.tolist(), q.T, u.T, strict=True)]).reshape(
             t.size, len(self.callbacks)
         )
+
+    @property
+    def need_python(self) -> bool:
+        """Whether some callbacks are more than tables, which compiled loops read by themselves."""
+        return len(self.tables) < len(self.callbacks)
+
+    def table_numbers(self) -> Floats:
+        """Return all tables as `symbody.kernels.tables` reads them, nothing where Python has to be called."""
+        return table_numbers({} if self.need_python else self.tables)
 
     def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
         """Return the values of callbacks at one time.
@@ -132,7 +146,6 @@ def input_laws(
                 formulas[name] = table.formula()
             else:
                 callbacks[name], long[name] = table.reader(), table
-                notes.append(f"input {name} is a table of {np.size(table.t)} points, read by Python: slow")
         elif isinstance(table, str | int | float | Formula) or not callable(table):
             formulas[name] = table
         else:
@@ -146,6 +159,20 @@ def input_laws(
     in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
     tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
     return InputLaws(kept, in_order, tuple(notes), tables, coordinates=coordinates)
+
+
+def laws_of_tables(eqs: EquationSet) -> dict[str, Law]:
+    """Return the laws that tables of the model give to inputs of their name, where a call gives no other."""
+    model = eqs.model
+    tables = (
+        [table for table in model.tables if table.name in model.inputs] if isinstance(model, Model) else []
+    )
+    return {table.name: _law_of_table(table) for table in tables if table.name in eqs.input_names}
+
+
+def _law_of_table(table: Lookup) -> Table:
+    t, values = zip(*table.points, strict=True)
+    return Table(t, values, table.interpolation)
 
 
 class CallbackFunction:

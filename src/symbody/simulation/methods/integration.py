@@ -147,7 +147,7 @@ def run_explicit(
     problem, laws = integration.problem, integration.problem.laws
     # The work is one more state: the function writes its rate, the power, behind xdot.
     function = problem.compile_outputs(("xdot", "power"))
-    python_laws = CallbackFunction(function, laws) if laws.callbacks else None
+    python_laws = CallbackFunction(function, laws) if laws.need_python else None
     projector = NOTHING_TO_PROJECT if closing is None else closing.projector
     if isinstance(method, FixedStep):  # its steps never become shorter, however far one went
         projector = projector._replace(limit=math.inf)
@@ -161,6 +161,7 @@ def run_explicit(
         integration.span,
         method=method,
         inputs=np.zeros(len(laws.callbacks)),
+        tables=laws.table_numbers(),
         constants=function.constants(),
         times=integration.times,
         rtol=integration.rtol,

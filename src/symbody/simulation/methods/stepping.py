@@ -171,7 +171,7 @@ def _march(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure:
         elif log.taken >= course.max_steps:
             failure = Failure(Status.TOO_MANY_STEPS)
         else:
-            failure = _take_step(stepper, course, log)
+            failure = _take_step(stepper, log)
         if course.watch is not None and (failure or log.steps - seen >= course.watch.most_steps):
             cut = course.watch.look(log.breaks, log.pieces, log.steps, failure is not None)
             seen = log.steps
@@ -190,7 +190,7 @@ def _march(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure:
                 return Failure(Status.INTERRUPTED)
 
 
-def _take_step(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure | None:
+def _take_step(stepper: StepwiseIntegrator, log: _Log) -> Failure | None:
     """Take one step and write it down; return why there is none."""
     found = stepper.advance()
     if isinstance(found, Failure):

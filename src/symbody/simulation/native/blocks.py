@@ -78,7 +78,11 @@ def function_numbers(rhs: RightHandSide | Projector) -> Floats:
     places = at.R_PLACE + np.cumsum([rhs.inputs.size, rhs.parameters.size, rhs.constants.size])
     head = np.zeros(at.R_PLACE)
     head[[at.P_PLACE, at.C_PLACE, at.WORK_PLACE]] = places
-    return np.concatenate([head, rhs.inputs, rhs.parameters, rhs.constants, np.zeros(rhs.work_size)])
+    parts = [head, rhs.inputs, rhs.parameters, rhs.constants, np.zeros(rhs.work_size)]
+    if isinstance(rhs, RightHandSide) and rhs.tables.size:
+        head[at.TABLES_PLACE] = places[-1] + rhs.work_size
+        parts.append(rhs.tables)
+    return np.concatenate(parts)
 
 
 def _projection(projector: Projector) -> Floats:

@@ -64,7 +64,8 @@ def watched_motion() -> WatchedMotion:
 @once
 def step_machine() -> StepMachine:
     """Return the integrator of one motion, ready to be called."""
-    return StepMachine(*_functions("step_machine", *StepMachine._fields))
+    # All of LLVM's passes would take three times as long, and save 0 to 5 % of a small motion.
+    return StepMachine(*_functions("step_machine", *StepMachine._fields, light=True))
 
 
 @once
@@ -79,8 +80,8 @@ def lane_motions() -> Callable[..., int]:
     return _functions("lane_motions", "run_lanes")[0]
 
 
-def _functions(module: str, *names: str) -> list[Callable[..., Any]]:
-    addresses = load_kernels(module, names)
+def _functions(module: str, *names: str, light: bool = False) -> list[Callable[..., Any]]:
+    addresses = load_kernels(module, names, light=light)
     kinds = [
         ctypes.CFUNCTYPE(result, *arguments) for result, arguments in map(_SIGNATURES.__getitem__, names)
     ]

@@ -25,6 +25,8 @@ Progress = Callable[[float], bool | None]
 FIRST_SLICE: Final = 64
 SLICE_SECONDS: Final = 0.05
 FIRST_CAPACITY: Final = 256
+# Samples that an event may add to those of given times: the states before and after.
+EVENT_SAMPLES: Final = 2
 # Where the system does not tell its memory [bytes].
 ASSUMED_MEMORY: Final = 8 * 2**30
 
@@ -142,8 +144,8 @@ class NativeRun(NamedTuple):
         block[at.STEP_ROOM] = record.pieces.shape[0]
 
 
-def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
-    """Return empty storage for the samples at `times`, or for every step.
+def fresh_record(run: NativeRun, times: Floats | None, dense: bool, more: int = 0) -> Record:
+    """Return empty storage for the samples at `times` and so many more, or for every step.
 
     Raises
     ------
@@ -153,7 +155,7 @@ def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
     n, rows = int(run.block[at.N]), int(run.block[at.METHOD + at.DENSE_ROWS])
     if times is not None:
         check_memory(times.size, n)
-    capacity = FIRST_CAPACITY if times is None else times.size + 2  # both states of an event
+    capacity = FIRST_CAPACITY if times is None else times.size + more
     pieces = FIRST_CAPACITY if dense else 0
     return Record(
         np.zeros(0) if times is None else times,
@@ -250,7 +252,7 @@ def _grow(record: Record, block: Floats) -> Record:
     samples, steps = int(block[at.SAMPLES]), int(block[at.STEPS])
     if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
         raise MemoryError
-    if record.every_step and samples + 2 >= record.t.size:
+    if record.every_step and samples + EVENT_SAMPLES >= record.t.size:
         record = record._replace(t=_double(record.t), x=_double(record.x))
     if record.keep_dense and steps == record.pieces.shape[0]:
         record = record._replace(breaks=_double(record.breaks), pieces=_double(record.pieces))

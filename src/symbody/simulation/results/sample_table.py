@@ -10,8 +10,8 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.io import savemat
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
@@ -197,7 +197,7 @@ class SampleTable(Displayed):
         data = {name: values[:, np.newaxis] for name, values in zip(variables, columns.values(), strict=True)}
         try:
             with open(path, "wb") as file:
-                savemat(file, {**data, **about}, long_field_names=True)
+                scipy.io.savemat(file, {**data, **about}, long_field_names=True)
         except OSError as error:
             raise unwritable(path, error) from error
 

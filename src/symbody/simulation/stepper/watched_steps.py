@@ -13,7 +13,7 @@ from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.native.blocks import state_of
-from symbody.simulation.native.run import NativeRun, RawRun, drive, fresh_record
+from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, RawRun, drive, fresh_record
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, python_laws
 from symbody.simulation.stepper.numbers import StepNumbers
@@ -79,7 +79,8 @@ class WatchedSteps(CompiledSteps):
         *_, inputs = self._kept_vectors(block)
         inputs[:] = self._numbers.inputs
         run = NativeRun(self._right_hand_side, self._projector.address, block)
-        raw = drive(run, fresh_record(run, np.array([end]), dense=True), None, watch)
+        record = fresh_record(run, np.array([end]), dense=True, more=EVENT_SAMPLES)
+        raw = drive(run, record, None, watch)
         was_cut = block[at.ACCEPTED] > 1.0 or block[at.REJECTED] > 0.0 or raw.status is not Status.SUCCESS
         if was_cut:  # the longer step of before is no guide any more
             block[at.FIRST_STEP] = 0.0
