@@ -23,8 +23,8 @@ _INDENT: Final = "    "
 def model_to_script(model: Model) -> str:
     """Return a Python script in which ``model`` is an equal model.
 
-    Only names, numbers and texts are written, each as Python writes it: nothing of a model is code. The script
-    needs no other file but those of meshes: it holds what is in parts and tables.
+    Only names, numbers and texts are written, each as Python writes it: nothing of a model is code. The
+    script needs no other file but those of meshes: it holds what is in parts and tables.
     """
     elements = [_element(element) for element in model.elements]
     arguments = [_text(model.name), _list(elements)]
