@@ -17,6 +17,7 @@ from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
 from symbody.model.model import Model
+from symbody.model.parts.expansion import own_content
 from symbody.visual.scene.json_form import motion_to_json, scene_to_json
 
 Answer = dict[str, Any]
@@ -57,12 +58,13 @@ def changed_parameters(model: Model, given: Mapping[str, Any]) -> dict[str, Form
     Parameters
     ----------
     given : mapping of name to number or text
-        Of all parameters, as the model file holds them.
+        Of all parameters, as the model file holds them; those of parts stand in the files of these.
     """
     arguments = Arguments("parameters")
+    written = own_content(model).parameters if model.includes else model.parameters
     values = {name: arguments.angle(value, name) for name, value in given.items() if value not in ("", None)}
-    usable = {*given, "pi"}
-    if arguments.problems or values.keys() != model.parameters.keys():
+    usable = {*given, *model.parameters, "pi"}
+    if arguments.problems or values.keys() != written.keys():
         return None
     if any(not usable.issuperset(formula.names) for formula in values.values()):
         return None
