@@ -36,6 +36,8 @@ from .model import Frame as Frame
 from .model import Free as Free
 from .model import Friction as Friction
 from .model import Gimbal as Gimbal
+from .model import Include as Include
+from .model import Lookup as Lookup
 from .model import Model as Model
 from .model import PID as PID
 from .model import PinSlot as PinSlot

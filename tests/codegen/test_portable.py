@@ -103,7 +103,7 @@ def test_examples_have_the_same_bits_in_all_languages(name: str, tmp_path: Path)
     f = sb.compile(eqs, outputs, portable=True)
     points = random_points(f, 10, 1)
     first = np.array([*sb.assemble(eqs).q.values()])
-    points = [[first + 0.1 * q, *rest] for q, *rest in points]
+    points = [[first + 0.01 * q, *rest] for q, *rest in points]
     check_bits(f, points, tmp_path)
     usual = by_machine(sb.compile(eqs, outputs), points)
     np.testing.assert_allclose(by_machine(f, points), usual, rtol=1e-6, atol=1e-6 * np.abs(usual).max())

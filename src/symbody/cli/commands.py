@@ -33,6 +33,7 @@ from symbody.equations.form import form_equations
 from symbody.equations.outputs.equation_lines import equation_lines
 from symbody.equations.outputs.textbook import MOST_SPEEDS
 from symbody.errors import Problem, UsageError, nearest, number_in_words
+from symbody.expr.printing.wrapping import text_width
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
 from symbody.model.model import Model
 from symbody.simulation.native.run import check_memory
@@ -75,7 +76,7 @@ def equations(
     tree: Tree = None,
 ) -> None:
     """Print the equations of motion, with the rates of coordinates and the constraints there are."""
-    _print(equation_lines(_form(load_model(model), tree).textbook, latex))
+    _print(equation_lines(_form(load_model(model), tree).textbook, latex, width=text_width()))
 
 
 @command()
@@ -305,7 +306,7 @@ def _motion(
         eqs,
         end,
         parameters=given.parameters,
-        inputs=given.inputs,
+        inputs=given.laws(),
         initial=given.initial,
         times=None if samples is None else np.linspace(0.0, end, samples),
         progress=bar,
@@ -316,7 +317,7 @@ def _motion(
 
 def _introduction(eqs: EquationSet, model: Path) -> list[str]:
     """Return the equations if they fit a screen, otherwise where they are."""
-    lines = equation_lines(eqs.textbook) if len(eqs.speed_names) <= MOST_SPEEDS else []
+    lines = equation_lines(eqs.textbook, width=text_width()) if len(eqs.speed_names) <= MOST_SPEEDS else []
     if lines and len(lines) <= _SCREEN:
         return lines
     numbers = {

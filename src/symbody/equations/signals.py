@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.tables import tables_of_states
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.checks.signals import dependence_order
@@ -33,6 +34,7 @@ def substitute_values(names: Names, model: Model, outputs: Mapping[str, Expr]) -
     outputs : mapping of signal to Expr
         Signals of outputs that are known; those that depend on others stay symbols.
     """
+    names = names.with_values(tables_of_states(names, model))
     if not model.signals:
         return names
     names = names.with_values(outputs)

@@ -8,7 +8,7 @@ from operator import or_
 from types import MappingProxyType
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field, create_model
+from pydantic import BeforeValidator, Field, StrictInt, StrictStr, create_model
 from pydantic_core import PydanticCustomError
 
 from symbody.formats import schema_types as values
@@ -26,6 +26,7 @@ from symbody.model.registry import definition_name, element_types, shape_types
 from symbody.model.shapes.mesh import ScaleFactors
 from symbody.model.shapes.shape import Color, Shapes
 from symbody.model.signals import block_fields
+from symbody.model.tables import lookup
 
 Role: TypeAlias = type[declaration.Field[Any, Any]]
 
@@ -38,6 +39,10 @@ _PLAIN: Final[Mapping[Role, Any]] = MappingProxyType(
         fields.ElementName: str,
         fields.SymbolName: str,
         fields.FilePath: str,
+        fields.Text: str,
+        lookup.ColumnChoice: Annotated[list[StrictInt | StrictStr], Field(min_length=2, max_length=2)],
+        lookup.UnitPair: Annotated[list[str], Field(min_length=2, max_length=2)],
+        lookup.TablePoints: list[Annotated[list[Expression], Field(min_length=2, max_length=2)]] | None,
         fields.Quantity: Expression,
         fields.AngleQuantity: Angle,
         fields.OptionalQuantity: Expression,
@@ -95,6 +100,8 @@ def _value_type(field: declaration.Field[Any, Any], types: Mapping[Role, Any]) -
         return Annotated[list[str], Field(min_length=field.count, max_length=field.count)]
     if isinstance(field, orientation.AngleSequence):
         return Annotated[str, Field(json_schema_extra={"pattern": field.pattern})]
+    if isinstance(field, fields.WordChoice):
+        return Annotated[str, Field(json_schema_extra={"enum": [*field.words]})]
     if isinstance(field, orientation.SpeedChoice):
         return Annotated[str | None, Field(json_schema_extra={"enum": [*field.words]})]
     return next(types[role] for role in type(field).__mro__ if role in types)

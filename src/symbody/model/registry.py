@@ -11,7 +11,7 @@ from pkgutil import iter_modules
 from types import MappingProxyType, ModuleType
 from typing import Any, Final
 
-from symbody.model import constraints, joints, loads, shapes, signals
+from symbody.model import constraints, joints, loads, shapes, signals, tables
 from symbody.model.body import Body
 from symbody.model.declaration import REQUIRED, Field
 from symbody.model.element import Element
@@ -32,6 +32,7 @@ _GROUPS: Final = MappingProxyType(
         "force": "Forces and torques",
         "torque": "Forces and torques",
         "signal": "Signals",
+        "table": "Signals",
         "block": "Blocks",
     }
 )
@@ -43,7 +44,9 @@ def element_types(kind: str) -> Mapping[str, type[Element]]:
     if kind == Body.kind:
         return MappingProxyType({"": Body})
     classes = [
-        each for folder in (joints, constraints, loads, signals, blocks) for each in _final_classes(folder)
+        each
+        for folder in (joints, constraints, loads, signals, blocks, tables)
+        for each in _final_classes(folder)
     ]
     words = {type_word(each): each for each in classes if issubclass(each, Element) and each.kind == kind}
     return MappingProxyType(dict(sorted(words.items())))

@@ -23,7 +23,7 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, silent_input_note
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
@@ -84,11 +84,11 @@ def simulate(
     """
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    watched = check_events(events, eqs)
-    laws = input_laws(eqs.input_names, inputs or {}, span, len(eqs.coordinate_names))
+    watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
+    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
-    notes = (*_input_notes(eqs, inputs or {}, laws), *problem.scales.notes(eqs, atol))
+    notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
     notes += start_notes(problem, first, {**(guess or {}), **(initial or {})})
     x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     with show_progress(progress, "motion") as report:

@@ -16,6 +16,7 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_MOTIONS
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
@@ -26,7 +27,7 @@ Floats = NDArray[np.float64]
 
 NOTHING: Final = np.zeros(0)
 # Outputs that are measured by the scales of a motion.
-VIOLATIONS: Final = ("constraint_violation", "velocity_violation")
+VIOLATIONS: Final = OF_MOTIONS[1:]
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,10 +19,10 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.input_formulas import input_formula
 from symbody.expr.canonical import ZERO
 from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Symbol, SymbolKind
-from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequence import Roots
 from symbody.tolerances import BALANCED, BEARING, EXACT, TINY
@@ -188,7 +188,7 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     given: dict[str, Value] = {
         name: evaluator.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
     }
-    laws = {name: law for name, law in given.items() if not _is_number(law)}
+    laws = {name: law for name, law in given.items() if not _is_number(law, name)}
     key = "balance", tuple(unknowns), laws_key(laws)
     plan: _BalancePlan = eqs.variants.get(key, lambda: _plan_balance(eqs, unknowns, laws))
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
@@ -219,8 +219,8 @@ def _plan_balance(eqs: EquationSet, unknowns: Sequence[str], laws: Mapping[str, 
     return _BalancePlan(with_outputs(eqs, roots, pulls), len(symbols), timed)
 
 
-def _is_number(law: Value) -> bool:
-    return isinstance(law, int | float) or Formula.from_value(law).constant() is not None
+def _is_number(law: Value, name: str) -> bool:
+    return isinstance(law, int | float) or input_formula(law, name).constant() is not None
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:

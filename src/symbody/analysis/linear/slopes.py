@@ -18,10 +18,10 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.input_formulas import input_law_nodes
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.canonical import sub
 from symbody.expr.graph import TIME, SymbolKind
-from symbody.expr.language.formula import Formula
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
@@ -223,12 +223,11 @@ def _check_finite(
 
 def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:
     """Return the inputs that depend on states or time; values in parameters are points to deviate from."""
-    names, graph = eqs.formed.names, eqs.formed.graph
+    graph = eqs.formed.graph
     laws = {}
-    for name, value in inputs.items():
-        node = names.expression(Formula.from_value(value, where=f"input {name}"), f"input {name}").index
+    for name, node in input_law_nodes(eqs.formed, inputs).items():
         if any(graph.symbols[graph.left[s]].kind != SymbolKind.PARAMETER for s in symbols_of(graph, [node])):
-            laws[name] = value
+            laws[name] = inputs[name]
     return laws
 
 

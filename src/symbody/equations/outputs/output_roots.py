@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -12,6 +13,7 @@ from symbody.equations.outputs.derivative_outputs import (
     differentiate_output,
     parse_derivative,
 )
+from symbody.equations.outputs.frame_cures import frame_cure
 from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
 from symbody.equations.outputs.friction_outputs import (
     friction_effort,
@@ -19,7 +21,14 @@ from symbody.equations.outputs.friction_outputs import (
     friction_normal,
     friction_reserve,
 )
-from symbody.equations.outputs.joint_outputs import effort_names, joint_effort, reaction_output, total_power
+from symbody.equations.outputs.joint_outputs import (
+    ENTRIES,
+    effort_names,
+    joint_effort,
+    reaction_output,
+    total_power,
+)
+from symbody.equations.outputs.quotation import quotation_cure
 from symbody.equations.outputs.rope_outputs import ROPE_OUTPUTS
 from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
 from symbody.equations.solving.drift_correction import (
@@ -39,6 +48,9 @@ from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
+
+# What is summed up or measured along a motion, and known of its samples alone.
+OF_MOTIONS: Final = ("work", "constraint_violation", "velocity_violation")
 
 
 def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
@@ -79,15 +91,15 @@ def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], S
         return (), [measured]
     first, _, rest = name.partition(" ")
     if first in OUTPUTS_BY_NAME and rest:
-        shape, values = OUTPUTS_BY_NAME[first](formed, rest)
+        shape, values = _named_output(formed, name)
         return shape, substitute_shares(formed, values)
     try:
         formula = Formula.from_value(name, has_outputs=True)
-        value = formed.readable_names.expression(formula, outputs=partial(_quoted_output, formed, formula))
+        value = formed.readable_names.expression(formula, outputs=quoted_output(formed, formula))
     except (ExpressionError, FormulationError) as error:
-        words = [*output_names(formed), *formed.names.symbols]
         fault = error.problems[0]
-        cure = fault.fix if fault.code == "equations.quoted_output" else nearest(name, words)
+        is_quoted = fault.code == "equations.quoted_output"
+        cure = fault.fix if is_quoted else _cure(formed, name)
         raise FormulationError(
             Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
                     fault.what, cure)
@@ -101,7 +113,35 @@ def _put_in_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[
     return substitute_solution(formed, substitute_signals(formed, values, raw_output))
 
 
-def _quoted_output(formed: EquationsOfMotion, formula: Formula, name: str, column: int) -> int:
+def _named_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the shape and values of an output whose first word is one of `OUTPUTS_BY_NAME`."""
+    first, _, names = name.partition(" ")
+    try:
+        return OUTPUTS_BY_NAME[first](formed, names)
+    except FormulationError as error:
+        cure = quotation_cure(name, output_names(formed))
+        if not cure:
+            raise
+        raise FormulationError(*(replace(problem, fix=cure) for problem in error.problems)) from error
+
+
+def _cure(formed: EquationsOfMotion, name: str) -> str:
+    """Return what to type instead of a text that is neither an output nor an expression."""
+    if name in OF_MOTIONS:
+        return f"read it of a motion that was computed: run[{name!r}], alone or in a formula"
+    outputs = output_names(formed)
+    entries = [f"{x} {entry}" for x in outputs if x.startswith("reaction ") for entry in ENTRIES]
+    frames = [frame for frame in formed.kinematics.velocities if "|" not in frame]
+    near = frame_cure(name, frames) or nearest(name, [*outputs, *entries, *formed.names.symbols])
+    return quotation_cure(name, outputs) or near
+
+
+def quoted_output(formed: EquationsOfMotion, formula: Formula, where: str = "") -> Callable[[str, int], int]:
+    """Return what finds the node of an output that stands in quotes in a formula, by its name and column."""
+    return partial(_quoted_output, formed, formula, where)
+
+
+def _quoted_output(formed: EquationsOfMotion, formula: Formula, where: str, name: str, column: int) -> int:
     """Return the node of an output that stands in quotes in a formula.
 
     Raises
@@ -114,13 +154,13 @@ def _quoted_output(formed: EquationsOfMotion, formula: Formula, name: str, colum
     except FormulationError as error:
         fault = error.problems[0]
         raise ExpressionError(
-            formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix)
+            formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix, where)
         ) from error
     if roots.shape:
         raise ExpressionError(
             formula.problem(
                 "equations.quoted_output", column, f"{name!r} is no number: its shape is {roots.shape}", "",
-                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'",
+                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'", where,
             )
         )  # fmt: skip
     return roots.nodes[0]

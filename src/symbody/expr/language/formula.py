@@ -69,6 +69,11 @@ class Formula:
         return tuple(dict.fromkeys(str(step.payload) for step in self.program if step.kind == "name"))
 
     @property
+    def outputs(self) -> tuple[str, ...]:
+        """Distinct outputs that stand in quotes, in the order of their first appearance."""
+        return tuple(dict.fromkeys(str(step.payload) for step in self.program if step.kind == "output"))
+
+    @property
     def is_number(self) -> bool:
         """Whether this is a plain number, a sign or a quotient of two included."""
         return self.constant() is not None

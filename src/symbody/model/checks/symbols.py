@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, NamedTuple
@@ -14,6 +15,7 @@ from symbody.model.formula_site import FormulaSite, Scope
 from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
 from symbody.model.signals.signal import Signal
+from symbody.model.tables.lookup import Lookup
 
 
 class Meaning(NamedTuple):
@@ -36,10 +38,20 @@ class Meaning(NamedTuple):
 _WORDS: Final = MappingProxyType(
     {
         Scope.CONSTANT: ("parameter",),
-        Scope.PRESCRIBED: ("parameter",),
-        Scope.LOAD: ("parameter", "input", "coordinate", "rate", "speed", "signal"),
-        Scope.MOTION: ("parameter", "coordinate", "rate", "speed"),
-        Scope.POINT: ("parameter",),
+        Scope.PRESCRIBED: ("parameter", "table"),
+        Scope.ARGUMENT: ("parameter", "coordinate", "rate", "speed"),
+        Scope.LOAD: (
+            "parameter",
+            "input",
+            "coordinate",
+            "rate",
+            "speed",
+            "signal",
+            "table",
+            "table of states",
+        ),
+        Scope.MOTION: ("parameter", "coordinate", "rate", "speed", "table"),
+        Scope.POINT: ("parameter", "table"),
         Scope.COORDINATE: ("coordinate",),
     }
 )
@@ -103,6 +115,12 @@ def signal_entries(signals: Iterable[Signal], label: str) -> Iterator[tuple[str,
             yield f"{signal.name}_dot", Meaning("signal rate", f"{label}, name")
 
 
+def table_entries(table: Lookup, label: str, constants: AbstractSet[str]) -> Iterator[tuple[str, Meaning]]:
+    """Return what a table adds to the symbols: its name, of time where its argument has `constants` alone."""
+    is_of_time = {*table.argument.names} <= {"t", "pi", *constants}
+    yield table.name, Meaning("table" if is_of_time else "table of states", f"{label}, name")
+
+
 def scope_problems(label: str, sites: Iterable[FormulaSite], symbols: Symbols) -> list[Problem]:
     """Return a problem for each name that does not belong where it stands."""
     problems = []
@@ -146,7 +164,8 @@ def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -
             "names.not_here", column, f"{name!r} is {word}, which cannot stand here", takes, cure, where
         )
     cure = nearest(name, [*site.local_names, *symbols.allowed_names(site.scope)])
-    defined = f"[parameters] {name} = .." + (f', or inputs = ["{name}"]' if "inputs" in takes else "")
+    defined = f'[parameters] {name} = .. in a file, parameters={{"{name}": ..}} in Python'
+    defined += f', or inputs = ["{name}"]' if "inputs" in takes else ""
     return site.formula.problem(
         "names.unknown",
         column,

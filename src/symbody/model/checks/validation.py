@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from symbody.errors import ModelError, Problem
+from symbody.errors import ExpressionError, ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checks.initial import check_initial, initial_problems
@@ -27,6 +27,7 @@ from symbody.model.checks.symbols import (
     joint_entries,
     scope_problems,
     signal_entries,
+    table_entries,
 )
 from symbody.model.constraint import ConstraintElement, FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
@@ -41,6 +42,7 @@ from symbody.model.parameters import cycle_problems, parameter_values
 from symbody.model.shapes.shape import BodyShape
 from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
+from symbody.model.tables.lookup import Lookup
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +115,25 @@ def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
         if isinstance(element, Body):
             problems += scope_problems(label, element.shape_formula_sites(), symbols)
     problems += loop_problems(collect_signals(draft.elements))
+    problems += _law_problems(draft, labels)
     problems += initial_problems(draft.initial, symbols, draft.joints)
     return problems + _degree_problems(draft, labels)
+
+
+def _law_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
+    """Return a problem for each table that cannot be the law of the input of its name."""
+    problems = []
+    for label, table in zip(labels, draft.elements, strict=True):
+        if isinstance(table, Lookup) and table.name in draft.inputs:
+            wrong = {"argument": table.argument.text != "t", "outside": table.outside != "hold"}
+            problems += [
+                Problem("table.law", f"{label}, {key}",
+                        f"{key} = {str(getattr(table, key))!r} in the law of an input",
+                        "a table that bears the name of an input is its law: a function of the time that "
+                        "holds its first and last value", f"leave {key} out, or rename the table")
+                for key, is_wrong in wrong.items() if is_wrong
+            ]  # fmt: skip
+    return problems
 
 
 def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, Meaning]]:
@@ -129,6 +148,8 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
             yield from constraint_entries(element, label)
         elif isinstance(element, Signal | SignalBlock):
             yield from signal_entries(collect_signals([element]), label)
+        elif isinstance(element, Lookup) and element.name not in draft.inputs:
+            yield from table_entries(element, label, draft.parameters.keys())
     for joint in draft.free_joints:
         yield from joint_entries(joint, f"body {joint.name}")
 
@@ -170,8 +191,19 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
             "write the value in SI units",
         )
         for where, name, formula in values
-        if name in others - angles and formula.text.endswith("deg") and "deg" not in formula.names
+        if name in others - angles and _is_angle_alone(formula)
     ]
+
+
+def _is_angle_alone(formula: Formula) -> bool:
+    """Return whether degrees stand in a formula where no length could have them."""
+    if "deg" not in formula.text:
+        return False
+    try:
+        Formula.from_value(formula.text)
+    except ExpressionError:
+        return True
+    return False
 
 
 def _check_numbers(draft: Draft, labels: Iterable[str]) -> NumericChecks:

@@ -58,6 +58,7 @@ class EventFunctions:
         self._check_shapes()
         formulas = [str(value) for event in self.events for value in event.mapping.values()]
         self._actions = problem.compile_outputs(["energy", *formulas]) if formulas else None
+        self._check_actions()
         functions = [function for function in (self._values, self._actions) if function is not None]
         self._callbacks = [
             CallbackFunction(function, problem.laws) for function in functions if problem.laws.need_python
@@ -71,6 +72,18 @@ class EventFunctions:
             Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
                     "an event watches one number", "name one component, such as 'reaction J Fx'")
             for event, output in outputs if output.shape
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
+    def _check_actions(self) -> None:
+        named = [(event.label, name) for event in self.events for name in event.mapping]
+        outputs = () if self._actions is None else self._actions.outputs[1:]
+        problems = [
+            Problem("simulation.event_shape", f"event {label!r}",
+                    f"the new value of {name} has shape {output.shape}",
+                    "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
+            for (label, name), output in zip(named, outputs, strict=True) if output.shape
         ]  # fmt: skip
         if problems:
             raise UsageError(*problems)

@@ -16,8 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
 from symbody.expr.language.formula import Formula
+from symbody.model.model import Model
+from symbody.model.tables.lookup import Lookup
 from symbody.simulation.inputs.tables import Table, table_numbers
 
 Floats = NDArray[np.float64]
@@ -156,6 +159,20 @@ def input_laws(
     in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
     tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
     return InputLaws(kept, in_order, tuple(notes), tables, coordinates=coordinates)
+
+
+def laws_of_tables(eqs: EquationSet) -> dict[str, Law]:
+    """Return the laws that tables of the model give to inputs of their name, where a call gives no other."""
+    model = eqs.model
+    tables = (
+        [table for table in model.tables if table.name in model.inputs] if isinstance(model, Model) else []
+    )
+    return {table.name: _law_of_table(table) for table in tables if table.name in eqs.input_names}
+
+
+def _law_of_table(table: Lookup) -> Table:
+    t, values = zip(*table.points, strict=True)
+    return Table(t, values, table.interpolation)
 
 
 class CallbackFunction:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
+from symbody.model.tables.csv_columns import read_points
 
 Floats = NDArray[np.float64]
 
@@ -67,6 +69,41 @@ class Table:
         starts, pieces = _polynomials(times, values, self.kind)
         object.__setattr__(self, "_starts", starts)
         object.__setattr__(self, "_pieces", pieces)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | os.PathLike[str],
+        columns: Sequence[str | int] = (1, 2),
+        units: Sequence[str] = ("", ""),
+        kind: Literal["linear", "pchip", "cubic"] = "linear",
+        outside: Literal["hold", "error"] = "hold",
+    ) -> Table:
+        """Return two columns of a CSV file as a function of time.
+
+        Parameters
+        ----------
+        path : str or path
+            Values separated by commas, semicolons or tabs, UTF-8; lines that begin with ``#`` are left out.
+        columns : (2,) str or int
+            Of the times and of the values: names of the first row, or numbers counted from 1.
+        units : (2,) str
+            Of the columns, such as ``"ms"`` and ``"mm"``; ``""`` is SI.
+        kind, outside : str
+            As in `Table`.
+
+        Raises
+        ------
+        ModelError
+            If the file cannot be read, or rows are no points, with their lines.
+        """
+        place = os.fsdecode(path)
+        given = tuple(columns), tuple(units)
+        if any(len(pair) != 2 for pair in given):
+            what = f"columns = {given[0]}, units = {given[1]}"
+            raise _wrong(what, "give two columns and two units")
+        times, values = zip(*read_points(place, place, *given), strict=True)
+        return cls(times, values, kind, outside)
 
     @property
     def is_short(self) -> bool:

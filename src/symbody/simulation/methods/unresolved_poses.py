@@ -28,7 +28,7 @@ _LOWEST: Final = 8
 _INDEPENDENT: Final = 1e-6
 _NOTE: Final = (
     "near t = {:.6g} s some constraints almost follow from others, and steps of {:.3g} s are too long for "
-    "how fast that changes: from there on the motion is much less exact than the order of sb.FixedStep() says; "
+    "how fast that changes: from there on the motion is much less exact than the order of the method says; "
     "take shorter steps, or leave the integrator out"
 )
 

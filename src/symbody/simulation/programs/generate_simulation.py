@@ -11,7 +11,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.simulation.inputs.input_laws import Law, input_laws
+from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -64,7 +64,7 @@ def generate_simulation(
         what = f"no program can be written in {language!r}"
         raise UsageError(Problem("simulation.language", "language", what, "", fix))
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    laws = input_laws(eqs.input_names, inputs or {}, span)
+    laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **(inputs or {})}, span)
     reason = reason_for_simulate(eqs, laws, integrator, constraints, has_events=False)
     if reason:
         fix = "give formulas as inputs, or take simulate"

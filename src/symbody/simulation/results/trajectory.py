@@ -20,6 +20,7 @@ from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 from symbody.simulation.results.model_record import record_of
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
+from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
 from symbody.simulation.results.sample_table import SampleTable, refuse_table_ending
 from symbody.simulation.status import Status
 
@@ -132,6 +133,9 @@ class Trajectory(SampleTable):
         values = self._stored_values(name)
         if values is not None:
             return values
+        formula = formula_of_samples(name, self.stored)
+        if formula is not None:
+            return evaluate_samples(formula, self.__getitem__, self.t, self.t.shape)
         if self.evaluate is None:
             raise self._unknown(name)
         values = self.evaluate(name, np.atleast_1d(self.t), *self.state_arrays())
@@ -147,7 +151,8 @@ class Trajectory(SampleTable):
             An unknown name.
         """
         values = {name: self._stored_values(name) for name in names}
-        missing = [name for name, array in values.items() if array is None]
+        of_samples = {name for name in names if formula_of_samples(name, self.stored) is not None}
+        missing = [name for name, array in values.items() if array is None and name not in of_samples]
         if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
             return {name: self[name] for name in names}
         made = dict(
@@ -158,6 +163,7 @@ class Trajectory(SampleTable):
             )
         )
         shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
+        shaped |= {name: self[name] for name in of_samples}
         return {name: shaped[name] if array is None else array for name, array in values.items()}
 
     def _stored_values(self, name: str) -> Floats | None:
@@ -355,10 +361,9 @@ class Trajectory(SampleTable):
         return f"<Trajectory {name}{samples} ({span}), {coordinates}, {speeds}, {self.status.name}>"
 
     def __str__(self) -> str:
-        """Return what `repr` returns; of a motion that failed with what to try, and its notes."""
-        if self.success:
-            return repr(self)
-        return "\n".join([repr(self), f"  {self.status.value}", *(f"  note: {note}" for note in self.notes)])
+        """Return what `repr` returns and the notes; of a motion that failed with what to try."""
+        advice = [] if self.success else [f"  {self.status.value}"]
+        return "\n".join([repr(self), *advice, *(f"  note: {note}" for note in self.notes)])
 
 
 def _no_model() -> UsageError:

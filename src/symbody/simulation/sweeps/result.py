@@ -14,6 +14,7 @@ from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.kernels import block as at
 from symbody.notebook import Displayed
 from symbody.simulation.native.run import VERDICTS, Statistics
+from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.case_by_case import OTHERS
@@ -107,7 +108,14 @@ class Sweep(Displayed):
             return row
         if name in self.cases:
             return self.cases[name]
+        formula = formula_of_samples(name, ())
+        if formula is not None:
+            return evaluate_samples(formula, self._samples, self.t, (len(self), self.t.size))
         return self.evaluation.evaluate(name, self.t, self.x)
+
+    def _samples(self, name: str) -> Floats:
+        """Return a name over all cases and times; what varied is the same at all times."""
+        return self.cases[name][:, np.newaxis] if name in self.cases else self[name]
 
     @checked_arguments
     def trajectory(self, case: int) -> Trajectory:
