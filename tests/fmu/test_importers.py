@@ -250,11 +250,13 @@ def test_libraries_of_all_platforms(version: str, tmp_path: Path) -> None:
             assert max(versions, default=(0,)) <= (2, 17) or "x86_64-linux" in name or "linux64" in name
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(40))
 def test_random_mechanisms(seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     flags = [flag.replace("-O2", "-O0") for flag in binaries.FLAGS]  # the optimizer takes most of the time
     monkeypatch.setattr(binaries, "FLAGS", flags)
     eqs = sb.form_equations(model_with_state(random_mechanism(seed)))
+    if len(eqs.state_names) > 20:
+        pytest.skip(f"derivatives of {len(eqs.state_names)} states with all parameters take minutes")
     made = sb.save_fmu(eqs, tmp_path / "mechanism.fmu")
     assert validate_fmu(str(made.path)) == []
     with instance(made.path, "ModelExchange") as fmu:

@@ -11,7 +11,8 @@ import pytest
 from fmpy.validation import validate_fmu
 
 import symbody as sb
-from tests.fmu.importer import example, instance, pendulum, simulate, states
+from symbody.cli.entry import run
+from tests.fmu.importer import EXAMPLES, example, instance, pendulum, simulate, states
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 
@@ -172,6 +173,19 @@ def test_compiler_that_refuses_is_told(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(sb.CompileError) as caught:
         sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu")
     assert caught.value.problems[0].code == "fmu.compile"
+
+
+def test_command_line_writes_an_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "robot.fmu"
+    model = str(EXAMPLES / "rr_robot" / "rr_robot.toml")
+    command = ["fmu", model, "-o", str(path), "--version", "2.0", "--output", "kinetic_energy"]
+    assert run(command) == 0
+    assert f"{path}: FMI 2.0" in capsys.readouterr().out
+    assert validate_fmu(str(path)) == []
+    assert run(command) == 2  # the file exists
+    assert "--force" in capsys.readouterr().err
+    assert run([*command, "--force", "--platform", "amiga"]) == 2
+    assert "fmu.platform" in capsys.readouterr().err
 
 
 def test_dry_friction_is_refused(tmp_path: Path) -> None:

@@ -15,7 +15,14 @@ from typing import Final
 
 from symbody.errors import CompileError, EnvironmentFault, Problem, UsageError, nearest
 
-FLAGS: Final = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fvisibility=hidden")
+FLAGS: Final = (
+    "-std=c99",
+    "-O2",
+    "-ffp-contract=off",
+    "-shared",
+    "-fvisibility=hidden",
+    "-Werror=implicit-function-declaration",
+)
 _OLDEST_GLIBC: Final = "2.17"
 INSTALL: Final = 'pip install "symbody[fmu]"'
 

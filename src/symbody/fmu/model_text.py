@@ -29,6 +29,7 @@ _KERNELS: Final = (
     ("projection", ("project",)),
     ("assembly", ("assemble",)),
     ("runge_kutta", ("call",)),
+    ("solve_saddle", ("solve_saddle",)),
 )
 _BLOCK_PLACES: Final = (
     "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",
