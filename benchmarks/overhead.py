@@ -20,6 +20,7 @@ from scipy.integrate import solve_ivp
 import symbody as sb
 from benchmarks.engines.around import ATOL, OURS, RTOL, Move, available, process_seconds, start_angles
 from benchmarks.engines.moving import parameters
+from benchmarks.event_cases import events_table
 from benchmarks.mechanisms import EXAMPLES, spatial_chain
 from benchmarks.table import Table, ratio_text, seconds_text
 from benchmarks.timing import Settings, in_turns, medians, processor_seconds
@@ -42,6 +43,7 @@ def tables(settings: Settings) -> Iterator[Table]:
     yield chain(settings)
     yield closed_loop(settings)
     yield inside(settings)
+    yield events_table(settings)
 
 
 # One chain, all engines

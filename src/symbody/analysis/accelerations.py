@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.analysis.plain_assembly import PlainState
 from symbody.analysis.scales import Scales
+from symbody.analysis.signal_values import signals_by_name
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.codegen.massless import massless_problem, massless_speeds
@@ -66,6 +67,7 @@ def complete_state(
         evaluator.parameters,
         evaluator.inputs,
         others,
+        s=signals_by_name(eqs, evaluator.signals),
         _functions=evaluator.functions,
         _dependent=_count_dependent(solved.jacobian),
     )
@@ -127,7 +129,8 @@ def _accelerations(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> Any:
         If no mass resists some motion, naming its coordinates.
     """
     try:
-        return evaluator.compile(("udot", "lambda", "jacobian", "gamma"))(evaluator.t, q, u)
+        solved = evaluator.compile(("udot", "lambda", "jacobian", "gamma"))
+        return solved(evaluator.t, q, u, s=evaluator.signals)
     except SimulationError as error:
         eqs = evaluator.eqs
         places = massless_speeds(*evaluator.compile(("mass_matrix", "jacobian"))(evaluator.t, q, u))
@@ -141,7 +144,8 @@ def _accelerations(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> Any:
 
 def _free_acceleration(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> float:
     """Return the largest acceleration that the forces would give without constraints, over its size."""
-    solved, sizes = evaluator.compile(("mass_matrix", "forcing"))(evaluator.t, q, u), evaluator.speed_sizes
+    solved = evaluator.compile(("mass_matrix", "forcing"))(evaluator.t, q, u, s=evaluator.signals)
+    sizes = evaluator.speed_sizes
     mass = solved.mass_matrix * np.outer(sizes, sizes)
     free = np.linalg.lstsq(mass, solved.forcing * sizes, rcond=None)[0]
     return float(np.abs(free).max(initial=0.0))

@@ -62,6 +62,7 @@ def _positions_and_rates(eqs: EquationSet) -> frozenset[str]:
     coordinates.update(topology.model.coordinates, eqs.coordinate_names)
     speeds = {name for joint in topology.joints for name in joint.quasi_speed_names}
     all_names = coordinates | speeds | {f"{name}_dot" for name in coordinates} | {*eqs.speed_names}
+    all_names |= {*eqs.signal_state_names}
     return frozenset(name for name in all_names if name in names.symbols or name in names.values)
 
 

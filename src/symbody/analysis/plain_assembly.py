@@ -106,8 +106,8 @@ def plain_assembly(eqs: EquationSet, function: CompiledFunction) -> PlainAssembl
 
 
 def is_plain(eqs: EquationSet, fixed: Mapping[str, float], near: Mapping[str, float]) -> bool:
-    """Return whether all values are those of states, and nothing is eliminated."""
-    if eqs.formed.elimination is not None:
+    """Return whether all values are those of states, nothing is eliminated, and no signal has a state."""
+    if eqs.formed.elimination is not None or eqs.signal_state_names:
         return False
     if (eqs.multiplier_names or eqs.quaternions) and len(eqs.state_names) > _MOST_STATES:
         return False

@@ -24,8 +24,8 @@ class State(Displayed):
 
     Attributes
     ----------
-    q, u, udot, multipliers : mapping of name to float
-        Each in the order of the equations.
+    q, u, udot, multipliers, s : mapping of name to float
+        Each in the order of the equations; s are the states of signals.
     residual : float
         Largest absolute constraint, of lengths [m] and dot products of unit vectors.
     moved : mapping of name to float
@@ -45,6 +45,7 @@ class State(Displayed):
     t: float = 0.0
     parameters: Mapping[str, Value] = field(default_factory=dict, repr=False)
     inputs: Mapping[str, Value] = field(default_factory=dict, repr=False)
+    s: Mapping[str, float] = field(default_factory=dict, kw_only=True)
     # Finds the branches; they are looked for on first request.
     _others: Callable[[], Iterable[State]] = field(default=tuple, repr=False)
     _branches: SingleFlight[None, tuple[State, ...]] = field(default_factory=SingleFlight, repr=False)
@@ -62,7 +63,7 @@ class State(Displayed):
 
     def _values(self) -> str:
         """Return positions and speeds in one line."""
-        parts = [values_line(values, self.eqs.units) for values in (self.q, self.u)]
+        parts = [values_line(values, self.eqs.units) for values in (self.q, self.u, self.s)]
         return "; ".join(filter(None, parts)) or "nothing moves"
 
     @property
@@ -91,7 +92,7 @@ class State(Displayed):
         FormulationError
             If the name is neither an output nor an expression.
         """
-        for values in (self.q, self.u, self.udot, self.multipliers):
+        for values in (self.q, self.u, self.udot, self.multipliers, self.s):
             if name in values:
                 return values[name]
 
@@ -100,5 +101,6 @@ class State(Displayed):
             return bound_function(self.eqs, name, self.parameters, (), inputs, quick=True)
 
         function = self._functions.get(name, compile_output)
-        value = np.asarray(function(self.t, list(self.q.values()), list(self.u.values())))
+        q, u, s = (list(values.values()) for values in (self.q, self.u, self.s))
+        value = np.asarray(function(self.t, q, u, s=s))
         return float(value) if value.ndim == 0 else value

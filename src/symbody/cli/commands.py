@@ -77,7 +77,7 @@ def equations(
 
 @command()
 def check(model: ModelFile, tree: Tree = None) -> None:
-    """Read a model and say what it is: bodies, joints, trees, degrees of freedom, notes."""
+    """Read a model and print what it holds: bodies, joints, trees, degrees of freedom, notes."""
     loaded = load_model(model)
     _print(summary(loaded, _form(loaded, tree)))
 
@@ -248,7 +248,7 @@ def linearize(
     tree: Tree = None,
     as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
 ) -> None:
-    """Print A, B, C, D of small motions about a state, eigenvalues, and what they say of stability."""
+    """Print A, B, C, D of small motions about a state, eigenvalues, and whether they are stable."""
     eqs = _form(load_model(model), tree)
     given = Settled.resolve(
         eqs, read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(at, "--at")
@@ -302,7 +302,7 @@ def _motion(
         eqs,
         end,
         parameters=given.parameters,
-        inputs=given.inputs,
+        inputs=given.laws(),
         initial=given.initial,
         times=None if samples is None else np.linspace(0.0, end, samples),
         progress=bar,

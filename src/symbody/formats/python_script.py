@@ -116,7 +116,7 @@ def _value(node: Node, key: str = "") -> str:
         return _dict_text({name: _value(item) for name, item in node.items()})
     if isinstance(node, list):
         return "[" + ", ".join(_value(item) for item in node) + "]"
-    return repr(node) if isinstance(node, bool) else _text(node)
+    return repr(node) if isinstance(node, int) else _text(node)
 
 
 def _number(formula: Formula) -> str | None:

@@ -50,12 +50,12 @@ class Preference:
 
 
 def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> dict[str, Preference]:
-    """Return what a choice of trees says about the joints, for "rotation" and "translation".
+    """Return the joints that a choice of trees names, for "rotation" and "translation".
 
     Raises
     ------
     TopologyError
-        If a name is no joint, or the choice is none.
+        If a name is not that of a joint, or the choice is not one of trees.
     """
     names = tuple(joint.name for joint in joints)
     if isinstance(choice, Trees):

@@ -10,19 +10,19 @@ def add_row(n: int, size: int, row: Reals, basis: Reals, cut: float) -> float:
 
     Returns its length, or 0 where that does not exceed the cut and nothing is added.
     """
-    rest = part(basis, size * n, n)
+    remainder = part(basis, size * n, n)
     for i in range(n):
-        rest[i] = row[i]
+        remainder[i] = row[i]
     for _turn in range(2):  # twice is enough (Golub & Van Loan 2013, section 5.2.9)
         for k in range(size):
-            share = dot(n, part(basis, k * n, n), rest)
+            share = dot(n, part(basis, k * n, n), remainder)
             for i in range(n):
-                rest[i] = rest[i] - share * basis[k * n + i]
-    length = sqrt(dot(n, rest, rest))
+                remainder[i] = remainder[i] - share * basis[k * n + i]
+    length = sqrt(dot(n, remainder, remainder))
     if not length > cut:
         return 0.0
     for i in range(n):
-        rest[i] = rest[i] / length
+        remainder[i] = remainder[i] / length
     return length
 
 

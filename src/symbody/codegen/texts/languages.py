@@ -12,8 +12,10 @@ from symbody.expr.sequence import Sequence
 # A language is imported when a text in it is asked for.
 TEXTS: Final[Mapping[str, Callable[[Sequence, str, Arguments | None], str]]] = {
     # These two take what the sequence reads; the others all arguments, in their order.
-    "c": lambda sequence, name, _: texts.c.generate(sequence, name),
-    "python": lambda sequence, name, _: texts.python.generate(sequence, name),
+    "c": lambda sequence, name, given: texts.c.generate(sequence, name, has_signals="s" in (given or {})),
+    "python": lambda sequence, name, given: texts.python.generate(
+        sequence, name, has_signals="s" in (given or {})
+    ),
     "fortran": lambda *given: texts.fortran.generate(*given),
     "matlab": lambda *given: texts.matlab.generate(*given),  # Octave reads it too
     "octave": lambda *given: texts.matlab.generate(*given),

@@ -90,7 +90,7 @@ class StepProblem:
 def own_laws(settings: StepperSettings, t: float) -> InputLaws:
     """Return the laws of the inputs that are not held."""
     names = [name for name in settings.eqs.input_names if name not in settings.held]
-    return input_laws(names, settings.laws, (t, t))
+    return input_laws(names, settings.laws, (t, t), len(settings.eqs.coordinate_names))
 
 
 def step_problem(
@@ -141,10 +141,11 @@ def _all_laws(settings: StepperSettings, laws: InputLaws, numbers: StepNumbers) 
     }
     own = tuple(laws.callbacks)
     tables = {names.index(own[place]): table for place, table in laws.tables.items()}
-    return InputLaws(laws.formulas, callbacks, laws.notes, tables)
+    return InputLaws(laws.formulas, callbacks, laws.notes, tables, coordinates=laws.coordinates)
 
 
 def _scales(settings: StepperSettings, parameters: Mapping[str, Value], x: Floats) -> Scales:
-    q = dict(zip(settings.eqs.coordinate_names, x[len(settings.eqs.speed_names) : -1].tolist(), strict=True))
+    names = settings.eqs.coordinate_names
+    q = dict(zip(names, x[len(settings.eqs.speed_names) :][: len(names)].tolist(), strict=True))
     scales = mechanism_scales(settings.eqs, dict(parameters), settings.scales, q)
     return scales.fit_span(0.0, WINDOW * settings.dt)

@@ -13,6 +13,7 @@ from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constrain
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
 from symbody.analysis.plain_assembly import is_plain, plain_assembly, plain_function
 from symbody.analysis.scales import Scales
+from symbody.analysis.signal_values import without_signals
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
@@ -129,7 +130,9 @@ def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) 
     parameter_set(eqs, table.fixed_parameters, table.parameter_names)
     refuse_unknown(eqs, (*table.initial_names, *table.fixed_initial, *guess))
     legal = positions_and_rates(eqs)
-    ordered = {**guess, **{name: value for name, value in eqs.model.initial.items() if name not in guess}}
+    of_model: dict[str, Value] = {**eqs.model.initial}
+    of_model |= {signal.name: signal.initial for signal in eqs.model.signals if signal.is_state}
+    ordered = {**guess, **{name: value for name, value in of_model.items() if name not in guess}}
     return {name: value for name, value in ordered.items() if name in legal}
 
 
@@ -200,8 +203,9 @@ class _Assembler:
             self._angles,
             sizes,
         )
-        q, u = consistent_start(closure, fixed, near)
-        return np.concatenate([u, q])
+        q, u = consistent_start(closure, without_signals(eqs, fixed), without_signals(eqs, near))
+        signals = [fixed.get(name, near[name]) for name in eqs.signal_state_names]
+        return np.array([*u, *q, *signals])
 
     def _compile(self) -> CompiledFunction:
         table = self._table
