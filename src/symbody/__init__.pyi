@@ -150,6 +150,11 @@ from .simulation import inverse_dynamics as inverse_dynamics
 from .analysis import IndexOneSolution as IndexOneSolution
 from .analysis import solve_index_1 as solve_index_1
 
+# its use in other tools
+from .fmu import Fmu as Fmu
+from .fmu import FmuVariable as FmuVariable
+from .fmu import save_fmu as save_fmu
+
 # its pictures
 from .visual import plot as plot
 from .visual import save_plot as save_plot

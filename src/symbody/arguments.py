@@ -1,8 +1,9 @@
 """Arguments of public functions: values of another kind than annotated are refused with a message of symbody.
 
-The annotations alone define what a function takes. Python's own faults that leave a function
-(TypeError, AttributeError, ...) are traced to the arguments that do not fit them; a fault with arguments
-that fit goes on as it is. Paths are looked at before the call, because ``open(1)`` writes to the terminal.
+The annotations alone define what a function takes; one name is a list of one. Python's own faults that leave
+a function (TypeError, AttributeError, ...) are traced to the arguments that do not fit them; a fault with
+arguments that fit goes on as it is. Paths are looked at before the call, because ``open(1)`` writes to the
+terminal.
 """
 
 from __future__ import annotations
@@ -48,6 +49,10 @@ _WORDS: Final[Mapping[object, str]] = {
 }  # fmt: skip
 
 
+# Lists of names, which text would be letter by letter.
+_LISTS: Final = frozenset({"Sequence[str]", "Iterable[str]"})
+
+
 class _Array:
     """Stands for ArrayLike: numbers, nested as evenly as an array is."""
 
@@ -66,10 +71,17 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
     """
     texts = _texts(function)
     paths = [name for name, text in texts.items() if "Path" in text]
+    lists = [
+        (place, name)
+        for place, (name, text) in enumerate(texts.items())
+        if text.removesuffix(" | None") in _LISTS
+    ]
     textual = {name for name, text in texts.items() if "str" in text and "Sympy" not in text}
 
     @wraps(function)
     def call_with_checks(*given: P.args, **named: P.kwargs) -> R:
+        if lists:
+            given, named = _with_lists(lists, given, named)
         if textual and _hold_sympy((*given, *named.values())):
             given, named = _with_texts(function, textual, given, named)
         if paths:
@@ -110,6 +122,16 @@ def _hold_sympy(values: Iterable[object]) -> bool:
         elif is_sympy(value):
             return True
     return False
+
+
+def _with_lists(lists: Iterable[tuple[int, str]], given: Any, named: Any) -> Any:
+    """Return arguments with a list of one name where one name stands for it, as in ``traces="Arm.tip"``."""
+    for place, name in lists:
+        if place < len(given) and isinstance(given[place], str):
+            given = (*given[:place], (given[place],), *given[place + 1 :])
+        elif isinstance(named.get(name), str):
+            named = {**named, name: (named[name],)}
+    return given, named
 
 
 def _with_texts(function: Callable[..., Any], textual: Set[str], given: Any, named: Any) -> Any:

@@ -11,10 +11,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from symbody.errors import ExpressionError, Problem
+from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.instructions import FUNCTIONS
 from symbody.expr.language.tokens import MAX_LENGTH, is_name, normalize
 from symbody.expr.parser import parse, parse_angle
+from symbody.model.numbers import formula_value
 from tests.effort import limited
 
 
@@ -192,16 +194,45 @@ def test_other_angles_are_plain_expressions(value: str | float | Formula) -> Non
     assert parse_angle(value) == Formula.from_value(value)
 
 
-@pytest.mark.parametrize("text", ["30 degx", "2x deg", "30 deg + 1", "1.2.3 deg", "deg deg", ". deg", "30°"])
+@pytest.mark.parametrize(
+    "text", ["30 degx", "2x deg", "x deg", "30 degrees", "1.2.3 deg", "deg deg", ". deg", "30°"]
+)
 def test_angles_that_are_none(text: str) -> None:
     with pytest.raises(ExpressionError) as caught:
         parse_angle(text, where="body B, rotate")
     assert all(p.where.startswith("body B, rotate, column") and p.fix for p in caught.value.problems)
 
 
-def test_degrees_elsewhere_are_explained() -> None:
-    (problem,) = faults("2 deg")
-    assert "2*pi/180" in problem.fix
+@pytest.mark.parametrize("text", ["2 deg", "-2deg", "2*30 deg", "pi + 2 deg", "2 deg + cos(1)"])
+def test_degrees_alone_are_angles_only(text: str) -> None:
+    (problem,) = faults(text)
+    assert problem.code == "expression.implicit_multiplication" and "*pi/180" in problem.fix
+    parse_angle(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("30 deg + t", "30*pi/180 + t"),
+        ("k*(theta - 30deg)", "k*(theta - 30*pi/180)"),
+        ("2*sin(1.5 deg*t)", "2*sin(1.5*pi/180*t)"),
+        ("sin(30 deg)", "sin(30*pi/180)"),
+        ("x/30 deg", "x/(30*pi/180)"),
+        ("x^-2 deg", "x^(-(2*pi/180))"),
+        ("deg*30 deg", "deg*(30*pi/180)"),
+    ],
+)
+def test_degrees_stand_behind_a_number_in_any_formula(text: str, same: str) -> None:
+    formula, other = parse(text), parse(same)
+    values: dict[str, Constant] = {"t": 0.3, "k": 2.0, "theta": 1.1, "x": 1.7, "deg": 5.0}
+    assert formula_value(formula, values) == pytest.approx(formula_value(other, values), rel=1e-15)
+    assert parse_angle(text).program == formula.program
+    assert formula.rename({"t": "s", "pi": "p"}).text == text.replace("t)", "s)").replace("+ t", "+ s")
+
+
+def test_degrees_spelt_otherwise_are_explained() -> None:
+    (problem,) = faults("30 degrees + t")
+    assert problem.fix == "write 30 deg"
 
 
 # --- what is refused --------------------------------------------------------------------------

@@ -236,6 +236,20 @@ share = ["g"]
     assert sb.load_model(tmp_path / "copy.toml") == model
 
 
+def test_drives_of_several_coordinates_and_blocks_keep_their_meaning() -> None:
+    slide = sb.Rectangular("slide", "ground", sb.Body("B", mass="d"), coordinates=["x", "y"],
+                           force={"x": sb.Drive("servo"), "y": sb.Drive("-d*y_dot")}, motion=None)  # fmt: skip
+    servo = sb.PID("servo", "r - x", gains={"p": "d", "d": 0.5, "filter": 0.1})
+    part = sb.Model("part", [slide, servo], parameters={"d": 2}, inputs=["r"], initial={"x": 1})
+    model = sb.Model(
+        "whole", [sb.Include(part, "A", connect={"r": 0}), sb.Include(part, "B", connect={"r": 0})]
+    )
+    run = sb.simulate(sb.form_equations(model), 1.0)
+    alone = sb.simulate(sb.form_equations(part), 1.0, inputs={"r": 0})
+    np.testing.assert_allclose(run["A_x"], run["B_x"], atol=1e-14)
+    assert run["A_x"][-1] == pytest.approx(alone["x"][-1], rel=1e-6)
+
+
 def test_parts_in_a_circle(tmp_path: Path) -> None:
     include = '[[include]]\nfile = "leg.toml"\nprefix = "leg"\n'
     path = write(tmp_path, arm=ARM.replace("[initial]", f"{include}\n[initial]"))

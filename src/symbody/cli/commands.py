@@ -18,8 +18,10 @@ import symbody
 import symbody.builder
 from symbody.cli.doctor import run_doctor
 from symbody.cli.flags import FlagCommand, FlagGroup
+from symbody.cli.fmu_command import fmu
 from symbody.cli.motion_lines import motion_json, motion_lines
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
+from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.pages import open_page, read_sliders, write_live_page, write_motion_page
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
@@ -31,6 +33,7 @@ from symbody.equations.form import form_equations
 from symbody.equations.outputs.equation_lines import equation_lines
 from symbody.equations.outputs.textbook import MOST_SPEEDS
 from symbody.errors import Problem, UsageError, nearest, number_in_words
+from symbody.expr.printing.wrapping import text_width
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
 from symbody.model.model import Model
 from symbody.simulation.native.run import check_memory
@@ -48,6 +51,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 command = partial(app.command, cls=FlagCommand)
+command()(fmu)
 
 
 def _version(asked: bool) -> None:
@@ -72,7 +76,7 @@ def equations(
     tree: Tree = None,
 ) -> None:
     """Print the equations of motion, with the rates of coordinates and the constraints there are."""
-    _print(equation_lines(_form(load_model(model), tree).textbook, latex))
+    _print(equation_lines(_form(load_model(model), tree).textbook, latex, width=text_width()))
 
 
 @command()
@@ -109,7 +113,7 @@ def code(
     if out is None:
         typer.echo(text, nl=False)
     else:
-        _refuse_overwriting(out, force)
+        refuse_overwriting(out, force)
         out.write_text(text, encoding="utf-8", newline="\n")
 
 
@@ -140,7 +144,7 @@ def simulate(
     """Form the equations, print them, compute the motion and plot it."""
     for path in (out, csv, out.with_suffix(".html") if page and out is not None else None):
         if path is not None:
-            _refuse_overwriting(path, force)
+            refuse_overwriting(path, force)
     _check_samples(samples)
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     bar = StageBar()
@@ -198,7 +202,7 @@ def animate(
 ) -> None:
     """Compute the motion and write a page that shows it in any browser, without a network."""
     if out is not None:
-        _refuse_overwriting(out, force)
+        refuse_overwriting(out, force)
     target = model.with_suffix(".html") if out is None else out
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     if live or sliders:
@@ -313,7 +317,7 @@ def _motion(
 
 def _introduction(eqs: EquationSet, model: Path) -> list[str]:
     """Return the equations if they fit a screen, otherwise where they are."""
-    lines = equation_lines(eqs.textbook) if len(eqs.speed_names) <= MOST_SPEEDS else []
+    lines = equation_lines(eqs.textbook, width=text_width()) if len(eqs.speed_names) <= MOST_SPEEDS else []
     if lines and len(lines) <= _SCREEN:
         return lines
     numbers = {
@@ -354,16 +358,11 @@ def examples(
         _print(_copy_files(folder / name, copy, force))
 
 
-def _refuse_overwriting(path: Path, force: bool) -> None:
-    if path.exists() and not force:
-        raise UsageError(Problem("cli.file_exists", str(path), "the file exists already", "", "add --force"))
-
-
 def _copy_files(source: Path, target: Path, force: bool) -> list[str]:
     target.mkdir(parents=True, exist_ok=True)
     files = sorted(path for path in source.iterdir() if path.is_file())
     for path in files:
-        _refuse_overwriting(target / path.name, force)
+        refuse_overwriting(target / path.name, force)
     return [str(shutil.copyfile(path, target / path.name)) for path in files]
 
 

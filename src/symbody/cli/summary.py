@@ -47,7 +47,7 @@ def _names(elements: Iterable[Element], kind: str) -> list[str]:
 
 def _joint_lines(model: Model) -> list[str]:
     """Return the joints, one a line, in columns; free bodies have none."""
-    types = {entry["name"]: entry["type"] for entry in to_data(model).get("joint", [])}
+    types = {entry["name"]: entry["type"] for entry in to_data(model, is_alone=True).get("joint", [])}
     rows = [_joint_row(joint, types[joint.name]) for joint in model.joints]
     return ["joints:" if rows else "joints: none", *_columns(rows)]
 
@@ -62,7 +62,7 @@ def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
 
 def _constraint_lines(model: Model, eqs: EquationSet) -> list[str]:
     """Return the constraints beside the joints, one a line: what they connect, and what they hold."""
-    entries = to_data(model).get("constraint", [])
+    entries = to_data(model, is_alone=True).get("constraint", [])
     rows = [row for row, _ in eqs.formed.rows_and_multipliers]
     lines = []
     for entry in entries:

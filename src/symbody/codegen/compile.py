@@ -10,11 +10,12 @@ from typing import Final
 
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
-from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.names import Value, offer_argument
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.signature import source_text
 from symbody.equations.equation_set import EquationSet
+from symbody.errors import CompileError
 from symbody.expr.deadline import in_time
 
 _LESS: Final = "ask for fewer outputs at a time, or for code in less time by quick=True"
@@ -73,10 +74,13 @@ def compile(
     """
 
     def make_function() -> CompiledFunction:
-        if specialize or portable:
-            formed = form_sequence(eqs, outputs, parameters, free)
-            return CompiledFunction(*formed, quick=quick, lanes=lanes, portable=portable)
-        return bound_function(eqs, outputs, parameters, free, quick=quick, lanes=lanes)
+        try:
+            if specialize or portable:
+                formed = form_sequence(eqs, outputs, parameters, free)
+                return CompiledFunction(*formed, quick=quick, lanes=lanes, portable=portable)
+            return bound_function(eqs, outputs, parameters, free, quick=quick, lanes=lanes)
+        except CompileError as error:
+            raise CompileError(*map(offer_argument, error.problems)) from error
 
     return in_time(time_limit, "compiling", _LESS, make_function)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.equilibrium.find_equilibrium import Equilibrium
 from symbody.analysis.linear.linearization import Linearization
-from symbody.analysis.linear.modes import Mode, Modes
+from symbody.analysis.linear.modes import Mode, Modes, eigenvalue_on_axes
 from symbody.analysis.state import State
 from symbody.analysis.value_lines import without_rounding
 from symbody.display.formulas import show_formula
@@ -179,7 +179,7 @@ def _modes(modes: tuple[Mode, ...]) -> Markup:
 
 def _mode_row(mode: Mode) -> tuple[str, ...]:
     pair = "\u00b1" if mode.eigenvalue.imag else ""
-    eigenvalue = complex_number(mode.eigenvalue).replace("+", pair)
+    eigenvalue = complex_number(eigenvalue_on_axes(mode)).replace(" + ", f" {pair} ")
     leading = max(mode.shape, key=lambda name: abs(mode.shape[name]))
     figures = (mode.frequency, mode.damping_ratio, mode.time_constant)
     return (eigenvalue, *map(number, figures), symbol(leading))
@@ -194,7 +194,7 @@ def _mode(mode: Mode) -> str:
     rows = [
         (symbol(name), complex_number(complex(value)), number(abs(value))) for name, value in shape.items()
     ]
-    title = f"Mode of eigenvalue {complex_number(mode.eigenvalue)} 1/s"
+    title = f"Mode of eigenvalue {complex_number(eigenvalue_on_axes(mode))} 1/s"
     return page(title, _modes((mode,)), table(("state", "shape", "size"), rows))
 
 

@@ -43,13 +43,15 @@ def parse(text: str, *, where: str = "") -> Formula:
 
 
 def parse_angle(value: FormulaLike, *, where: str = "") -> Formula:
-    """Return the formula of an angle [rad]: a number followed by ``deg``, or anything `parse` takes.
+    """Return the formula of an angle [rad]: anything `parse` takes, where ``deg`` may follow numbers.
 
     ``"30 deg"`` keeps its text; its program is ``30*pi/180`` with `pi` as a name.
     """
     text = normalize(value) if isinstance(value, str) else ""
     degrees = _DEGREES.fullmatch(text)
     if degrees is None:
+        if "deg" in text:
+            return Formula(text, read_program(Source(text, where, is_angle=True)))
         return Formula.from_value(value, where=where)
     number = read_program(Source(degrees[1], where))
     column = degrees.end(1) + 1

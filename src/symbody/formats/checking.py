@@ -122,7 +122,10 @@ def _explain(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
         return "not_finite", f"the value is {value}", "", "give a finite number"
     expected = _EXPECTED.get(kind, finding["msg"])
     why = _causes(kind, value)
-    return "wrong_type", f"{_short_text(value)} stands where {expected} is expected", why, f"write {expected}"
+    cure = f"write {expected}"
+    if expected == "a table" and key in ("force", "torque") and isinstance(value, str):
+        cure = f'write {key} = {{ applied = "{value}" }}'
+    return "wrong_type", f"{_short_text(value)} stands where {expected} is expected", why, cure
 
 
 def _causes(kind: str, value: object) -> str:

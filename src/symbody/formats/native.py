@@ -135,9 +135,14 @@ def from_data(data: object, where: str = "", folder: str = "") -> Model:
     return _model(_drop_nulls(data), locate, folder)
 
 
-def to_data(model: Model, layout: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return a model as JSON data with the structure of the file; formulas and numbers are texts."""
-    data = {key: _plain(node) for key, node in _content(model).items()}
+def to_data(
+    model: Model, layout: Mapping[str, Any] | None = None, *, is_alone: bool = False
+) -> dict[str, Any]:
+    """Return a model as JSON data with the structure of the file; formulas and numbers are texts.
+
+    Where the data are to be read without the files that the model names, what is in these stands in them.
+    """
+    data = {key: _plain(node) for key, node in _content(model, is_alone=is_alone).items()}
     return data if layout is None else {**data, "layout": dict(layout)}
 
 

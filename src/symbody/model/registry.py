@@ -32,8 +32,8 @@ _GROUPS: Final = MappingProxyType(
         "force": "Forces and torques",
         "torque": "Forces and torques",
         "signal": "Signals",
-        "block": "Blocks",
         "table": "Signals",
+        "block": "Blocks",
     }
 )
 

@@ -56,7 +56,9 @@ class Mode(Displayed):
     @property
     def damping_ratio(self) -> float:
         """``-Re / |eigenvalue|``: 1 and above does not oscillate, below 0 grows; NaN for eigenvalue 0."""
-        return -self.eigenvalue.real / self.frequency if self.frequency > self.tolerance else math.nan
+        if self.frequency <= self.tolerance:
+            return math.nan
+        return -self.eigenvalue.real / self.frequency if math.isfinite(self.time_constant) else 0.0
 
     @property
     def time_constant(self) -> float:
@@ -135,7 +137,8 @@ def _mode_line(mode: Mode) -> str:
         facts.append(f"damping ratio {_plain(mode.damping_ratio)}")
     elif math.isfinite(mode.time_constant):
         facts.append(f"time constant {_plain(mode.time_constant)} s")
-    return f"eigenvalue {_complex(mode.eigenvalue)} 1/s: {', '.join([*facts, f'shape {_shape_line(mode)}'])}"
+    facts.append(f"shape {_shape_line(mode)}")
+    return f"eigenvalue {_complex(eigenvalue_on_axes(mode))} 1/s: {', '.join(facts)}"
 
 
 def _mode_table(modes: Sequence[Mode]) -> str:
@@ -143,7 +146,7 @@ def _mode_table(modes: Sequence[Mode]) -> str:
     heading = ("eigenvalue [1/s]", "frequency [rad/s]", "damping ratio", "time constant [s]", "shape")
     single = [mode for mode in modes if mode.eigenvalue.imag >= 0.0]
     rows = [
-        (_complex(mode.eigenvalue, pair=True), *map(_plain, _figures(mode)), _shape_line(mode))
+        (_complex(eigenvalue_on_axes(mode), pair=True), *map(_plain, _figures(mode)), _shape_line(mode))
         for mode in single[:_MOST_MODES]
     ]
     widths = [max(map(len, column)) for column in zip(heading, *rows, strict=True)]
@@ -157,6 +160,12 @@ def _mode_table(modes: Sequence[Mode]) -> str:
 
 def _figures(mode: Mode) -> tuple[float, float, float]:
     return mode.frequency, mode.damping_ratio, mode.time_constant
+
+
+def eigenvalue_on_axes(mode: Mode) -> complex:
+    """Return the eigenvalue with 0 for a real part that is rounding."""
+    value = mode.eigenvalue
+    return value if abs(value.real) > mode.tolerance else complex(0.0, value.imag)
 
 
 def _plain(value: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from collections.abc import Sequence as Items
+from dataclasses import replace
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, Problem, nearest
@@ -33,12 +34,19 @@ def unknown_name(kind: str, name: str, known: Items[str]) -> Problem:
     )
 
 
+def offer_argument(problem: Problem) -> Problem:
+    """Return a problem; that of a missing value with the argument that a function can have for it."""
+    if problem.code != "compile.missing_value":
+        return problem
+    return replace(problem, fix=f"{problem.fix}, or free=[..] with the names that are arguments")
+
+
 def missing_value(names: Items[str]) -> Problem:
     """Return what to say about parameters without a value."""
     listed = ", ".join(names)
+    entries = ", ".join(f"{name!r}: .." for name in names)
     return Problem(
         "compile.missing_value", "parameters", f"no value is given for {listed}",
         "a number is needed to compute with",
-        f"give parameters={{{names[0]!r}: ...}}; compile and generate_code take it as an argument by "
-        f"free=[{names[0]!r}]",
+        f"give parameters={{{entries}}}",
     )  # fmt: skip

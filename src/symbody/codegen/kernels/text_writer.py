@@ -8,6 +8,8 @@ from typing import Final
 from symbody.codegen.kernels import tree as syntax
 from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, offset_name, size_name
 from symbody.codegen.kernels.reader import read_kernels
+from symbody.codegen.kernels.source import KernelError
+from symbody.errors import Problem
 
 # How tightly an operator binds; a format of its own, such as a call, binds like a name.
 BINDING: Final = {
@@ -19,7 +21,13 @@ WIDTH: Final = 110
 
 
 def kernel_text(kernels: Mapping[str, syntax.KernelTree], dialect: KernelDialect) -> str:
-    """Return kernels as text, each behind the kernels that it calls."""
+    """Return kernels as text, each behind the kernels that it calls.
+
+    Raises
+    ------
+    KernelError
+        Where arrays are copies, of a call that changes arrays and is an operand: its changes would be lost.
+    """
     nodes = (node for tree in kernels.values() for node in syntax.walk(tree.body))
     words = {node.operator for node in nodes if isinstance(node, syntax.Apply)}
     words |= {p.type.value for tree in kernels.values() for p in tree.parameters}
@@ -101,7 +109,7 @@ class _KernelWriter:
         changed = self._changed_arrays(call)
         targets = [name, *changed] if name else changed
         target = f"[{', '.join(targets)}]" if len(targets) > 1 else targets[0]
-        return self._form.assign.format(name=target, value=self._text(call))
+        return self._form.assign.format(name=target, value=self._call(call))
 
     def _changed_arrays(self, call: syntax.Call) -> list[str]:
         return [self._array(argument) for argument in syntax.changed_arguments(call, self._kernels)]
@@ -206,18 +214,31 @@ class _KernelWriter:
                 return self._dialect.entry.format(**self._place_words(array, index))
             case syntax.Part():
                 return self._array(expression)
-            case syntax.Call(kernel, arguments, _, is_parameter):
-                written = (
-                    self._array(a) if a.type == syntax.Type.ARRAY else self._text(a) for a in arguments
-                )
-                name = self._name(kernel) if is_parameter else f"{PREFIX}{kernel}"
-                return f"{name}({', '.join(written)})"
+            case syntax.Call():
+                if self._dialect.arrays == Arrays.COPIES:
+                    self._check_operand(expression)
+                return self._call(expression)
             case syntax.Apply(operator, operands, kind):
                 word = f"{operator} {kind.value}"  # one for integers goes first
                 if word in self._dialect.words or operator in self._dialect.words:
                     text = self._dialect.words.get(word) or self._dialect.words[operator]
                     return text.format(*(self._text(operand) for operand in operands))
                 return self._operation(expression, binding)
+
+    def _call(self, call: syntax.Call) -> str:
+        written = (self._array(a) if a.type == syntax.Type.ARRAY else self._text(a) for a in call.arguments)
+        name = self._name(call.kernel) if call.is_parameter else f"{PREFIX}{call.kernel}"
+        return f"{name}({', '.join(written)})"
+
+    def _check_operand(self, call: syntax.Call) -> None:
+        """Refuse a call whose arrays could not be returned: only an assignment takes them."""
+        if syntax.changed_arguments(call, self._kernels):
+            raise KernelError(
+                Problem("kernel.changes_in_expression", f"kernel {self._tree.name}",
+                        f"{call.kernel} changes arrays inside an expression",
+                        "in this language arrays are values, and the changed ones would be lost",
+                        f"assign it first: value = {call.kernel}(...)")
+            )  # fmt: skip
 
     def _operation(self, expression: syntax.Apply, binding: int) -> str:
         operator, operands = expression.operator, expression.operands

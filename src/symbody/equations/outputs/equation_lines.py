@@ -15,6 +15,7 @@ from symbody.expr.graph import Graph
 from symbody.expr.printing.latex import latex_name, to_display_with_definitions, to_latex_with_definitions
 from symbody.expr.printing.latex_rows import WIDTH, latex_equations_page
 from symbody.expr.printing.names import greek_name
+from symbody.expr.printing.wrapping import text_width, wrap_formula
 from symbody.expr.rewrite import tree_size
 from symbody.model.signals.signal import Signal
 from symbody.notebook import Displayed
@@ -65,8 +66,8 @@ class PrintedEquations(Displayed):
         return self.text()
 
     @checked_arguments
-    def text(self, limit: int = LONG, greek: bool = False) -> str:
-        """Return the equations of motion as text, a line an equation, with the constraints there are.
+    def text(self, limit: int = LONG, greek: bool = False, width: int | None = None) -> str:
+        """Return the equations of motion as text, with the constraints there are.
 
         Primes are time derivatives, blanks are products. ``symbody equations`` prints the same.
 
@@ -76,8 +77,11 @@ class PrintedEquations(Displayed):
             If an equation has more operations, shared parts are named z1, z2, ... and defined at the end.
         greek : bool
             Whether names of Greek letters become letters: ``theta1`` is written ``θ1``.
+        width : int, optional
+            Letters of a line; longer equations take several, broken in front of their signs. By default
+            those of the terminal, within 80 and 100; 0 is a line an equation.
         """
-        return equation_text(self.textbook, limit, greek)
+        return equation_text(self.textbook, limit, greek, text_width() if width is None else width)
 
     @checked_arguments
     def latex(self, limit: int = LONG, width: int = WIDTH) -> str:
@@ -93,22 +97,27 @@ class PrintedEquations(Displayed):
         return equation_latex(self.textbook, limit, width)
 
 
-def equation_lines(textbook: Textbook, latex: bool = False, limit: int = LONG) -> list[str]:
-    """Return the equations of motion, a line an equation.
+def equation_lines(
+    textbook: Textbook, latex: bool = False, limit: int = LONG, width: int = 0, greek: bool = False
+) -> list[str]:
+    """Return the equations of motion, a line an equation or, of text, lines of at most `width` letters.
 
     Rates of coordinates come first where they are not speeds themselves, constraints last; with them there
     are titles. If one has more than `limit` operations, shared parts are named and defined at the end.
     """
     sections = written_sections(textbook, latex, limit)
-    if len(sections) == 1:
-        return sections[0].lines
-    return [line for section in sections for line in _block(section, latex)]
+    blocks = [_block(section, latex, len(sections) > 1) for section in sections]
+    lines = [_with_greek(line) if greek else line for block in blocks for line in block]
+    return lines if latex else [row for line in lines for row in wrap_formula(line, width)]
 
 
-def equation_text(textbook: Textbook, limit: int = LONG, greek: bool = False) -> str:
+def equation_text(textbook: Textbook, limit: int = LONG, greek: bool = False, width: int = 0) -> str:
     """Return `equation_lines` as one text, on demand with Greek letters for their names."""
-    text = "\n".join(equation_lines(textbook, limit=limit))
-    return _NAME.sub(lambda match: greek_name(match[0]), text) if greek else text
+    return "\n".join(equation_lines(textbook, False, limit, width, greek))
+
+
+def _with_greek(line: str) -> str:
+    return _NAME.sub(lambda match: greek_name(match[0]), line)
 
 
 def equation_latex(textbook: Textbook, limit: int = LONG, width: int = WIDTH) -> str:
@@ -166,7 +175,9 @@ def _sections(textbook: Textbook) -> list[Section]:
     return [section for section in sections if section.sides or section.title == "motion"]
 
 
-def _block(section: WrittenSection, latex: bool) -> list[str]:
+def _block(section: WrittenSection, latex: bool, is_titled: bool) -> list[str]:
+    if not is_titled:
+        return section.lines
     if latex:
         return [f"% {section.title}", *section.lines]
     return [f"{section.title}:", *(f"  {line}" for line in section.lines)]

@@ -13,6 +13,7 @@ from symbody.equations.outputs.derivative_outputs import (
     differentiate_output,
     parse_derivative,
 )
+from symbody.equations.outputs.frame_cures import frame_cure
 from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
 from symbody.equations.outputs.friction_outputs import (
     friction_effort,
@@ -130,7 +131,9 @@ def _cure(formed: EquationsOfMotion, name: str) -> str:
         return f"read it of a motion that was computed: run[{name!r}], alone or in a formula"
     outputs = output_names(formed)
     entries = [f"{x} {entry}" for x in outputs if x.startswith("reaction ") for entry in ENTRIES]
-    return quotation_cure(name, outputs) or nearest(name, [*outputs, *entries, *formed.names.symbols])
+    frames = [frame for frame in formed.kinematics.velocities if "|" not in frame]
+    near = frame_cure(name, frames) or nearest(name, [*outputs, *entries, *formed.names.symbols])
+    return quotation_cure(name, outputs) or near
 
 
 def quoted_output(formed: EquationsOfMotion, formula: Formula, where: str = "") -> Callable[[str, int], int]:

@@ -69,8 +69,10 @@ def adjacent_problem(source: Source, previous: Token, token: Token, following: T
             return problem
     if previous.text in FUNCTIONS:
         fix = f"write {previous.text}({printable(token.text)})"
+    elif token.text in ("degree", "degrees") and previous.kind == "number":
+        fix = f"write {previous.text} deg"
     elif token.text in ("deg", "degree", "degrees"):
-        fix = f'write {previous.text}*pi/180; "30 deg" is understood where a whole value is an angle'
+        fix = f'write {previous.text}*pi/180; "30 deg" alone is understood where the value is an angle'
     elif previous.kind == "number" and token.text in _UNITS:
         fix = f"leave the unit out and give the value in SI units; with a symbol {token.text}, write "
         fix += f"{printable(previous.text)}*{token.text}"

@@ -164,7 +164,8 @@ def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -
             "names.not_here", column, f"{name!r} is {word}, which cannot stand here", takes, cure, where
         )
     cure = nearest(name, [*site.local_names, *symbols.allowed_names(site.scope)])
-    defined = f"[parameters] {name} = .." + (f', or inputs = ["{name}"]' if "inputs" in takes else "")
+    defined = f'[parameters] {name} = .. in a file, parameters={{"{name}": ..}} in Python'
+    defined += f', or inputs = ["{name}"]' if "inputs" in takes else ""
     return site.formula.problem(
         "names.unknown",
         column,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from symbody.errors import ModelError, Problem
+from symbody.errors import ExpressionError, ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checks.initial import check_initial, initial_problems
@@ -191,8 +191,19 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
             "write the value in SI units",
         )
         for where, name, formula in values
-        if name in others - angles and formula.text.endswith("deg") and "deg" not in formula.names
+        if name in others - angles and _is_angle_alone(formula)
     ]
+
+
+def _is_angle_alone(formula: Formula) -> bool:
+    """Return whether degrees stand in a formula where no length could have them."""
+    if "deg" not in formula.text:
+        return False
+    try:
+        Formula.from_value(formula.text)
+    except ExpressionError:
+        return True
+    return False
 
 
 def _check_numbers(draft: Draft, labels: Iterable[str]) -> NumericChecks:

@@ -14,12 +14,22 @@ from symbody.model.element import Element, FrameRef
 from symbody.model.element_fields import Coupled
 from symbody.model.fields import ElementName, OptionalText, SymbolElementName, SymbolName
 from symbody.model.frozen_mapping import FrozenMapping
-from symbody.model.joint_fields import Coordinate, Coordinates
+from symbody.model.joint_fields import (
+    Armature,
+    Coordinate,
+    CoordinateDrive,
+    CoordinateDrives,
+    Coordinates,
+    PrescribedAngle,
+    PrescribedMotions,
+)
 from symbody.model.joints.orientation import SpeedNames
 from symbody.model.naming import GROUND
 
 E = TypeVar("E", bound=Declared)
 
+# Mappings whose keys are coordinates.
+_BY_COORDINATE = (Armature, CoordinateDrive, CoordinateDrives, PrescribedAngle, PrescribedMotions)
 # First words of outputs, behind which names of elements and frames stand.
 _OF_ELEMENTS = frozenset("reaction effort frame length angle friction rope_tension".split())
 
@@ -122,17 +132,19 @@ def _rename_argument(field: Field[Any, Any], value: Any, renaming: Renaming) -> 
         return None if value is None else renaming.output(value)
     if isinstance(field, Frames):
         return FrozenMapping({name: rename_part(frame, renaming) for name, frame in value.items()})
+    if isinstance(field, _BY_COORDINATE):
+        return FrozenMapping({renaming.symbol(k): _rename_value(v, renaming) for k, v in value.items()})
     return _rename_value(value, renaming)
 
 
 def _rename_value(value: Any, renaming: Renaming) -> Any:
-    """Return a value whose formulas and addresses are renamed; keys of mappings are coordinates."""
+    """Return a value whose formulas and addresses are renamed."""
     if isinstance(value, Formula):
         return renaming.formula(value)
     if isinstance(value, FrameRef):
         return renaming.frame(value)
     if isinstance(value, FrozenMapping):
-        return FrozenMapping({renaming.symbol(k): _rename_value(v, renaming) for k, v in value.items()})
+        return FrozenMapping({k: _rename_value(v, renaming) for k, v in value.items()})
     if isinstance(value, Declared):
         return _rename_declared(value, renaming)
     if type(value) is tuple and not all(isinstance(item, str | int | float) for item in value):

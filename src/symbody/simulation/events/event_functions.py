@@ -77,13 +77,13 @@ class EventFunctions:
             raise UsageError(*problems)
 
     def _check_actions(self) -> None:
-        targets = [(event.label, name) for event in self.events for name in event.mapping]
-        outputs = self._actions.outputs[1:] if self._actions else ()
+        named = [(event.label, name) for event in self.events for name in event.mapping]
+        outputs = () if self._actions is None else self._actions.outputs[1:]
         problems = [
             Problem("simulation.event_shape", f"event {label!r}",
                     f"the new value of {name} has shape {output.shape}",
                     "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
-            for (label, name), output in zip(targets, outputs, strict=True) if output.shape
+            for (label, name), output in zip(named, outputs, strict=True) if output.shape
         ]  # fmt: skip
         if problems:
             raise UsageError(*problems)

@@ -76,7 +76,7 @@ class Table:
         path: str | os.PathLike[str],
         columns: Sequence[str | int] = (1, 2),
         units: Sequence[str] = ("", ""),
-        kind: Literal["linear", "cubic", "pchip"] = "linear",
+        kind: Literal["linear", "pchip", "cubic"] = "linear",
         outside: Literal["hold", "error"] = "hold",
     ) -> Table:
         """Return two columns of a CSV file as a function of time.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -170,7 +170,7 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
     """Return a motion ready to be written as a program; nothing in it may need Python."""
     made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
     if wrench is not None:
-        laws = input_laws(made.input_names, request.inputs, request.span)
+        laws = input_laws(made.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
     start, scales, constraints = request.span[0], request.scales, request.constraints
     first = assemble(
         made, request.initial, request.guess, request.parameters, laws.formulas, start, scales=scales
@@ -206,8 +206,7 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
     UsageError
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
-    request = replace(request, inputs={**laws_of_tables(eqs), **request.inputs})
-    laws = input_laws(eqs.input_names, request.inputs, request.span)
+    laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
     problems = [*_refusals(request, laws), *_switching_problems(eqs)]
     if problems:
         raise UsageError(*problems)

@@ -361,10 +361,9 @@ class Trajectory(SampleTable):
         return f"<Trajectory {name}{samples} ({span}), {coordinates}, {speeds}, {self.status.name}>"
 
     def __str__(self) -> str:
-        """Return what `repr` returns; of a motion that failed with what to try, and its notes."""
-        if self.success:
-            return repr(self)
-        return "\n".join([repr(self), f"  {self.status.value}", *(f"  note: {note}" for note in self.notes)])
+        """Return what `repr` returns and the notes; of a motion that failed with what to try."""
+        advice = [] if self.success else [f"  {self.status.value}"]
+        return "\n".join([repr(self), *advice, *(f"  note: {note}" for note in self.notes)])
 
 
 def _no_model() -> UsageError:

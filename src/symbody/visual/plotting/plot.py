@@ -102,6 +102,8 @@ def plot(
 def _check_motion(run: object) -> None:
     if not isinstance(run, Trajectory):
         fix = "give what simulate, inverse_dynamics or sweep returns"
+        if hasattr(run, "state_space"):
+            fix += "; for a Bode diagram: control.bode_plot(run.to_control()), of python-control"
         raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
 
 

@@ -1,0 +1,53 @@
+"""What to write for an output that names a frame in the words of everyday: ``"position hand"``."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from types import MappingProxyType
+from typing import Final
+
+from symbody.errors import nearest
+
+_KINDS: Final = MappingProxyType(
+    {
+        **dict.fromkeys(("position", "pos", "location", "path", "r", "p"), "r"),
+        **dict.fromkeys(("velocity", "vel", "speed", "v"), "v"),
+        **dict.fromkeys(("acceleration", "acc", "a", "vdot"), "vdot"),
+        **dict.fromkeys(("orientation", "rotation", "attitude", "pose", "R"), "R"),
+        **dict.fromkeys(("angular velocity", "angular_velocity", "omega", "w"), "w"),
+        **dict.fromkeys(("angular acceleration", "angular_acceleration", "alpha", "wdot"), "wdot"),
+    }
+)
+
+
+def frame_cure(name: str, frames: Collection[str]) -> str:
+    """Return the output of a frame's motion that was probably meant, or ``""``.
+
+    Parameters
+    ----------
+    frames : collection of str
+        Bodies and frames as outputs name them: ``"Arm"``, ``"Arm.tip"``.
+
+    >>> frame_cure("position tip", ["ground", "Arm", "Arm.tip"])
+    "did you mean 'frame r Arm.tip'?"
+    """
+    if place := _full_name(name, frames):
+        return f"did you mean 'frame r {place}'?"
+    words = name.split()
+    for count in (2, 1):
+        kind, rest = _KINDS.get(" ".join(words[:count])), " ".join(words[count:])
+        if kind is None or not rest:
+            continue
+        place = _full_name(rest, frames)
+        if place:
+            return f"did you mean 'frame {kind} {place}'?"
+        return f"write 'frame {kind} END' with a body or frame for END: {nearest(rest, frames)}"
+    return ""
+
+
+def _full_name(name: str, frames: Collection[str]) -> str:
+    """Return the frame of this name, with its body in front; empty if there is none or more than one."""
+    if name in frames:
+        return name
+    ending = [frame for frame in frames if frame.endswith(f".{name}")]
+    return ending[0] if len(ending) == 1 else ""
