@@ -122,7 +122,7 @@ def test_saving_keeps_the_file_and_trajectories_hold_the_points(tmp_path: Path) 
         sb.save_model(model, tmp_path / "inner" / "copy.toml")
     assert model_from_toml(model_to_toml(model, is_alone=True)).tables[0].points == model.tables[0].points
     assert from_data(to_data(model), folder=str(tmp_path)) == model
-    assert 'sb.Lookup("road", file="road.csv", columns=["t", "z"]' in model_to_script(model)
+    assert 'sb.Lookup("road", points=[' in model_to_script(model)
     sb.simulate(sb.form_equations(model), 1.2, times=TIMES).save(tmp_path / "run.npz")
     (tmp_path / "road.csv").unlink()
     np.testing.assert_allclose(sb.Trajectory.load(tmp_path / "run.npz")["road"], HEIGHTS, atol=1e-15)

@@ -139,3 +139,32 @@ def test_signals_that_act_on_nothing_change_nothing(seed: int) -> None:
     found = g(0.3, q, u, r, s=[1.0, 2.0])
     np.testing.assert_array_equal(plain.udot, found.udot)
     np.testing.assert_array_equal(plain.qdot, found.qdot)
+
+
+def test_inputs_read_signals_that_follow_from_no_input() -> None:
+    parts = [
+        sb.Signal("h", output=HEIGHT),
+        sb.Signal("N", output="reaction motor Fx"),
+        sb.Signal("f", rate="N - f"),
+    ]
+    eqs = sb.form_equations(arm(*parts, torque="T", inputs=["T"]))
+    by_hand = sb.form_equations(arm(torque="-4*l*sin(theta)"))
+    run, same = sb.simulate(eqs, 1.0, inputs={"T": "-2*h"}), sb.simulate(by_hand, 1.0)
+    np.testing.assert_allclose(run.q[0, -1], same.q[0, -1], rtol=1e-7)
+    lin = sb.linearize(eqs, inputs={"T": "-2*h - f"})
+    np.testing.assert_allclose(lin.A[0, 1:], np.array([-4 * 0.3, -1]) / 0.1, rtol=1e-12)
+    with pytest.raises(sb.SymbodyError, match="equations.input_loop"):
+        sb.simulate(eqs, 1.0, inputs={"T": "N"})
+
+
+@pytest.mark.parametrize("formulation", [sb.Lagrange(), sb.NewtonEuler(), sb.VirtualWork(), sb.Recursive()])
+def test_formulations_agree(formulation: object) -> None:
+    parts = [
+        sb.Signal("h", output=HEIGHT),
+        sb.Signal("E", output="energy"),
+        sb.Signal("N", output="reaction motor Fx"),
+        sb.Signal("f", rate="N - f"),
+    ]
+    model = arm(*parts, torque="h - 0.1*f + 0.01*E")
+    one, two = (sb.compile(sb.form_equations(model, way), "xdot") for way in (None, formulation))
+    np.testing.assert_allclose(one(0, [0.1], [0.2], s=[1]), two(0, [0.1], [0.2], s=[1]), rtol=1e-12)

@@ -179,3 +179,31 @@ def test_ways_without_states_say_so() -> None:
     eqs = sb.form_equations(dc_motor_arm())
     with pytest.raises(sb.SymbodyError, match="inverse.signals"):
         sb.inverse_dynamics(eqs, {"theta": "sin(t)"}, "V", [0.0, 1.0])
+
+
+def test_sticking_and_loops_go_with_signals() -> None:
+    drive, dry = sb.Drive(applied="F"), sb.Friction(mu="0.5", mu_static="0.6")
+    slide = sb.Prismatic("slide", "ground", sb.Body("B", mass=1), coordinate="x", force=drive, friction=dry)
+    parts = [slide, sb.Signal("F", rate=1), sb.Signal("late", rate="(x - late)/0.5")]
+    eqs = sb.form_equations(sb.Model("stick", parts, gravity=(0, -10, 0)))
+    run = sb.simulate(eqs, 8.0)
+    np.testing.assert_allclose([run["F"][-1], run["x"][-1]], [8.0, 2**2 / 2 + 2**3 / 6], rtol=1e-8)
+    assert run["late"][-1] < run["x"][-1]
+
+
+def test_methods_of_closed_loops_that_know_no_signals_are_refused() -> None:
+    crank = sb.Body("Crank", mass=1, inertia=(0, 0, 1), frames={"P": sb.Frame(at=(1, 0, 0))})
+    slider = sb.Body("Slider", mass=1)
+    parts = [
+        sb.Revolute("turn", "ground", crank, coordinate="a"),
+        sb.Prismatic("slide", "ground", slider, coordinate="x"),
+        sb.Distance("rod", "Crank.P", "Slider", 3),
+        sb.Signal("s", rate="-2*s", initial=1),
+    ]
+    eqs = sb.form_equations(sb.Model("crank", parts, initial={"x": 4}))
+    for way in (None, sb.Baumgarte()):
+        run = sb.simulate(eqs, 1.0, {"a_dot": 1}, constraints=way)
+        np.testing.assert_allclose(run["s"][-1], np.exp(-2), rtol=1e-7)
+    for refusing in (sb.GGL(), sb.Partition()):
+        with pytest.raises(sb.SymbodyError, match=r"simulation.signals"):
+            sb.simulate(eqs, 1.0, constraints=refusing)

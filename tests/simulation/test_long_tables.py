@@ -79,3 +79,21 @@ def test_sweeps_read_tables_in_their_loop(lanes: bool) -> None:
         run = sb.simulate(quarter_car(), 2.0, parameters={"k": k_value}, **options)
         # the work, one state more in `simulate`, changes the steps, and kinks in them cost most
         np.testing.assert_allclose(sweep.trajectory(k).q, run.q, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("held", [[], ["G"]])
+def test_steppers_read_tables_in_their_loop(held: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CallbackFunction, "__init__", None)
+    parts = [
+        sb.Body("B", mass=1),
+        sb.Prismatic("j", "ground", "B", coordinate="x", force=sb.Drive("40*(F + G - x)")),
+    ]
+    eqs = sb.form_equations(sb.Model("pushed car", parts, inputs=["G", "F"]))
+    table = rough_table(200, "cubic")
+    laws = {"F": table} | ({} if held else {"G": 0.25})
+    stepper = sb.Stepper(eqs, 0.01, inputs=laws, rtol=1e-10)
+    for _ in range(100):
+        stepper.step(**dict.fromkeys(held, 0.25))
+    run = sb.simulate(eqs, 1.0, inputs={"F": table, "G": 0.25}, times=[1.0], rtol=1e-10)
+    assert stepper["x"] == pytest.approx(float(run["x"][-1]), abs=1e-6)
+    assert stepper["F"] == pytest.approx(float(table.at(np.array([1.0]))[0]), abs=1e-12)

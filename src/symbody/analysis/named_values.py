@@ -87,7 +87,7 @@ def _unknown(eqs: EquationSet, name: str) -> Problem:
         return Problem(
             "assembly.no_state", name, what, "states are coordinates, their rates and speeds", place
         )
-    cure = nearest(name, (*eqs.coordinate_names, *eqs.speed_names))
+    cure = nearest(name, (*eqs.coordinate_names, *eqs.speed_names, *eqs.signal_state_names))
     return Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "", cure)
 
 

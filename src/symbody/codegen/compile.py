@@ -34,12 +34,10 @@ def compile(
     portable: bool = False,
     time_limit: float | None = None,
 ) -> CompiledFunction:
-    """Return a native function ``f(t, q, u, r=(), p=(), *, out=None, threads=1)`` of the `outputs`.
+    """Return a native function ``f(t, q, u, r=(), p=(), *, s=(), out=None, threads=1)`` of the `outputs`.
 
     Parameters
     ----------
-    eqs : EquationSet
-        The equations.
     outputs : str or iterable of str
         Output names, for instance ``"udot"`` or ``["mass_matrix", "forcing"]``, or expressions. For
         ``"inverse_dynamics"`` the inputs are followed by the accelerations, ``eqs.acceleration_names``.

@@ -88,7 +88,8 @@ def scale_massless(
     stop = massless
     for turn in range(n):
         if turn < stop:
-            if scale_neighbors(n, m, J, d, r, floors, tops) == 0:
+            chosen = scale_neighbors(n, m, J, d, r, floors, tops)
+            if chosen == 0:
                 stop = 0
     for j in range(n):
         if not d[j] > 0.0:

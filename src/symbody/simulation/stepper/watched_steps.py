@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 
 from symbody.kernels import block as at
-from symbody.kernels import stepping
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event, Occurrence
@@ -58,7 +57,7 @@ class WatchedSteps(CompiledSteps):
         """Take a step; return `OTHERWISE` where it did not come to its end."""
         numbers = self._numbers
         start = numbers.t
-        self._problem.check_tables(start, start + float(numbers.array[stepping.DURATION]))
+        self._check_tables()
         self._look_ahead()
         end = numbers.next_end()
         events = self._problem.settings.events
