@@ -100,6 +100,8 @@ def test_examples_have_the_same_bits_in_all_languages(name: str, tmp_path: Path)
     (path,) = EXAMPLES.glob(f"*/{name}.toml")
     eqs = sb.form_equations(sb.load_model(path))
     outputs = ["xdot", "power", "energy", "lambda"]
+    if eqs.signal_state_names:
+        pytest.skip("points have no states of signals")
     f = sb.compile(eqs, outputs, portable=True)
     points = random_points(f, 10, 1)
     first = np.array([*sb.assemble(eqs).q.values()])

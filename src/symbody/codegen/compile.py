@@ -56,9 +56,8 @@ def compile(
         arguments of it that the function keeps, so that functions with other values share the code: it is
         compiled once, and once more for each choice of parameters that are exactly 0.
     portable : bool
-        Fuse no operation, and compute sines, cosines and linear systems by symbody's own kernels: ``source``
-        in "c", "javascript" and "python" then gives the same bits as this function, on every computer.
-        Values of parameters are put into the code. Calls take up to twice as long; there are no lanes.
+        Fuse no operation: ``source`` in "c", "javascript" and "python" then gives the same bits as this
+        function, on every computer. Values of parameters are put into the code; there are no lanes.
     time_limit : float, optional
         Seconds after which this ends with an error that names the stage; outputs whose formulas were found
         stay with `eqs`, so that the next call goes on from there. By default it takes its time.

@@ -96,7 +96,7 @@ def _head(sequence: Sequence, names: Names, comment: str, first: str) -> Iterato
     yield f"{comment} Written by symbody; the same bits in C, JavaScript, Python and symbody's machine code,"
     yield f"{comment} except that tan, asin, acos, atan, atan2, sinh, cosh, tanh, exp, log and pow are those"
     yield f"{comment} of a language's own library."
-    yield f"{comment} Arguments: place, name"
+    yield f"{comment} Arguments: place, name; states of signals stand behind the coordinates"
     for group in ("q", "u", "r", "p"):
         for place, name in enumerate(names[group]):
             yield f"{comment}   {group}[{place}]  {quote_name(name)}"
