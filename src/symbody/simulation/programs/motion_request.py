@@ -19,10 +19,12 @@ from symbody.model.model import resolve_parameters
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.methods.change_point import is_change_point
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -161,7 +163,7 @@ def pose_motion(eqs: EquationSet, request: MotionRequest) -> PosedMotion:
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
     laws = input_laws(eqs.input_names, request.inputs, request.span)
-    problems = [*_refusals(request, laws), *_switching_problems(eqs)]
+    problems = [*_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs)]
     if problems:
         raise UsageError(*problems)
     made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
@@ -173,6 +175,7 @@ def pose_motion(eqs: EquationSet, request: MotionRequest) -> PosedMotion:
     stabilized = constraints.applied(made) if isinstance(constraints, Baumgarte) else made
     problem = SimulationProblem(stabilized, dict(request.parameters), laws, scales)
     x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
+    _check_branch(problem, start, x0[:-1])
     integration = IntegrationProblem(problem, x0, request.span, None, request.rtol, request.atol)
     names = (*request.free_inputs, *(() if wrench is None else wrench.names))
     formulas = {name: law for name, law in laws.formulas.items() if name not in names}
@@ -210,6 +213,40 @@ def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
                     "give sb.Projection() or sb.Baumgarte(), or leave it out")
         )  # fmt: skip
     return problems
+
+
+def branch_problem(name: str, what: str) -> Problem:
+    """Return what to say about a motion that only `Partition` keeps on its branch."""
+    return Problem(
+        "animation.live_branch", name, what,
+        "a page projects its states, which does not choose the branch there",
+        "animate a motion from simulate, which passes them; or start elsewhere, or change a length",
+    )  # fmt: skip
+
+
+def _check_branch(problem: SimulationProblem, t: float, x: Floats) -> None:
+    """Refuse a start from which `simulate` would go on by `Partition`."""
+    eqs = problem.eqs
+    if not eqs.multiplier_names or not eqs.speed_names:
+        return
+    if is_overconstrained(problem, t, x):
+        raise UsageError(
+            branch_problem(eqs.model.name, "some constraints follow from others in closed loops only")
+        )
+    if is_change_point(problem, t, x):
+        raise UsageError(
+            branch_problem(eqs.model.name, "the start is a change point: constraints become dependent")
+        )
+
+
+def _pivot_problems(eqs: EquationSet) -> list[Problem]:
+    if eqs.formed.elimination is None:
+        return []
+    return [
+        Problem("animation.live_pivots", eqs.model.name,
+                "dependent speeds are eliminated, which ends where a pivot vanishes",
+                "a page does not watch pivots", "form the equations without dependent_speeds")
+    ]  # fmt: skip
 
 
 def _switching_problems(eqs: EquationSet) -> list[Problem]:
