@@ -12,6 +12,7 @@ from symbody.expr.printing.mathml_tables import letter_count
 
 _SIGNS: Final = frozenset("+\u2212=")
 _TIMES: Final = "\u2062"
+_SHORT: Final = 4  # letters: a row "= 0" is better not alone
 _FILLED: Final = 0.4  # of a row, before a sign in fewer brackets is not preferred to a fuller row
 _WHOLE: Final = 0.5  # of a row: shorter brackets are never broken
 
@@ -73,5 +74,5 @@ def _break_place(parts: Sequence[Element], width: int) -> int | None:
         near = [k for k in places if filled[k] <= width]
         full = [k for k in near if filled[k] >= _FILLED * width]
         if full or (near and places is times):
-            return min(full or near, key=lambda k: (depths[k], -k))
+            return min(full or near, key=lambda k: (depths[k], filled[-1] - filled[k] < _SHORT, -k))
     return min((*signs, *times), default=None)
