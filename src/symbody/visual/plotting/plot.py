@@ -8,6 +8,7 @@ from os import PathLike
 
 from matplotlib.axes import Axes
 
+from symbody.analysis.linear.linearization import Linearization
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
@@ -102,7 +103,7 @@ def plot(
 def _check_motion(run: object) -> None:
     if not isinstance(run, Trajectory):
         fix = "give what simulate, inverse_dynamics or sweep returns"
-        if hasattr(run, "state_space"):
+        if isinstance(run, Linearization):
             fix += "; for a Bode diagram: control.bode_plot(run.to_control()), of python-control"
         raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
 
