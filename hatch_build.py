@@ -79,7 +79,7 @@ def is_current(root: Path) -> bool:
 def fingerprint(root: Path) -> str:
     """Return a hash of all that the pages are made from."""
     top = root / SOURCES
-    files = [top / name for name in ("package.json", "package-lock.json", "player.html", "live.html")]
+    files = [top / name for name in ("package.json", "package-lock.json", "page.html")]
     files += [path for folder in ("src", "scripts") for path in (top / folder).rglob("*") if path.is_file()]
     digest = hashlib.sha256()
     for path in sorted(files):

@@ -19,7 +19,9 @@ from scipy.integrate import solve_ivp
 
 import symbody as sb
 from benchmarks.engines.around import ATOL, OURS, RTOL, Move, available, process_seconds, start_angles
-from benchmarks.mechanisms import EXAMPLES
+from benchmarks.engines.moving import parameters
+from benchmarks.event_cases import events_table
+from benchmarks.mechanisms import EXAMPLES, spatial_chain
 from benchmarks.table import Table, ratio_text, seconds_text
 from benchmarks.timing import Settings, in_turns, medians, processor_seconds
 
@@ -28,6 +30,7 @@ Samples = Mapping[str, Callable[[], float]]
 
 LINKS: Final = 5
 SHORT: Final = 0.01  # seconds between two samples of a controller
+_STEPS: Final = 200
 _TIMES: Final = 10  # short motions and calls are timed so many at once
 _CALLS: Final = 2000
 _GRAVITY: Final = 9.81
@@ -40,6 +43,7 @@ def tables(settings: Settings) -> Iterator[Table]:
     yield chain(settings)
     yield closed_loop(settings)
     yield inside(settings)
+    yield events_table(settings)
 
 
 # One chain, all engines
@@ -87,16 +91,35 @@ def _again_rows(
     for what, task in (
         ("again, other initial values", another_state),
         ("again, other parameters", another_mass),
-        (f"{SHORT * 1e3:g} ms of motion", short),
     ):
         samples: Samples = {label: partial(task, move) for label, move in moves.items()}
         yield what, medians(in_turns(samples, settings.rounds))
+    eqs = sb.form_equations(spatial_chain(links).model())
+    first = dict(zip(eqs.coordinate_names, start.tolist(), strict=True))
+    stepper = sb.Stepper(eqs, SHORT, parameters=parameters(links), initial=first, rtol=RTOL, atol=ATOL)
+    yield from _short_rows(stepper, {label: partial(short, move) for label, move in moves.items()}, settings)
+
+
+def _short_rows(
+    stepper: sb.Stepper, samples: Samples, settings: Settings
+) -> Iterator[tuple[str, dict[str, float]]]:
+    """Yield what short motions cost: symbody's by a stepper, and by whole calls of `simulate`."""
+    stepper.step()
+    by_steps = {OURS: lambda: _mean(stepper.step, _STEPS)}
+    times = medians(in_turns({**samples, **by_steps}, settings.rounds))
+    yield f"{SHORT * 1e3:g} ms of motion (symbody: Stepper)", times
+    yield (
+        f"{SHORT * 1e3:g} ms of motion by simulate",
+        medians(in_turns({OURS: samples[OURS]}, settings.rounds)),
+    )
 
 
 def _beside(
     title: str, labels: list[str], rows: list[tuple[str, dict[str, float]]], notes: tuple[str, ...]
 ) -> Table:
     def cell(label: str, times: Mapping[str, float]) -> str:
+        if label not in times:
+            return ""
         return seconds_text(times[label]) + ("" if label == OURS else ratio_text(times[label], times[OURS]))
 
     lines = [(what, *(cell(label, times) for label in labels)) for what, times in rows]
@@ -135,14 +158,19 @@ def closed_loop(settings: Settings) -> Table:
         "again, other parameters": lambda go: processor_seconds(
             lambda: go(0.0, mass * (1 + 1e-6 * next(turn)), 1.0)
         ),
-        f"{SHORT * 1e3:g} ms of motion": lambda go: _mean(lambda: go(1e-6 * next(turn), mass, SHORT), _TIMES),
     }
+
+    def short(go: Callable[[float, float, float], None]) -> float:
+        return _mean(lambda: go(1e-6 * next(turn), mass, SHORT), _TIMES)
+
     for go in engines.values():
         go(0.0, mass, 1.0)
     rows = []
     for what, task in tasks.items():
         samples: Samples = {label: partial(task, go) for label, go in engines.items()}
         rows.append((what, medians(in_turns(samples, settings.rounds))))
+    stepper = sb.Stepper(eqs, SHORT, rtol=RTOL, atol=ATOL)
+    rows += _short_rows(stepper, {label: partial(short, go) for label, go in engines.items()}, settings)
     notes = (f"slider-crank, 1 s of motion; median of {settings.rounds} rounds in turns",)
     return _beside("around the loop: a closed loop", [*engines], rows, notes)
 

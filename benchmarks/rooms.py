@@ -1,7 +1,8 @@
-"""How many files of symbody run for one body on one pin: what a reader goes through to follow one call."""
+"""How large the house is, and how many of its files run for one body on one pin."""
 
 from __future__ import annotations
 
+import ast
 import pkgutil
 import sys
 from collections import Counter
@@ -30,8 +31,19 @@ def tables(settings: Settings) -> Iterator[Table]:
     for room in sorted(set().union(*rooms.values())):
         rows.append((f"  {room}", *(str(counts[room] or "") for counts in rooms.values())))
     yield Table("rooms: a pendulum from model to motion", ("", *calls), tuple(rows), (_NOTE,))
+    sizes = room_sizes()
+    names = ("lines", "files", "folders", "modules with one user")
+    table = tuple((name, *(str(size[k]) for size in sizes.values())) for k, name in enumerate(names))
+    yield Table("rooms: how large they are", ("", *sizes), table, (_SIZE_NOTE,))
 
 
+_ROOMS: Final = {
+    "kernels, LLVM": ("kernels", "codegen/kernels", "codegen/llvm", "simulation/native"),
+    "pages, pictures": ("visual", "builder", "display"),
+}
+_SIZE_NOTE: Final = (
+    "Python and JavaScript below src/symbody; a module has one user if one other file imports it"
+)
 _NOTE: Final = "files below src/symbody with a function that runs during the call; imports are done before"
 
 
@@ -53,6 +65,38 @@ def traced_calls() -> dict[str, set[tuple[str, str]]]:
     trace("compile", lambda: sb.compile(eqs, "udot"))
     trace("simulate", lambda: sb.simulate(eqs, 1.0, {"phi": 0.3}))
     return traces
+
+
+def room_sizes() -> dict[str, tuple[int, int, int, int]]:
+    """Return lines, files, folders, and modules with one user, of kernels, of pages, and of all else."""
+    files = [path for path in _HOME.rglob("*") if path.suffix in {".py", ".js"} and "pages" not in path.parts]
+    users = Counter(module for path in files for module in _imported_modules(path))
+    parts: dict[str, list[Path]] = {name: [] for name in (*_ROOMS, "all else")}
+    for path in files:
+        name = path.relative_to(_HOME).as_posix()
+        inside = (part for part, rooms in _ROOMS.items() if name.startswith(tuple(f"{r}/" for r in rooms)))
+        parts[next(inside, "all else")].append(path)
+    sizes = {}
+    for part, here in parts.items():
+        lines = sum(len(path.read_text("utf-8").splitlines()) for path in here)
+        single = sum(users[_module_name(path)] == 1 for path in here if path.name != "__init__.py")
+        sizes[part] = lines, len(here), len({path.parent for path in here}), single
+    return sizes
+
+
+def _imported_modules(path: Path) -> set[str]:
+    """Return the modules, and names inside modules, that a file imports."""
+    if path.suffix != ".py":
+        return set()
+    nodes = list(ast.walk(ast.parse(path.read_text("utf-8"))))
+    imports = [node for node in nodes if isinstance(node, ast.ImportFrom) and node.module]
+    modules = {str(node.module) for node in imports}
+    modules |= {f"{node.module}.{name.name}" for node in imports for name in node.names}
+    return modules | {name.name for node in nodes if isinstance(node, ast.Import) for name in node.names}
+
+
+def _module_name(path: Path) -> str:
+    return ".".join(("symbody", *path.relative_to(_HOME).with_suffix("").parts))
 
 
 def pendulum() -> sb.Model:

@@ -67,6 +67,15 @@ def forces() -> str:
     return _table(("element", "law", "sign", "outputs"), (gravity, drive, *loads))
 
 
+def blocks() -> str:
+    """Return the table of blocks."""
+    rows = []
+    for word, each in element_types("block").items():
+        kind: Any = each
+        rows.append((f"`{word}`, `sb.{kind.__name__}`", kind.equation, kind.states, _arguments(kind)))
+    return _table(("type", "output y", "states", "words of its own"), rows)
+
+
 def write(page: str, table: str) -> str:
     """Return the text of a page with its first table replaced."""
     text = (DOCS / page).read_text(encoding="utf-8")
@@ -113,7 +122,7 @@ def _lines(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> Iterator[str
         yield f"| {' | '.join(row)} |"
 
 
-PAGES = {"joints.md": joints, "constraints.md": constraints, "forces.md": forces}
+PAGES = {"joints.md": joints, "constraints.md": constraints, "forces.md": forces, "signals.md": blocks}
 
 if __name__ == "__main__":
     for page, make in PAGES.items():

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.visual.film.arrows import arrow
+from symbody.visual.film.annotations import arrow
 from symbody.visual.film.camera import Camera
 from symbody.visual.film.drawing import Caption, Drawing, Mark, Stroke
 from symbody.visual.film.layer import Grid

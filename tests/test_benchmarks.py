@@ -1,4 +1,4 @@
-"""The benchmarks at tiny size and without peers: that the tables come, and that they tell the truth."""
+"""The benchmarks at tiny size and without peers: that the tables come, and that they are right."""
 
 from __future__ import annotations
 

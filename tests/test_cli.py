@@ -406,7 +406,7 @@ def test_more_samples_than_memory_are_refused_before_the_motion(
 
 
 def test_check_names_the_joint_that_stays_open(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A conflict is told otherwise than redundancy: by what does not close, and how far."""
+    """The message of a conflict differs from that of redundancy: it names what does not close, and how far."""
     path = tmp_path / "shaft.toml"
     path.write_text(SHAFT, encoding="utf-8")
     assert run(["check", str(path)]) == 0

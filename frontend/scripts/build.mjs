@@ -34,18 +34,15 @@ async function bundle(entry, format) {
   return { script: chunks[0].code.trim(), style: style.map((each) => String(each.source)).join("\n") };
 }
 
-/** Write a page of its own: a template with the code and the style of an entry. */
-async function writePage(name, entry) {
+/** Write a page of its own: the template with the code and the style of an entry, and words of this page. */
+async function writePage(name, entry, words) {
   const { script, style } = await bundle(entry, "iife");
   // nothing in the code may end its element
   const safe = script.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
   const hash = `sha256-${createHash("sha256").update(safe, "utf8").digest("base64")}`;
-  const template = await readFile(`${root}/${name}`, "utf8");
-  const page = template
-    .replace("%STYLE%", () => style)
-    .replace("%SCRIPT%", () => safe)
-    .replace("%SCRIPT_HASH%", () => hash);
-  await write(name, page);
+  const template = await readFile(`${root}/page.html`, "utf8");
+  const filled = { ...words, STYLE: style, SCRIPT_HASH: hash, SCRIPT: safe };
+  await write(name, template.replace(/%([A-Z_]+)%/g, (_, word) => filled[word]));
 }
 
 async function writeWidget() {
@@ -78,8 +75,13 @@ async function write(name, text) {
 }
 
 await mkdir(pages, { recursive: true });
-await writePage("player.html", "src/player/main.ts");
-await writePage("live.html", "src/live/main.ts");
+await writePage("player.html", "src/player/main.ts", { PURPOSE: "This page shows a moving mechanism", PROGRAM_HASH: "", PROGRAM: "" });
+// What the package replaces: the hash of a program, formulas, the program.
+await writePage("live.html", "src/live/main.ts", {
+  PURPOSE: "This page computes the motion of a mechanism",
+  PROGRAM_HASH: " 'sha256-program'",
+  PROGRAM: '<template id="symbody-formulas"></template>\n<script id="symbody-program">0</script>\n',
+});
 await writeWidget();
 await writeBuilder();
 await writeLicenses();

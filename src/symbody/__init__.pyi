@@ -27,24 +27,34 @@ from .model import Cartesian as Cartesian
 from .model import ConstantVelocity as ConstantVelocity
 from .model import Curve as Curve
 from .model import Cylindrical as Cylindrical
+from .model import DCMotor as DCMotor
+from .model import Delay as Delay
 from .model import Drive as Drive
+from .model import FirstOrder as FirstOrder
 from .model import Force as Force
 from .model import Frame as Frame
 from .model import Free as Free
 from .model import Friction as Friction
 from .model import Gimbal as Gimbal
+from .model import Include as Include
+from .model import Lookup as Lookup
 from .model import Model as Model
+from .model import PID as PID
 from .model import PinSlot as PinSlot
 from .model import Planar as Planar
 from .model import Prismatic as Prismatic
+from .model import RateLimit as RateLimit
 from .model import Rectangular as Rectangular
 from .model import Revolute as Revolute
 from .model import Screw as Screw
+from .model import Signal as Signal
 from .model import Spherical as Spherical
 from .model import SpringDamper as SpringDamper
+from .model import StateSpace as StateSpace
 from .model import Telescoping as Telescoping
-from .model import TorsionSpring as TorsionSpring
 from .model import Torque as Torque
+from .model import TorsionSpring as TorsionSpring
+from .model import TransferFunction as TransferFunction
 from .model import Universal as Universal
 from .model import Weld as Weld
 
@@ -139,6 +149,11 @@ from .simulation import Stepper as Stepper
 from .simulation import inverse_dynamics as inverse_dynamics
 from .analysis import IndexOneSolution as IndexOneSolution
 from .analysis import solve_index_1 as solve_index_1
+
+# its use in other tools
+from .fmu import Fmu as Fmu
+from .fmu import FmuVariable as FmuVariable
+from .fmu import save_fmu as save_fmu
 
 # its pictures
 from .visual import plot as plot

@@ -14,7 +14,6 @@ import inspect
 import reprlib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
 from functools import wraps
-from importlib import import_module
 from numbers import Integral, Real
 from os import PathLike
 from types import NoneType, SimpleNamespace, UnionType
@@ -36,6 +35,8 @@ from symbody.errors import CallError, Problem, SymbodyError, UsageError, nearest
 P = ParamSpec("P")
 R = TypeVar("R")
 C = TypeVar("C", bound=type)
+
+_SYMPY_WRITERS: Final[list[Callable[[object], str]]] = []
 
 # What a count is kept in where it is computed with.
 _LARGEST: Final = 2**63 - 1
@@ -95,6 +96,11 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
     return call_with_checks
 
 
+def register_sympy_writer(write: Callable[[object], str]) -> None:
+    """Set what writes expressions of SymPy as text; the room of expressions does, which stands above."""
+    _SYMPY_WRITERS.append(write)
+
+
 def is_sympy(value: object) -> bool:
     """Return whether a value is of a class of SymPy; SymPy need not be there."""
     kind = type(value)
@@ -137,7 +143,7 @@ def _with_lists(lists: Iterable[tuple[int, str]], given: Any, named: Any) -> Any
 
 def _with_texts(function: Callable[..., Any], textual: Set[str], given: Any, named: Any) -> Any:
     """Return arguments with SymPy expressions as text where names and expressions are taken as text."""
-    write: Callable[[object], str] = import_module("symbody.expr.sympy_text").sympy_text
+    write = _SYMPY_WRITERS[-1]
 
     def convert(value: Any) -> Any:
         if is_sympy(value):

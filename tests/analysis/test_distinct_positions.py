@@ -23,7 +23,7 @@ L1, L2, L3, L4 = sp.symbols("L1 L2 L3 L4")
 
 @dataclass(frozen=True)
 class Case:
-    """A linkage: its closed forms, a draw of its values, its number of poses, and what tells poses apart."""
+    """A linkage: its closed forms, a draw of its values, its number of poses, and what distinguishes them."""
 
     solve: Callable[[], sb.PositionSolutions]
     draw: Callable[[random.Random], Values]

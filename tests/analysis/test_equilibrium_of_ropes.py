@@ -120,7 +120,7 @@ def test_ropes_at_rest_fulfil_the_conditions_of_one_sided_contact_everywhere(chu
 
 @cache
 def ball(spring: bool = False) -> sb.EquationSet:
-    """A ball of 2 kg on a rope of 1 m, and on a spring of 100 N/m from 3 m above if that is asked for."""
+    """A ball of 2 kg on a rope of 1 m, and on a spring of 100 N/m from 3 m above on request."""
     body = sb.Body("Ball", 2)
     parts = [
         body,

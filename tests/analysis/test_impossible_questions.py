@@ -1,4 +1,4 @@
-"""Every analysis that is asked what has no answer says why, at which element, and what to do."""
+"""Every analysis without a result refuses with the reason, the element and a cure."""
 
 from __future__ import annotations
 

@@ -310,7 +310,7 @@ def test_impossible_choices_are_refused(arguments: dict[str, list[str]], code: s
 
 
 def test_singular_choice_at_the_dead_centre() -> None:
-    """The piston's coordinate does not tell where the crank goes."""
+    """The piston's coordinate does not determine where the crank goes."""
     with pytest.raises(sb.AssemblyError, match=r"singular_choice.* follows from s here"):
         sb.linearize(equations_of("slider_crank"), {"theta": 0}, independent=["s"])
     assert sb.linearize(equations_of("slider_crank"), {"theta": 0}).state_names == ("theta_dot", "theta")

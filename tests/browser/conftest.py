@@ -159,6 +159,6 @@ def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 @pytest.fixture
 def visit(chromium: Any, settings: Any) -> Iterator[Visit]:
-    """Open pages; at the end none may have complained or asked for anything elsewhere."""
+    """Open pages; none may log an error or request anything elsewhere."""
     with visits(chromium, settings) as visit:
         yield visit

@@ -67,7 +67,7 @@ class Builder:
         return answer.data
 
     def finished(self, job: str) -> dict[str, Any]:
-        """The state of a job that has ended; pages ask the same way."""
+        """The state of a job that has ended; pages read it the same way."""
         state: dict[str, Any] = {"state": "running", "seen": -1}
         while state["state"] == "running":
             state = self.get("job_state", job=job, seen=state["seen"])

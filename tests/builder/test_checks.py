@@ -1,4 +1,4 @@
-"""What the page is told at each change: problems with pointers, what the model is, its picture, its poses."""
+"""What the page receives at each change: problems with pointers, a summary, a picture, poses."""
 
 from __future__ import annotations
 

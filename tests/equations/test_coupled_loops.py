@@ -1,4 +1,4 @@
-"""Two spatial loops that share bodies: every choice of trees tells the same accelerations and reactions.
+"""Two spatial loops that share bodies: every choice of trees gives the same accelerations and reactions.
 
 Two cranks about skew axes hold a platform by rods with ball joints at both ends, and the platform turns about an
 oblique pin: 12 joints' worth of freedoms, two loops that meet in the platform. It stands in no file.

@@ -178,7 +178,7 @@ def test_slider_crank_in_every_tree(joints: str, tree: str) -> None:
 
 
 def test_a_motor_that_holds_a_speed_carries_the_friction_too() -> None:
-    """With theta = w t the accelerations are known; the motor's effort is what all the rest asks for."""
+    """With theta = w t the accelerations are known; the motor's effort balances all the rest."""
     eqs = sb.form_equations(slider_crank({"A": 0.1, "D": 0.25}, motion="5*t"))
     f = sb.compile(eqs, ("effort A", "friction A", "friction D", "power", "s_dot"))
     free = sb.compile(sb.form_equations(slider_crank({}, motion="5*t")), ("effort A", "power"))

@@ -40,7 +40,7 @@ def test_units_of_what_joints_and_frames_tell(tmp_path: Path) -> None:
 
 
 def test_a_unit_belongs_to_an_output() -> None:
-    """What is listed can be asked for; of rates of m and rad the differences over time tell the same."""
+    """Outputs that are listed can be computed; differences over time have the units of rates."""
     eqs = crane()
     state = sb.assemble(eqs)
     for name in eqs.units:

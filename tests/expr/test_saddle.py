@@ -155,11 +155,15 @@ def test_leftovers_of_cancellation_do_no_harm(small: float) -> None:
 def test_units_do_not_matter() -> None:
     """Powers of two as units of coordinates and rows change no bit: the scaling absorbs them.
 
-    As long as all of diag(M) sets the scale, that is, within 2^-40 of the largest in either units.
+    As long as all positive entries of diag(M) set the scale, that is, within 2^-40 of the largest in either
+    units. Coordinates without mass get the scale of those that they are coupled to.
     """
-    for system in systems(17, 60):
-        if np.min(np.diag(system.M)) <= 2.0**-24 * np.max(np.diag(system.M)):
+    massless = 0
+    for system in systems(17, 80):
+        mass = np.diag(system.M)
+        if not (mass > 0).any() or np.min(mass[mass > 0]) <= 2.0**-24 * np.max(mass):
             continue
+        massless += not (mass > 0).all()
         m, n = system.J.shape
         rng = random.Random(n)
         column = np.array([2.0 ** rng.randint(-4, 4) for _ in range(n)])
@@ -171,6 +175,37 @@ def test_units_do_not_matter() -> None:
         other = solve_saddle(M.ravel().tolist(), J.ravel().tolist(), F.tolist(), gamma.tolist())
         assert (np.array(other.udot) * column).tolist() == plain.udot
         assert (np.array(other.multipliers) * row).tolist() == plain.multipliers
+    assert massless > 10
+
+
+@pytest.mark.parametrize("length", [1e-9, 1e-7, 1e-3, 1.0, 1e3, 1e6])
+@pytest.mark.parametrize("teeth", [1, 3])
+def test_gears_between_coordinates_without_mass(length: float, teeth: int) -> None:
+    """Two bodies of mass 1 and inertias L^2; each turns an angle without mass, and gears couple these.
+
+    Angles are w1 = -teeth w2; with torque T on the first, w1' (I1 + I2/teeth^2) = T. Between the two angles
+    a chain of further ones, w -> a -> b -> ... coupled by gears of 1 : 1, changes nothing.
+    """
+    inertia = length**2
+    for chain in range(4):
+        n = 6 + chain  # x1, w1, x2, w2, a1, a2, chain
+        M = np.zeros((n, n))
+        M[range(4), range(4)] = 1.0, 2 * inertia, 1.0, 3 * inertia
+        rows = [{1: 1, 4: -1}, {3: 1, 5: -1}]
+        links = [4, *range(6, n)]
+        rows += [{a: 1, b: -1} for a, b in zip(links[:-1], links[1:], strict=True)]
+        rows.append({links[-1]: 1, 5: teeth})
+        J = np.zeros((len(rows), n))
+        for k, row in enumerate(rows):
+            J[k, list(row)] = list(row.values())
+        F = np.zeros(n)
+        F[0], F[1] = 1 / length, 1.0
+        solution = solve_saddle(M.ravel().tolist(), J.ravel().tolist(), F.tolist(), [0.0] * len(rows))
+        assert solution.ok and solution.rank == len(rows)
+        first = 1 / (2 * inertia + 3 * inertia / teeth**2)
+        expected = np.full(n, first)
+        expected[[0, 2, 3, 5]] = 1 / length, 0.0, -first / teeth, -first / teeth
+        np.testing.assert_allclose(solution.udot, expected, rtol=64 * EPS, atol=16 * EPS / length)
 
 
 def test_fifty_digits_in_fifty_digits_out() -> None:

@@ -30,7 +30,7 @@ CONSTRUCTORS = (
     *ELEMENTS,
     *(each.__name__ for each in shape_types().values()),
     *"Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Model Partition Projection Samples".split(),
-    *"Stiff Table Trees".split(),
+    *"Include Stiff Table Trees".split(),
     *(type(each).__name__ for each in FORMULATIONS if inspect.signature(type(each)).parameters),
 )
 # Classes that take nothing, are made by functions, or are faults; and functions whose words are variadic.
@@ -71,6 +71,10 @@ def calls(folder: Path) -> dict[str, Call]:
         given = {p.name: ELEMENT.get(p.name) if p.default is p.empty else p.default for p in parameters}
         if name == "Differential":
             given["coupled"] = ["a", "b", "c"]
+        if name == "Lookup":
+            given["points"] = [[0, 0], [1, 1]]
+        if name == "Include":
+            given |= {"part": model(), "prefix": "P"}
         put(name, kind, **given)
     pendulum = sb.load_model(ROOT / "examples" / "slider_crank" / "slider_crank.toml")
     eqs, loop = sb.form_equations(model()), sb.form_equations(pendulum)

@@ -70,7 +70,7 @@ def test_row_93_a_slope_without_end() -> None:
 
 @pytest.mark.parametrize("theta", [0.0, 0.5 * math.pi, math.pi])
 def test_row_94_dependent_coordinates_are_chosen_by_their_pivots(theta: float) -> None:
-    """Wherever it stands, the coordinate chosen tells the motion; one that is named and does not is refused."""
+    """The coordinate chosen determines the motion wherever it stands; one that does not is refused."""
     eqs = sb.form_equations(slider_crank())
     state = sb.assemble(eqs, {"theta": theta}, {"s": 4.0})
     lin = sb.linearize(eqs, state)

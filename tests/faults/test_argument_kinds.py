@@ -1,4 +1,4 @@
-"""Whatever is given to a public function, what leaves it is a result or a fault told in our own words."""
+"""Whatever is given to a public function, it ends in a result or in a fault of this package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that are damaged, or made to do harm: every reader ends in a result or a fault told in our words."""
+"""Files that are damaged, or made to do harm: every reader ends in a result or in a fault of this package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names, numbers and formulas that mean nothing, or too much: each is told, and none is taken in silence."""
+"""Names, numbers and formulas that mean nothing, or too much: each is refused, none accepted in silence."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ def test_row_30_degrees_for_radians_and_millimetres_for_metres() -> None:
 
 @pytest.mark.parametrize("text", ["9.81 m/s^2", "2 + 3 kg", "5 [N/m]", "90 degrees"])
 def test_row_30_and_31_units_are_not_declared_and_nothing_is_guessed_from_them(text: str) -> None:
-    """All quantities are in SI units and rad: a unit written out is told with its column, never dropped."""
+    """All quantities are in SI units and rad: a unit written out is refused with its column, never dropped."""
     ((code, where), *_) = refused_model(parameters={"a": text})
     assert code.startswith("expression.") and ", column " in where
     table = 'name = "a"\n[units]\nm = "kg"\n'

@@ -256,7 +256,7 @@ def test_row_89_a_cancelled_run_is_a_partial_result() -> None:
 
 
 def test_row_89_a_limit_on_the_time_of_the_clock() -> None:
-    """By progress, which is asked every twentieth of a second."""
+    """By progress, which is called every twentieth of a second."""
     end = time.monotonic() + 0.3
     run = sb.simulate(
         pendulum(), 1e7, {"theta": 2.0}, progress=lambda share: time.monotonic() < end, max_steps=10**9

@@ -17,7 +17,7 @@ TESTS = Path(__file__).parents[1]
 RUN = """
 import json, runpy, sys
 from symbody.formats.native import to_data
-print(json.dumps([to_data(runpy.run_path(path)["model"]) for path in sys.argv[1:]]))
+print(json.dumps([to_data(runpy.run_path(path)["model"], is_alone=True) for path in sys.argv[1:]]))
 """
 
 
@@ -50,7 +50,7 @@ def test_scripts_build_the_same_models(tmp_path: Path) -> None:
         paths.append(str(path))
     done = subprocess.run([sys.executable, "-c", RUN, *paths], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout) == [to_data(model) for model in written]
+    assert json.loads(done.stdout) == [to_data(model, is_alone=True) for model in written]
     assert len(written) > 15
 
 

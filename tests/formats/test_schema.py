@@ -33,7 +33,7 @@ def section_types() -> list[tuple[str, str]]:
 @pytest.mark.parametrize(("kind", "word"), section_types())
 def test_keys_of_elements_are_their_arguments(kind: str, word: str) -> None:
     names = set(inspect.signature(element_types(kind)[word]).parameters)
-    keys = {"shape" if name == "shapes" else name for name in names - {"start", "end"}}
+    keys = {"shape" if name == "shapes" else name for name in names - {"start", "end", "folder"}}
     keys |= ({"between"} if "start" in names else set()) | ({"type"} if word else set())
     definition = schema.ModelFile.model_json_schema()["$defs"][definition_name(word or kind)]
     assert set(definition["properties"]) == keys
@@ -50,7 +50,7 @@ def test_every_element_is_listed_with_its_fields() -> None:
 
 def test_keys_of_the_model() -> None:
     keys = set(inspect.signature(Model).parameters) - {"elements", "ground_shapes", "notes"}
-    assert set(ModelFile.model_fields) - set(KINDS) == keys | {"layout", "version"}
+    assert set(ModelFile.model_fields) - set(KINDS) == keys | {"include", "layout", "version"}
 
 
 @pytest.mark.parametrize("value", ["m", "", 1, 1.5, Decimal("1.50"), -(10**30)])

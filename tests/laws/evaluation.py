@@ -10,8 +10,9 @@ import numpy as np
 from scipy.linalg import qr
 
 import symbody as sb
-from symbody.expr.evaluate import MPMATH, evaluate_sequence
+from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME
+from symbody.expr.precise_numbers import MPMATH
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
 from symbody.graph.trees import TreeChoice

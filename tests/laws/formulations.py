@@ -25,7 +25,7 @@ OTHERS = {name_of(each): each for each in FORMULATIONS if not isinstance(each, s
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Derived:
-    """What one formulation says at a state; `turning` tells which speeds are angular."""
+    """Results of one formulation at a state; `turning` marks the speeds that are angular."""
 
     turning: Array
     values: dict[str, Array]

@@ -71,6 +71,10 @@ class Struck:
         The largest rate, in the mechanism's units, and the largest kinetic energy.
     words : str
         How the corners are written.
+    magnified : float
+        By how much more rates are off than constraints are open, as shares: the coordinates of a mechanism that
+        is open by phi are off by ``|A^+| phi``, rows ``A`` by as much (lengths are numbers of order one), and the
+        rates that these determine by ``|A^+|`` times that.
     """
 
     mechanism: Mechanism
@@ -80,6 +84,7 @@ class Struck:
     speed: float
     energy: float
     words: str
+    magnified: float
 
     def model(self, width: float = 0.0) -> sb.Model:
         """The model; with a width corners are rounded over twice that time, and steps are ramps."""
@@ -122,8 +127,11 @@ def _struck(mechanism: Mechanism, draws: Draws) -> Struck | None:
     moved = moved - free @ np.linalg.solve(free.T @ M @ free, free.T @ M @ moved)
     states = [state_of_rates(mechanism, places, motion, x * scales / time) for x in (s, s + moved)]
     energies = [float(x @ M @ x) / 2 for x in (s, s + moved)]
+    magnified = float(sizes[sizes > DEPENDENT * sizes[0]].min() ** -2)
     fastest = float(np.abs([s, s + moved]).max())
-    return Struck(mechanism, *states, energies[1] - energies[0], fastest, max(energies), ", ".join(words))
+    return Struck(
+        mechanism, *states, energies[1] - energies[0], fastest, max(energies), ", ".join(words), magnified
+    )
 
 
 def _prescribed(mechanism: Mechanism, places: Places) -> tuple[Array, Array]:

@@ -2,8 +2,7 @@
 
 The numbers of a random mechanism are its parameters here, and arguments of one compiled function: no text of a
 decimal stands between them and the motion. Factors that are powers of two (of four for masses, whose square
-roots the solver takes) change no digit of anything; other factors change rounding alone. So do factors of two
-where coordinates have no mass: `solve_saddle` begins their scales with that of the heaviest one, in kg or kg m^2.
+roots the solver takes) change no digit of anything; other factors change rounding alone.
 """
 
 from __future__ import annotations
@@ -75,11 +74,6 @@ def scaled_sweep(
     )  # fmt: skip
     factors = np.array([factor(eqs.units.get(name), units) for name in eqs.state_names])
     return found, found.x[0].T / factors
-
-
-def has_massless(eqs: sb.EquationSet) -> bool:
-    """Whether coordinates have no mass, as those of links without mass, or kept beside the ones of bodies."""
-    return any(row[k].is_zero for k, row in enumerate(eqs.formed.dynamics.mass_matrix))
 
 
 def formed(seed: int, tree: TreeChoice) -> sb.EquationSet:

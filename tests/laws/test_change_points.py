@@ -98,6 +98,27 @@ def test_other_ways_pass_or_say_why_not(seed: int, way: Way) -> None:
     check(seed, way)
 
 
+def check_fixed_steps(seed: int, step: float) -> None:
+    """Steps that look at no error pass flat poses as exactly as small ones, or a note says that they do not."""
+    made, start = mechanism(seed)
+    eqs = sb.form_equations(made.model())
+    exact = joint_values(made, made.motion(start, TIMES)[: len(made.coordinates)])
+    run = sb.simulate(
+        eqs, TIMES[-1], made.values(start), times=TIMES, inputs=made.efforts, integrator=sb.FixedStep(step)
+    )
+    is_noted = any("sb.FixedStep()" in note for note in run.notes)
+    computed = {name: run[name] for name in exact}
+    allowed = tolerance(eqs, made, start, SMALL_STEPS)
+    assert is_noted or (run.success and difference(eqs, computed, exact) < allowed), (seed, step, run.notes)
+
+
+# With 10 ms 0, 7 and 12 end a radian and more off.
+@pytest.mark.parametrize("step", [1e-2, 1e-3])
+@pytest.mark.parametrize("seed", [0, 7, 12])
+def test_fixed_steps_pass_or_say_why_not(seed: int, step: float) -> None:
+    check_fixed_steps(seed, step)
+
+
 @pytest.mark.parametrize("seed", [0, 3, 5, 6, 7, 8, 15, 18, 19, 28, 43, 51])
 def test_three_cranks_on_a_body_follow_from_each_other(seed: int) -> None:
     """And only these: by what is chosen without `constraints`, before the motion is looked at."""
@@ -112,6 +133,14 @@ def test_three_cranks_on_a_body_follow_from_each_other(seed: int) -> None:
 def test_many_linkages_pass_their_flat_poses(chunk: int) -> None:
     for seed in range(10 * chunk, 10 * chunk + 10):
         check(seed)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("step", [1e-2, 3e-3, 1e-3])
+@pytest.mark.parametrize("chunk", range(20))
+def test_fixed_steps_on_many_linkages(chunk: int, step: float) -> None:
+    for seed in range(10 * chunk, 10 * chunk + 10):
+        check_fixed_steps(seed, step)
 
 
 @pytest.mark.exhaustive

@@ -1,4 +1,4 @@
-"""Every model in the corpus obeys all laws; and the shrinker, which adds to it, keeps what it is told to."""
+"""Every model in the corpus obeys all laws; and the shrinker, which adds to it, keeps the elements it is given."""
 
 from __future__ import annotations
 

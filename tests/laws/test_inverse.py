@@ -1,4 +1,4 @@
-"""Inverse dynamics undoes forward dynamics: the accelerations of random mechanisms ask for the inputs they came from."""
+"""Inverse dynamics undoes forward dynamics: from the accelerations of random mechanisms follow the inputs that caused them."""
 
 from __future__ import annotations
 

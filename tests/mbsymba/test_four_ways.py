@@ -44,7 +44,7 @@ def moment(arm: Array, F: Array) -> Array:
 
 
 def balanced(run: sb.Trajectory, k: int) -> tuple[Array, float]:
-    """The reactions that Newton and Euler ask for in one sample, and what they leave open.
+    """The reactions in the equations of Newton and Euler in one sample, and those left undetermined.
 
     Nine equations for eight unknowns: forces of A on the crank, B on the rod, C on the rod, N and the moment on
     the slider. The motion alone enters, so they close only if the accelerations of all bodies are right.

@@ -1,4 +1,4 @@
-"""Where the notes mislead: what is right is computed, and told where it can be noticed."""
+"""Where the notes mislead: the right result is computed, with a note where that can be detected."""
 
 from __future__ import annotations
 

@@ -96,7 +96,7 @@ def test_linear_equations_of_the_paper(v: float) -> None:
 
 @pytest.mark.exhaustive
 def test_weave_and_capsize_speeds() -> None:
-    """Rates enter in proportion to the speed, angles with a constant and its square: two speeds tell all."""
+    """Rates enter in proportion to the speed, angles with a constant and its square: two speeds determine them."""
     still, fast = columns(0.0, False), columns(5.0, False)
 
     def growth(v: float) -> Array:

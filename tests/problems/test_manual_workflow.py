@@ -100,7 +100,7 @@ def test_plots_of_the_manual(tmp_path: Path) -> None:
 
 
 def test_products_of_sines_are_combined() -> None:
-    """D-16: what map(combine, ...) makes of the robot's tip, without being asked."""
+    """D-16: what map(combine, ...) makes of the robot's tip, by itself."""
     b1, b2 = dynamicsymbols("beta_1 beta_2")
     for entry in built("rr_robot").GetFrameMotion("r", "P", "Ground", "Ground")[:2]:
         assert entry.atoms(sp.sin, sp.cos) <= {f(a) for f in (sp.sin, sp.cos) for a in (b1, b1 + b2)}

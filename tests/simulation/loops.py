@@ -63,7 +63,7 @@ x = 1.0
 
 
 def pushed_mass(law: str, x: float, x_dot: float) -> sb.EquationSet:
-    """A mass of 1 kg on a slide, pushed by a law in t, x and x_dot; released where it is told."""
+    """A mass of 1 kg on a slide, pushed by a law in t, x and x_dot; released at a given state."""
     body, push = sb.Body("Mass", mass=1), sb.Drive(applied=law)
     slider = sb.Prismatic("slider", "ground", body, axis="x", coordinate="x", force=push)
     return sb.form_equations(sb.Model("pushed", [body, slider], initial={"x": x, "x_dot": x_dot}))

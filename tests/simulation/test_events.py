@@ -165,7 +165,8 @@ def test_simultaneous_events_come_in_the_order_given() -> None:
 def test_what_is_found_does_not_depend_on_the_slices(monkeypatch: pytest.MonkeyPatch) -> None:
     events = [sb.Event("sin(3*theta)"), sb.Event("theta_dot - 3"), sb.Event("theta", 1, {"theta_dot": "2"})]
     whole = sb.simulate(pendulum(), 20.0, initial={"theta": 2.0}, events=events)
-    monkeypatch.setattr("symbody.simulation.events.event_watch._ACTING_STEPS", 1)
+    monkeypatch.setattr("symbody.simulation.native.run.FIRST_SLICE", 1)
+    monkeypatch.setattr("symbody.simulation.native.run.SLICE_SECONDS", 0.0)
     single = sb.simulate(pendulum(), 20.0, initial={"theta": 2.0}, events=events)
     assert whole.events == single.events and len(whole.events) > 20
     np.testing.assert_array_equal(whole.q, single.q)

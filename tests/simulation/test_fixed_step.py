@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from tests.simulation.loops import example
+from tests.simulation.test_change_point import wheels_on_a_rod
 from tests.simulation.test_closed_loops import angle, at_lowest_point, free_pendulum
 from tests.simulation.test_order import IMPACTS, mass_on_spring
 
@@ -131,3 +133,21 @@ def test_projection_keeps_the_order(method: str, order: int, counts: tuple[int, 
         errors.append(np.abs(run["theta"] - angle(run.t)).max())
     slope = np.polyfit(-np.log(counts), np.log(errors), 1)[0]
     assert slope == pytest.approx(order, abs=0.15)
+
+
+@pytest.mark.parametrize("step", [1e-2, 1e-3, 1e-4])
+def test_flat_poses_between_steps_are_noted(step: float) -> None:
+    """A parallelogram is flat at a = pi, after 0.24 s at 9 rad/s; every step is long beside the pose itself."""
+    eqs = wheels_on_a_rod([0.0, 1.0])
+    start = {"a0": 1.0, "a1": 1.0, "b0": -1.0, "a0_dot": 9.0, "a1_dot": 9.0}
+    run = sb.simulate(eqs, 0.3, start, integrator=sb.FixedStep(step))
+    noted = [note for note in run.notes if "almost follow from others" in note]
+    assert len(noted) == 1
+    t = (np.pi - 1.0) / 9.0
+    assert float(noted[0].split()[3]) == pytest.approx(t, abs=20 * step)
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "spatial_four_bar"])
+def test_ordinary_loops_are_not_noted(name: str) -> None:
+    run = sb.simulate(example(name), 1.0, integrator=sb.FixedStep(1e-3))
+    assert run.success and not any("almost follow" in note for note in run.notes)

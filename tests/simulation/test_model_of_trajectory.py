@@ -1,4 +1,4 @@
-"""A motion knows its model, also from a file, and computes further outputs there."""
+"""A motion holds its model, also from a file, and computes further outputs there."""
 
 from __future__ import annotations
 

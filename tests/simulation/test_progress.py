@@ -1,4 +1,4 @@
-"""Who is told how far a motion is."""
+"""Reports of how far a motion is."""
 
 from __future__ import annotations
 

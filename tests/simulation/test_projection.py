@@ -1,4 +1,4 @@
-"""Projection where rounding is larger than what is asked for: fast motions, and tolerances out of reach."""
+"""Projection where rounding is larger than the tolerance: fast motions, and tolerances out of reach."""
 
 from __future__ import annotations
 

@@ -13,13 +13,13 @@ from sympy.physics.vector import ReferenceFrame, dynamicsymbols
 
 from symbody.expr.expression import number
 from symbody.expr.graph import Graph
-from symbody.spatial.angle_sum import angle_sum
 from symbody.spatial.euler_parameters import EulerParameters, euler_parameter_omega, euler_parameter_rates
 from symbody.spatial.rotation import (
     AxisRotation,
     DirectionCosines,
     ElementaryRotation,
     Rotation,
+    angle_sum,
     compose_steps,
     identity,
     rotation_matrix,

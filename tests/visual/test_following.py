@@ -10,8 +10,8 @@ import pytest
 from PIL import Image
 
 import symbody as sb
-from symbody.visual.film.following import carried_extent
 from symbody.visual.film.stage import make_stage, pose_at
+from symbody.visual.film.studio import carried_extent
 from symbody.visual.scene import make_motion, make_scene
 from symbody.visual.scene.view import seen_along
 

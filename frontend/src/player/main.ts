@@ -1,8 +1,7 @@
-/** The page: its data, the player, and what a page says whose data is damaged. */
+/** The page of a motion: the player. */
 
-import { decodeData } from "./data";
-import { create } from "./dom";
 import { Player } from "./player";
+import { startPage } from "./start";
 import "./style.css";
 
 declare global {
@@ -11,28 +10,6 @@ declare global {
   }
 }
 
-function start(): void {
-  const root = document.getElementById("symbody");
-  const holder = document.getElementById("symbody-data");
-  if (root === null || holder === null) return;
-  try {
-    const data = decodeData(JSON.parse(holder.textContent));
-    document.title = data.title;
-    window.symbodyPlayer = new Player(root, data, { keysFrom: document, embedded: window.self !== window.top });
-  } catch (error) {
-    root.append(damaged(error));
-  }
-}
-
-function damaged(error: unknown): HTMLElement {
-  const reason = error instanceof SyntaxError ? "its data are cut off or changed" : error instanceof Error ? error.message : String(error);
-  return create(
-    "div",
-    { class: "sb-damaged", role: "alert" },
-    create("h1", {}, "This page cannot be shown"),
-    create("p", {}, `${reason}.`),
-    create("p", {}, "Write it again with symbody, and copy the file as a whole."),
-  );
-}
-
-start();
+startPage((root, data) => {
+  window.symbodyPlayer = new Player(root, data, { keysFrom: document, embedded: window.self !== window.top });
+});

@@ -10,7 +10,7 @@ from .kinematics.trace import trace_positions as trace_positions
 from .kinematics.velocity_ratios import VelocityRatios as VelocityRatios
 from .kinematics.velocity_ratios import velocity_ratios as velocity_ratios
 from .linear.linearization import Linearization as Linearization
-from .linear.linearization import StateSpace as StateSpace
+from .linear.linearization import LinearMatrices as LinearMatrices
 from .linear.linearize import linearize as linearize
 from .linear.modes import Mode as Mode
 from .position_solutions import PositionSolutions as PositionSolutions

@@ -9,8 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
+from symbody.analysis.plain_assembly import PlainState
+from symbody.analysis.scales import Scales
+from symbody.analysis.signal_values import signals_by_name
 from symbody.analysis.state import State
+from symbody.codegen.formation.names import Value
 from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError
 from symbody.manifold import rank
 from symbody.tolerances import TINY
@@ -62,9 +67,57 @@ def complete_state(
         evaluator.parameters,
         evaluator.inputs,
         others,
+        s=signals_by_name(eqs, evaluator.signals),
         _functions=evaluator.functions,
         _dependent=_count_dependent(solved.jacobian),
     )
+
+
+def state_of_plain(
+    eqs: EquationSet,
+    plain: PlainState,
+    near: tuple[Mapping[str, float], Mapping[str, float]],
+    given: tuple[Mapping[str, Value], Mapping[str, Value]],
+    t: float,
+    mechanism: Scales,
+    others: Callable[[], Iterable[State]],
+) -> State:
+    """Return a plain state with its names.
+
+    Parameters
+    ----------
+    near : pair of mappings
+        Values that were kept, and those that were guessed.
+    given : pair of mappings
+        Of parameters and of inputs.
+    """
+    fixed, guess = near
+    rates = dict(zip(eqs.speed_names, plain.u.tolist(), strict=True))
+    apart = np.abs(plain.q - plain.start) > _STAYED * mechanism.coordinates(eqs)
+    moved = {
+        eqs.coordinate_names[k]: float(plain.q[k] - plain.start[k]) for k in np.flatnonzero(apart).tolist()
+    }
+    guessed = {name: value for name, value in guess.items() if name in rates and name not in fixed}
+    return State(
+        eqs,
+        dict(zip(eqs.coordinate_names, plain.q.tolist(), strict=True)),
+        rates,
+        dict(zip(eqs.acceleration_names, plain.udot.tolist(), strict=True)),
+        dict(zip(eqs.multiplier_names, plain.multipliers.tolist(), strict=True)),
+        plain.residual,
+        moved | _changes(rates, guessed),
+        t,
+        *given,
+        others,
+        _plain=plain,
+    )
+
+
+def _changes(rates: Mapping[str, float], guess: Mapping[str, float]) -> dict[str, float]:
+    """Return by how much rates differ from what was guessed for them."""
+    scale = max(map(abs, [*rates.values(), *guess.values()]), default=0.0)
+    changes = {name: rates[name] - value for name, value in guess.items() if name in rates}
+    return {name: change for name, change in changes.items() if abs(change) > _CHANGED * scale}
 
 
 def _accelerations(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> Any:
@@ -76,7 +129,8 @@ def _accelerations(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> Any:
         If no mass resists some motion, naming its coordinates.
     """
     try:
-        return evaluator.compile(("udot", "lambda", "jacobian", "gamma"))(evaluator.t, q, u)
+        solved = evaluator.compile(("udot", "lambda", "jacobian", "gamma"))
+        return solved(evaluator.t, q, u, s=evaluator.signals)
     except SimulationError as error:
         eqs = evaluator.eqs
         places = massless_speeds(*evaluator.compile(("mass_matrix", "jacobian"))(evaluator.t, q, u))
@@ -90,7 +144,8 @@ def _accelerations(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> Any:
 
 def _free_acceleration(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> float:
     """Return the largest acceleration that the forces would give without constraints, over its size."""
-    solved, sizes = evaluator.compile(("mass_matrix", "forcing"))(evaluator.t, q, u), evaluator.speed_sizes
+    solved = evaluator.compile(("mass_matrix", "forcing"))(evaluator.t, q, u, s=evaluator.signals)
+    sizes = evaluator.speed_sizes
     mass = solved.mass_matrix * np.outer(sizes, sizes)
     free = np.linalg.lstsq(mass, solved.forcing * sizes, rcond=None)[0]
     return float(np.abs(free).max(initial=0.0))
@@ -109,9 +164,7 @@ def _changed_rates(
     for name in evaluator.split_values(guess)[1]:  # of cut joints
         if name not in rates:
             rates[name] = float(evaluator.compile(name)(evaluator.t, q, u))
-    scale = max(map(abs, [*rates.values(), *guess.values()]), default=0.0)
-    changes = {name: rates[name] - value for name, value in guess.items() if name in rates}
-    return {name: change for name, change in changes.items() if abs(change) > _CHANGED * scale}
+    return _changes(rates, guess)
 
 
 def _have_accelerations(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:

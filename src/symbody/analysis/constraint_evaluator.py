@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
 from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.analysis.signal_values import signal_values
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
@@ -43,6 +43,8 @@ class ConstraintEvaluator:
         Names of angles.
     mechanism : Scales
         Length, time and mass of the mechanism, from which the sizes above follow.
+    signals : (n_s,) array
+        States of signals, for outputs that read them.
     """
 
     eqs: EquationSet
@@ -55,6 +57,7 @@ class ConstraintEvaluator:
     constraints: Callable[..., Any]
     angles: frozenset[str] = frozenset()
     mechanism: Scales = Scales()
+    signals: Floats = field(default_factory=lambda: np.zeros(0))
     # Functions compiled so far; they follow from the fields above.
     functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
@@ -265,8 +268,9 @@ def constraint_evaluator(
     t: float,
     scales: Scales | None = None,
     constraints: Callable[..., Any] | None = None,
+    signals: Floats | None = None,
 ) -> ConstraintEvaluator:
-    """Return the constraints of equations as numbers, by default with the scales of the model.
+    """Return the constraints of equations as numbers, by default with the scales and signals of the model.
 
     `constraints` is a `constraint_function` with these parameters, where it is compiled already.
     """
@@ -284,8 +288,9 @@ def constraint_evaluator(
     sizes = mechanism.coordinates(eqs), mechanism.displacements(eqs)
     scales_of_rows = mechanism.constraints(eqs)[: len(eqs.formed.holonomic)]
     return ConstraintEvaluator(
-        eqs, parameters, inputs, t, *sizes, scales_of_rows, function, angles, mechanism
-    )
+        eqs, parameters, inputs, t, *sizes, scales_of_rows, function, angles, mechanism,
+        signal_values(eqs, {}, parameters) if signals is None else signals,
+    )  # fmt: skip
 
 
 def indefinite_rows(where: str) -> AssemblyError:
@@ -296,3 +301,26 @@ def indefinite_rows(where: str) -> AssemblyError:
                 "give it a length, or another constraint, such as a joint between the two points; or "
                 "start beside this position")
     )  # fmt: skip
+
+
+class ConstraintValues(NamedTuple):
+    """Constraints on positions (n_h,), on velocities at rest (n_c,), their Jacobians, and cosines of axes."""
+
+    constraints: Floats
+    position_jacobian: Floats
+    jacobian: Floats
+    velocity_constraints: Floats
+    alignment: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Unconstrained:
+    """The constraints of a tree, for which nothing has to be compiled."""
+
+    coordinates: int
+    speeds: int
+
+    def __call__(self, t: float, q: Floats, u: Floats) -> ConstraintValues:
+        """Return no values, with as many columns as there are coordinates (n_q,) and speeds (n_u,)."""
+        none = np.zeros(0)
+        return ConstraintValues(none, np.zeros((0, self.coordinates)), np.zeros((0, self.speeds)), none, none)

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.input_formulas import input_law_nodes
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol
-from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
 
@@ -34,10 +34,7 @@ def laws_key(laws: Mapping[str, Value | None]) -> tuple[tuple[str, str], ...]:
 def with_laws(eqs: EquationSet, nodes: Sequence[int], laws: Mapping[str, Value]) -> list[int]:
     """Return nodes with the inputs replaced by their laws, so that derivatives see what these read."""
     names = eqs.formed.names
-    replaced = {
-        names.value(name).index: names.expression(Formula.from_value(law, where=f"input {name}")).index
-        for name, law in laws.items()
-    }
+    replaced = {names.value(name).index: node for name, node in input_law_nodes(eqs.formed, laws).items()}
     return substitute(eqs.formed.graph, nodes, replaced)
 
 

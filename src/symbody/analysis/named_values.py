@@ -62,6 +62,7 @@ def _positions_and_rates(eqs: EquationSet) -> frozenset[str]:
     coordinates.update(topology.model.coordinates, eqs.coordinate_names)
     speeds = {name for joint in topology.joints for name in joint.quasi_speed_names}
     all_names = coordinates | speeds | {f"{name}_dot" for name in coordinates} | {*eqs.speed_names}
+    all_names |= {*eqs.signal_state_names}
     return frozenset(name for name in all_names if name in names.symbols or name in names.values)
 
 
@@ -86,7 +87,7 @@ def _unknown(eqs: EquationSet, name: str) -> Problem:
         return Problem(
             "assembly.no_state", name, what, "states are coordinates, their rates and speeds", place
         )
-    cure = nearest(name, (*eqs.coordinate_names, *eqs.speed_names))
+    cure = nearest(name, (*eqs.coordinate_names, *eqs.speed_names, *eqs.signal_state_names))
     return Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "", cure)
 
 

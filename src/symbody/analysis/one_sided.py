@@ -96,7 +96,8 @@ class _ModeSearch:
     def try_modes(self, modes: Modes) -> tuple[OneSidedState, bool] | None:
         """Return the state in some modes, and whether these hold; None where no accelerations exist."""
         held = self._equations(modes)
-        evaluator = constraint_evaluator(held, self.state.parameters, self.state.inputs, self.state.t)
+        state, signals = self.state, np.array(list(self.state.s.values()), dtype=np.float64)
+        evaluator = constraint_evaluator(held, state.parameters, state.inputs, state.t, signals=signals)
         try:
             state = complete_state(evaluator, self.q, self.u, self.q, {})
         except (AssemblyError, SimulationError):

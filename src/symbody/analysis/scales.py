@@ -56,6 +56,8 @@ class Scales:
         The largest mass of a body [kg], or moment of inertia over the square of the length; 1 without any.
     equations : mapping of name to float
         Size of a constraint with a unit of its own, by the name of its multiplier.
+    signals : mapping of name to float
+        Size of the state of a signal where it shall not follow from its first value.
     has_length, has_time : bool
         Whether these were given or found in the model.
     """
@@ -66,11 +68,12 @@ class Scales:
     equations: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     has_length: bool = False
     has_time: bool = False
+    signals: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def sizes(self) -> dict[str, float]:
         """Length, time and mass by name, as analyses take them."""
-        return {"length": self.length, "time": self.time, "mass": self.mass}
+        return {"length": self.length, "time": self.time, "mass": self.mass, **self.signals}
 
     @property
     def energy(self) -> float:
@@ -96,17 +99,17 @@ class Scales:
         return sizes
 
     def tolerances(self, eqs: EquationSet, x: Floats, atol: float | None = None) -> Floats:
-        """Return the absolute tolerance of each speed and coordinate (n_u + n_q,); `atol` if it is given.
+        """Return the absolute tolerance of each state (n_u + n_q + n_s,); `atol` if it is given.
 
         Parameters
         ----------
-        x : (n_u + n_q,) array
+        x : (n_u + n_q + n_s,) array
             The first state.
         """
         if atol is not None:
             return np.full(x.size, atol)
         lengths, times = np.array([self.length]), np.array([self.time])
-        return np.asarray(state_tolerances(eqs, lengths, times, x[np.newaxis])[0])
+        return np.asarray(state_tolerances(eqs, lengths, times, x[np.newaxis], self.signals)[0])
 
     def fit_span(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""
@@ -138,7 +141,7 @@ def mechanism_scales(
     Parameters
     ----------
     given : mapping of "length", "time", "mass" to float
-        Those that the caller chooses [m, s, kg].
+        Those that the caller chooses [m, s, kg]; sizes of states of signals by their names.
     near : mapping of name to float
         A configuration, by default the model's initial values: its displacements count where the model has no
         other length.
@@ -148,7 +151,8 @@ def mechanism_scales(
     UsageError
         If a name in `given` is unknown, or a value is not positive.
     """
-    chosen = checked_scales(given)
+    signals = checked_sizes(eqs, given)
+    chosen = checked_scales({name: x for name, x in (given or {}).items() if name not in signals})
     lengths, pulls, masses, moments = parameter_set(eqs, parameters).quantities
     length = chosen.get("length", largest_magnitude(lengths))
     if not length and near is None:
@@ -156,7 +160,7 @@ def mechanism_scales(
         length = largest_magnitude(values_at_start(eqs, initial, parameters).values())
     elif not length and near is not None:
         length = largest_magnitude(x for name, x in near.items() if _is_length(eqs, name))
-    scales = Scales(length or 1.0, has_length=bool(length))
+    scales = Scales(length or 1.0, has_length=bool(length), signals=signals)
     gravity = math.hypot(*pulls)
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
     scales = replace(scales, time=chosen.get("time", fallen), has_time="time" in chosen or gravity > 0.0)
@@ -166,18 +170,25 @@ def mechanism_scales(
     return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
 
 
-def state_tolerances(eqs: EquationSet, lengths: Floats, times: Floats, x: Floats) -> Floats:
-    """Return the absolute tolerances of all speeds and coordinates where none is given.
+def state_tolerances(
+    eqs: EquationSet, lengths: Floats, times: Floats, x: Floats, signals: Mapping[str, float] | None = None
+) -> Floats:
+    """Return the absolute tolerances of all states where none is given.
 
     Parameters
     ----------
     lengths, times : (N,) arrays
         Length and time of the `Scales` of N motions.
-    x : (N, n_u + n_q) array
+    x : (N, n_u + n_q + n_s) array
         Their first states.
+    signals : mapping of name to float, optional
+        Sizes of states of signals; by default their first value, or 1 where that is 0.
     """
     sizes = np.ones_like(x)
     plan, n_u = _unit_plan(eqs), len(eqs.speed_names)
+    for k, name in enumerate(eqs.signal_state_names, n_u + len(eqs.coordinate_names)):
+        own = (signals or {}).get(name)
+        sizes[:, k] = np.where(x[:, k] == 0.0, 1.0, np.abs(x[:, k])) if own is None else own
     sizes[:, :n_u] /= times[:, np.newaxis]
     sizes[:, plan.lengths_of_states] *= lengths[:, np.newaxis]
     for places in plan.alike:
@@ -212,6 +223,26 @@ def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
     if problems:
         raise UsageError(*problems)
     return chosen
+
+
+def checked_sizes(eqs: EquationSet, given: Mapping[str, float] | None) -> dict[str, float]:
+    """Return the sizes of states of signals that the caller chose.
+
+    Raises
+    ------
+    UsageError
+        If one is not a positive number.
+    """
+    sizes = {name: x for name, x in (given or {}).items() if name in eqs.signal_state_names}
+    problems = [
+        Problem("simulation.scales", f"scales[{name!r}]", f"{name} = {value!r} is not a positive number", "",
+                "give a finite number above 0, or leave it out")
+        for name, value in sizes.items()
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    return {name: float(value) for name, value in sizes.items()}
 
 
 def geometry(eqs: EquationSet) -> dict[str, Value]:
@@ -252,9 +283,11 @@ def _unit_plan(eqs: EquationSet) -> _UnitPlan:
     def make() -> _UnitPlan:
         units = np.array([eqs.units.get(name, "") for name in eqs.state_names], dtype=np.str_)
         n_u = len(eqs.speed_names)
+        n = n_u + len(eqs.coordinate_names)
+        units[n:] = ""  # signals have sizes of their own
         alike = [units == unit for unit in ("m/s", "rad/s", "m", "rad")]
         return _UnitPlan(
-            units[n_u:] == "m", units[:n_u] == "m/s", np.array(are_lengths(eqs), dtype=np.bool_),
+            units[n_u:n] == "m", units[:n_u] == "m/s", np.array(are_lengths(eqs), dtype=np.bool_),
             (units == "m/s") | (units == "m"), tuple(places for places in alike if places.any()),
         )  # fmt: skip
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from symbody.analysis.plain_assembly import PlainState
 from symbody.analysis.value_lines import values_line
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
@@ -23,8 +24,8 @@ class State(Displayed):
 
     Attributes
     ----------
-    q, u, udot, multipliers : mapping of name to float
-        Each in the order of the equations.
+    q, u, udot, multipliers, s : mapping of name to float
+        Each in the order of the equations; s are the states of signals.
     residual : float
         Largest absolute constraint, of lengths [m] and dot products of unit vectors.
     moved : mapping of name to float
@@ -44,6 +45,7 @@ class State(Displayed):
     t: float = 0.0
     parameters: Mapping[str, Value] = field(default_factory=dict, repr=False)
     inputs: Mapping[str, Value] = field(default_factory=dict, repr=False)
+    s: Mapping[str, float] = field(default_factory=dict, kw_only=True)
     # Finds the branches; they are looked for on first request.
     _others: Callable[[], Iterable[State]] = field(default=tuple, repr=False)
     _branches: SingleFlight[None, tuple[State, ...]] = field(default_factory=SingleFlight, repr=False)
@@ -53,13 +55,15 @@ class State(Displayed):
     )
     # How many constraints follow from the others here.
     _dependent: int = field(default=0, repr=False)
+    # What one call of compiled code has given, if it did.
+    _plain: PlainState | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__} at t = {self.t:.6g} s: {self._values()}"
 
     def _values(self) -> str:
         """Return positions and speeds in one line."""
-        parts = [values_line(values, self.eqs.units) for values in (self.q, self.u)]
+        parts = [values_line(values, self.eqs.units) for values in (self.q, self.u, self.s)]
         return "; ".join(filter(None, parts)) or "nothing moves"
 
     @property
@@ -68,9 +72,16 @@ class State(Displayed):
         return self._dependent > 0
 
     @property
+    def plain(self) -> PlainState | None:
+        """The state as numbers, where constraints are independent by a wide margin."""
+        return self._plain
+
+    @property
     def branches(self) -> tuple[State, ...]:
         """Other assemblies with the same fixed values, nearest to the guess first; there may be more."""
-        return self._branches.get(None, lambda: tuple(self._others()))
+        return self._branches.get(
+            None, lambda: tuple(replace(other, _functions=self._functions) for other in self._others())
+        )
 
     @checked_arguments
     def __getitem__(self, name: str) -> float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -81,7 +92,7 @@ class State(Displayed):
         FormulationError
             If the name is neither an output nor an expression.
         """
-        for values in (self.q, self.u, self.udot, self.multipliers):
+        for values in (self.q, self.u, self.udot, self.multipliers, self.s):
             if name in values:
                 return values[name]
 
@@ -90,5 +101,6 @@ class State(Displayed):
             return bound_function(self.eqs, name, self.parameters, (), inputs, quick=True)
 
         function = self._functions.get(name, compile_output)
-        value = np.asarray(function(self.t, list(self.q.values()), list(self.u.values())))
+        q, u, s = (list(values.values()) for values in (self.q, self.u, self.s))
+        value = np.asarray(function(self.t, q, u, s=s))
         return float(value) if value.ndim == 0 else value

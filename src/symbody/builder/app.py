@@ -16,7 +16,6 @@ from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
 from symbody.builder import requests as asked
-from symbody.builder.catalogue import model_schema, palette
 from symbody.builder.formulas import formula_mathml
 from symbody.builder.page_problems import page_problem, page_problems
 from symbody.builder.refusal import refusal, status_of
@@ -25,6 +24,8 @@ from symbody.builder.services import Services
 from symbody.builder.settings import BuilderSettings
 from symbody.builder.task_failure import TaskFailure
 from symbody.errors import Problem, SymbodyError
+from symbody.formats.schema import ModelFile
+from symbody.model import elements
 
 Answer = dict[str, Any]
 
@@ -98,7 +99,7 @@ def _page(request: Request, builder: Builder) -> Response:
 
 @api.post("/schema")
 def _schema(request: asked.NothingRequest) -> Answer:
-    return {"schema": model_schema(), "elements": palette()}
+    return {"schema": ModelFile.model_json_schema(), "elements": elements()}
 
 
 @api.post("/examples")

@@ -100,7 +100,7 @@ class Documents:
             return self._open_urdf(path)
         with_ending(real, _TOML)
         content = read_bytes(real)
-        opened = data_from_text(_decode(content, str(real)), real.name)
+        opened = data_from_text(_decode(content, str(real)), real.name, os.path.dirname(real))
         self._remember(str(real))
         return self._answer(Document(str(real), real.stem), opened, fingerprint(content))
 
@@ -164,7 +164,7 @@ class Documents:
                 "save under another name, open the file again, or overwrite it",
             )
         base = "" if old is None else _base(old, request.overwrite)
-        content = text_from_data(request.data, base).encode("utf-8")
+        content = text_from_data(request.data, base, os.path.dirname(real)).encode("utf-8")
         if content != old:
             write_text(real, content.decode("utf-8"))
         with self._lock:
@@ -317,7 +317,7 @@ def _from_model(model: Model) -> Opened:
 def _example(path: Path) -> Opened:
     if path.suffix == ".urdf":
         return _from_model(load_model(path))
-    return data_from_text(path.read_text(encoding="utf-8"), path.name)
+    return data_from_text(path.read_text(encoding="utf-8"), path.name, str(path.parent))
 
 
 def _describe(path: Path) -> dict[str, str]:

@@ -12,8 +12,8 @@ from typing import Any, Final, cast
 
 from tomlkit.exceptions import TOMLKitError
 
-from symbody.builder.page_problems import PageProblem, page_problems, pointer_parts
-from symbody.errors import FormatError, Problem, SymbodyError
+from symbody.builder.page_problems import PageProblem, page_notes, page_problems, pointer_parts
+from symbody.errors import FormatError, Problem, SymbodyError, number_in_words
 from symbody.expr.language.formula import Formula
 from symbody.formats.entries import Node
 from symbody.formats.lines import find_line, key_lines
@@ -21,6 +21,7 @@ from symbody.formats.native import from_data, model_to_toml, read_layout, to_dat
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.toml_text import write_layout, write_toml
 from symbody.model.model import Model
+from symbody.model.parts.include import Include
 
 _MARK: Final = "\N{ZERO WIDTH NO-BREAK SPACE}"
 # Texts that are none but look like numbers: orders of turns such as "313", and names.
@@ -46,8 +47,8 @@ class Opened:
     problems: list[PageProblem]
 
 
-def data_from_text(text: str, name: str) -> Opened:
-    """Return the data of a model file.
+def data_from_text(text: str, name: str, folder: str = "") -> Opened:
+    """Return the data of a model file; paths of parts and tables begin in `folder`.
 
     Raises
     ------
@@ -58,23 +59,35 @@ def data_from_text(text: str, name: str) -> Opened:
     content = parse_toml(plain, name)
     data = _as_texts(content)
     try:
-        model = from_data(content)
+        model = from_data(content, folder=folder)
     except SymbodyError as error:
         lines = key_lines(plain)
         problems = [_with_line(each, lines) for each in page_problems(error.problems, data)]
         return Opened(data, None, problems)
     layout = content.get("layout")
     content_data = to_data(model)
-    return Opened({**content_data, "layout": layout} if layout else content_data, model, [])
+    notes = [_part_note(include) for include in model.includes]
+    data = {**content_data, "layout": layout} if layout else content_data
+    return Opened(data, model, page_notes(notes, data))
 
 
-def text_from_data(data: Mapping[str, Any], onto: str = "") -> str:
+def _part_note(include: Include) -> str:
+    count = number_in_words(len(include.part.elements), "element")
+    return (
+        f"part {include.prefix} of {include.file}, {count}: it is computed with the model, and kept when the "
+        "file is saved; the diagram shows what this file itself has. Edit the part in its own file"
+    )
+
+
+def text_from_data(data: Mapping[str, Any], onto: str = "", folder: str = "") -> str:
     """Return the text of a model file.
 
     Parameters
     ----------
     onto : str
         The text that was there; where it says the same it is kept to the byte, line ends too.
+    folder : str
+        Where paths of parts and tables begin.
 
     Raises
     ------
@@ -82,7 +95,7 @@ def text_from_data(data: Mapping[str, Any], onto: str = "") -> str:
         If the data hold something that no file can say.
     """
     plain = _plain(onto)
-    text = _text(data, plain)
+    text = _text(data, plain, folder)
     if text == plain:
         return onto
     if "\r\n" in onto:
@@ -90,11 +103,12 @@ def text_from_data(data: Mapping[str, Any], onto: str = "") -> str:
     return _MARK + text if onto.startswith(_MARK) else text
 
 
-def _text(data: Mapping[str, Any], onto: str) -> str:
+def _text(data: Mapping[str, Any], onto: str, folder: str) -> str:
     """Return the text in which lines end with line feeds."""
     try:
-        model = from_data(data)
-        text = model_to_toml(model, onto) if _is_model(onto) else _incomplete_text(data, onto)
+        model = from_data(data, folder=folder)
+        is_base = _is_model(onto, folder)
+        text = model_to_toml(model, onto, folder=folder) if is_base else _incomplete_text(data, onto)
     except SymbodyError:
         text = _incomplete_text(data, onto)
     layout = data.get("layout") or {}
@@ -105,10 +119,10 @@ def _text(data: Mapping[str, Any], onto: str) -> str:
     return text if _same(old, layout) else _with_layout(text, layout)
 
 
-def _is_model(text: str) -> bool:
+def _is_model(text: str, folder: str) -> bool:
     """Return whether a text is a model file, or nothing at all: what a complete model can be written onto."""
     try:
-        return not text.strip() or data_from_text(text, "").model is not None
+        return not text.strip() or data_from_text(text, "", folder).model is not None
     except FormatError:
         return True  # nothing of it can be kept
 

@@ -18,8 +18,10 @@ import symbody
 import symbody.builder
 from symbody.cli.doctor import run_doctor
 from symbody.cli.flags import FlagCommand, FlagGroup
+from symbody.cli.fmu_command import fmu
 from symbody.cli.motion_lines import motion_json, motion_lines
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
+from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.pages import open_page, read_sliders, write_live_page, write_motion_page
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
@@ -49,6 +51,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 command = partial(app.command, cls=FlagCommand)
+command()(fmu)
 
 
 def _version(asked: bool) -> None:
@@ -78,7 +81,7 @@ def equations(
 
 @command()
 def check(model: ModelFile, tree: Tree = None) -> None:
-    """Read a model and say what it is: bodies, joints, trees, degrees of freedom, notes."""
+    """Read a model and print what it holds: bodies, joints, trees, degrees of freedom, notes."""
     loaded = load_model(model)
     _print(summary(loaded, _form(loaded, tree)))
 
@@ -110,7 +113,7 @@ def code(
     if out is None:
         typer.echo(text, nl=False)
     else:
-        _refuse_overwriting(out, force)
+        refuse_overwriting(out, force)
         out.write_text(text, encoding="utf-8", newline="\n")
 
 
@@ -141,7 +144,7 @@ def simulate(
     """Form the equations, print them, compute the motion and plot it."""
     for path in (out, csv, out.with_suffix(".html") if page and out is not None else None):
         if path is not None:
-            _refuse_overwriting(path, force)
+            refuse_overwriting(path, force)
     _check_samples(samples)
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     bar = StageBar()
@@ -199,7 +202,7 @@ def animate(
 ) -> None:
     """Compute the motion and write a page that shows it in any browser, without a network."""
     if out is not None:
-        _refuse_overwriting(out, force)
+        refuse_overwriting(out, force)
     target = model.with_suffix(".html") if out is None else out
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     if live or sliders:
@@ -249,7 +252,7 @@ def linearize(
     tree: Tree = None,
     as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
 ) -> None:
-    """Print A, B, C, D of small motions about a state, eigenvalues, and what they say of stability."""
+    """Print A, B, C, D of small motions about a state, eigenvalues, and whether they are stable."""
     eqs = _form(load_model(model), tree)
     given = Settled.resolve(
         eqs, read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(at, "--at")
@@ -303,7 +306,7 @@ def _motion(
         eqs,
         end,
         parameters=given.parameters,
-        inputs=given.inputs,
+        inputs=given.laws(),
         initial=given.initial,
         times=None if samples is None else np.linspace(0.0, end, samples),
         progress=bar,
@@ -355,16 +358,11 @@ def examples(
         _print(_copy_files(folder / name, copy, force))
 
 
-def _refuse_overwriting(path: Path, force: bool) -> None:
-    if path.exists() and not force:
-        raise UsageError(Problem("cli.file_exists", str(path), "the file exists already", "", "add --force"))
-
-
 def _copy_files(source: Path, target: Path, force: bool) -> list[str]:
     target.mkdir(parents=True, exist_ok=True)
     files = sorted(path for path in source.iterdir() if path.is_file())
     for path in files:
-        _refuse_overwriting(target / path.name, force)
+        refuse_overwriting(target / path.name, force)
     return [str(shutil.copyfile(path, target / path.name)) for path in files]
 
 

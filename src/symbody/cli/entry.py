@@ -22,7 +22,7 @@ def run(arguments: Sequence[str]) -> int:
     try:
         if list(arguments) == ["doctor"]:  # it runs where the other commands cannot be loaded
             return run_doctor()
-        cli.app(list(arguments))  # loads compilers, which may be broken: this is told like any other fault
+        cli.app(list(arguments))  # loads compilers, which may be broken: a fault like any other
         return 0
     except SystemExit as done:  # typer ends this way, after telling faults of usage
         return done.code if isinstance(done.code, int) else 0

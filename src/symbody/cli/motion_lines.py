@@ -32,5 +32,5 @@ def _loop_gaps(eqs: EquationSet, motion: Trajectory) -> list[str]:
 def motion_json(eqs: EquationSet, motion: Trajectory) -> str:
     """Return states and notes as JSON."""
     states = {name: motion[name].tolist() for name in eqs.state_names}
-    told = {"success": motion.success, "status": motion.status.name, "notes": [*eqs.notes, *motion.notes]}
-    return json.dumps({**told, "t": motion.t.tolist(), "states": states})
+    entries = {"success": motion.success, "status": motion.status.name, "notes": [*eqs.notes, *motion.notes]}
+    return json.dumps({**entries, "t": motion.t.tolist(), "states": states})

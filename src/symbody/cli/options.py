@@ -27,7 +27,10 @@ Settings = Annotated[
     Pairs,
     option("--set", "-p", metavar="NAME=VALUE", text="A parameter, input or value at start; repeatable."),
 ]
-Inputs = Annotated[Pairs, option("--input", "-i", metavar="NAME=EXPRESSION", text="F='sin(t)'; repeatable.")]
+Inputs = Annotated[
+    Pairs,
+    option("--input", "-i", metavar="NAME=EXPRESSION", text="F='sin(t)', F=@run.csv[t,F]; repeatable."),
+]
 Initials = Annotated[
     Pairs, option("--initial", metavar="NAME=VALUE", text="x or x_dot at start; repeatable.")
 ]

@@ -20,7 +20,7 @@ Bounds = tuple[float, float]
 def write_motion_page(
     motion: Trajectory, path: Path, curves: Pairs, vectors: Pairs, traces: Iterable[str]
 ) -> str:
-    """Write the page of a motion and return what is said of it."""
+    """Write the page of a motion and return the lines to print."""
     chosen = vectors[0] if vectors is not None and len(vectors) == 1 else vectors
     symbody.animate(motion, path, curves=curves, vectors=chosen, traces=tuple(traces))
     return f"page: {path}"
@@ -33,7 +33,7 @@ def write_live_page(
     given: Sequence[Mapping[str, str]],
     show: bool,
 ) -> str:
-    """Write a page that simulates a mechanism and return what is said of it.
+    """Write a page that simulates a mechanism and return the lines to print.
 
     Parameters
     ----------

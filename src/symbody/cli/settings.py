@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
+from symbody.simulation.inputs.tables import Table
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +44,16 @@ class Settled:
             {**_select(settings, starting), **initial},
         )
 
+    def laws(self) -> dict[str, str | Table]:
+        """Return the inputs of a motion: formulas, and the tables that files hold.
+
+        Raises
+        ------
+        ModelError
+            If a file holds no such table.
+        """
+        return {name: read_law(text) for name, text in self.inputs.items()}
+
 
 def _unknown(name: str, known: Iterable[str]) -> Problem:
     what = f"the model has no {name!r}"
@@ -58,6 +69,23 @@ def _initial_names(eqs: EquationSet) -> list[str]:
     measured = [name for joint in eqs.model.joints for name in joint.coordinates]
     coordinates = [*eqs.coordinate_names, *measured]
     return list(dict.fromkeys([*coordinates, *(f"{name}_dot" for name in coordinates), *eqs.speed_names]))
+
+
+def read_law(text: str) -> str | Table:
+    """Return the law of an input: a formula, or the table that ``@road.csv`` or ``@road.csv[t,z]`` names.
+
+    Raises
+    ------
+    ModelError
+        If the file holds no such table.
+    """
+    if not text.startswith("@"):
+        return text
+    path, bracket, columns = text[1:].removesuffix("]").partition("[")
+    if not bracket:
+        return Table.from_file(path)
+    names = [word.strip() for word in columns.split(",")]
+    return Table.from_file(path, [int(word) if word.isdigit() else word for word in names])
 
 
 def read_pairs(pairs: Iterable[str] | None, option: str) -> dict[str, str]:

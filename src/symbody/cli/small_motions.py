@@ -29,11 +29,11 @@ def linear_lines(lin: Linearization) -> list[str]:
 
 def linear_json(lin: Linearization) -> str:
     """Return the same as JSON."""
-    told = {name: matrix.tolist() for name, matrix in zip("ABCD", lin, strict=True)}
+    entries = {name: matrix.tolist() for name, matrix in zip("ABCD", lin, strict=True)}
     names = {"states": lin.state_names, "inputs": lin.input_names, "outputs": lin.output_names}
     values = [[value.real, value.imag] for value in lin.eigenvalues.tolist()]
     rest = {"affine": lin.affine.tolist(), "stationary": lin.is_stationary, "eigenvalues": values}
-    return json.dumps({**told, **names, **rest, "verdict": lin.verdict, "notes": lin.notes})
+    return json.dumps({**entries, **names, **rest, "verdict": lin.verdict, "notes": lin.notes})
 
 
 def equilibrium_lines(found: Equilibrium) -> list[str]:

@@ -10,7 +10,7 @@ from rich.progress import Progress
 
 
 class StageBar:
-    """A bar on standard error that names the stage of the work; nothing where that is no screen.
+    """A bar on standard error that names the stage of the work; nothing where that is not a screen.
 
     Nothing may be printed during a stage: it would run through the bar.
     """
@@ -21,7 +21,7 @@ class StageBar:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Show a stage whose length nobody knows."""
+        """Show a stage of unknown length."""
         bar = Progress(
             console=self._console,
             transient=True,

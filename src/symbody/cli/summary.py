@@ -22,7 +22,7 @@ def summary(model: Model, eqs: EquationSet) -> list[str]:
         _fact("model", [model.name]),
         _fact("gravity", [component.text for component in model.gravity]),
         _fact("bodies", [body.name for body in model.bodies]),
-        *_joint_lines(model, eqs),
+        *_joint_lines(model),
         *_constraint_lines(model, eqs),
         *(line for line in kinds if not line.endswith("none")),
         _fact("inputs", eqs.input_names),
@@ -45,9 +45,9 @@ def _names(elements: Iterable[Element], kind: str) -> list[str]:
     return [element.name for element in elements if element.kind == kind]
 
 
-def _joint_lines(model: Model, eqs: EquationSet) -> list[str]:
+def _joint_lines(model: Model) -> list[str]:
     """Return the joints, one a line, in columns; free bodies have none."""
-    types = {entry["name"]: entry["type"] for entry in to_data(model).get("joint", [])}
+    types = {entry["name"]: entry["type"] for entry in to_data(model, is_alone=True).get("joint", [])}
     rows = [_joint_row(joint, types[joint.name]) for joint in model.joints]
     return ["joints:" if rows else "joints: none", *_columns(rows)]
 
@@ -62,7 +62,7 @@ def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
 
 def _constraint_lines(model: Model, eqs: EquationSet) -> list[str]:
     """Return the constraints beside the joints, one a line: what they connect, and what they hold."""
-    entries = to_data(model).get("constraint", [])
+    entries = to_data(model, is_alone=True).get("constraint", [])
     rows = [row for row, _ in eqs.formed.rows_and_multipliers]
     lines = []
     for entry in entries:
@@ -107,7 +107,7 @@ def _freedom_lines(eqs: EquationSet) -> list[str]:
     """Return how many freedoms there are, and which constraints take none because others do so already."""
     try:
         count = redundancy(eqs) if eqs.multiplier_names else None
-    except SymbodyError:  # the next count says why, in words of the mechanism
+    except SymbodyError:  # the next count gives the reason, in words of the mechanism
         count = None
     if count is None:
         return [f"degrees of freedom: {_freedoms(eqs)}"]

@@ -15,6 +15,7 @@ from symbody.expr.sequence import Output
 Floats = NDArray[np.float64]
 WORDS: Final = {
     "q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time", "x": "states",
+    "s": "states of signals",
 }  # fmt: skip
 
 
@@ -70,6 +71,38 @@ def checked_group(group: str, value: ArrayLike, names: tuple[str, ...]) -> Float
     if given.size and given.dtype.kind not in "fiu":
         raise CompileError(_type_problem(group, str(given.dtype)))
     return np.require(given, np.float64, "A")
+
+
+def with_signals(q: ArrayLike, s: ArrayLike, names: Items[tuple[str, ...]], *, reads_s: bool) -> Floats:
+    """Return coordinates with the states of signals behind them, as native code reads them.
+
+    Parameters
+    ----------
+    q : (..., n_q) or (..., n_q + n_s) array
+        In the second case s is empty.
+    s : (..., n_s) array
+        Empty also where the function reads none of it.
+    names : pair of tuple of str
+        Of coordinates and of states.
+
+    Raises
+    ------
+    CompileError
+        If a number of values is wrong.
+    """
+    coordinates, states = names
+    given = as_array("q", q)
+    size = given.shape[-1] if given.ndim else -1
+    if np.size(s) == 0 and size == len(coordinates) + len(states):
+        return checked_group("q", given, (*coordinates, *states))
+    positions = checked_group("q", given, coordinates)
+    if np.size(s) == 0 and not reads_s:
+        values = np.zeros(len(states))
+    else:
+        values = checked_group("s", s, states)
+    batch = broadcast({"q": positions, "s": values})
+    parts = [np.broadcast_to(part, (*batch, part.shape[-1])) for part in (positions, values)]
+    return np.concatenate(parts, axis=-1)
 
 
 def broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:

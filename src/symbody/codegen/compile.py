@@ -31,14 +31,13 @@ def compile(
     quick: bool = False,
     lanes: bool | None = None,
     specialize: bool = False,
+    portable: bool = False,
     time_limit: float | None = None,
 ) -> CompiledFunction:
-    """Return a native function ``f(t, q, u, r=(), p=(), *, out=None, threads=1)`` of the `outputs`.
+    """Return a native function ``f(t, q, u, r=(), p=(), *, s=(), out=None, threads=1)`` of the `outputs`.
 
     Parameters
     ----------
-    eqs : EquationSet
-        The equations.
     outputs : str or iterable of str
         Output names, for instance ``"udot"`` or ``["mass_matrix", "forcing"]``, or expressions. For
         ``"inverse_dynamics"`` the inputs are followed by the accelerations, ``eqs.acceleration_names``.
@@ -56,6 +55,10 @@ def compile(
         Put the values of parameters into the code, for up to 15 % less time a call. By default they are
         arguments of it that the function keeps, so that functions with other values share the code: it is
         compiled once, and once more for each choice of parameters that are exactly 0.
+    portable : bool
+        Fuse no operation, and compute sines, cosines and linear systems by symbody's own kernels: ``source``
+        in "c", "javascript" and "python" then gives the same bits as this function, on every computer.
+        Values of parameters are put into the code. Calls take up to twice as long; there are no lanes.
     time_limit : float, optional
         Seconds after which this ends with an error that names the stage; outputs whose formulas were found
         stay with `eqs`, so that the next call goes on from there. By default it takes its time.
@@ -70,10 +73,9 @@ def compile(
 
     def make_function() -> CompiledFunction:
         try:
-            if specialize:
-                return CompiledFunction(
-                    *form_sequence(eqs, outputs, parameters, free), quick=quick, lanes=lanes
-                )
+            if specialize or portable:
+                formed = form_sequence(eqs, outputs, parameters, free)
+                return CompiledFunction(*formed, quick=quick, lanes=lanes, portable=portable)
             return bound_function(eqs, outputs, parameters, free, quick=quick, lanes=lanes)
         except CompileError as error:
             raise CompileError(*map(offer_argument, error.problems)) from error

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Callable, Hashable
 from collections.abc import Sequence as Items
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -20,10 +19,13 @@ from symbody.codegen.call_arguments import (
     checked_group,
     checked_threads,
     length_problem,
+    with_signals,
 )
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import SinglePoint
+from symbody.codegen.portable_text import portable_text
+from symbody.codegen.results import result_type, split_outputs
 from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.signature import Signature as Signature
 from symbody.codegen.signature import source_text
@@ -34,12 +36,13 @@ from symbody.single_flight import SingleFlight
 Floats = NDArray[np.float64]
 Specialize = Callable[[], Sequence]
 NOTHING: Final = np.zeros(0)
+_NO_SIGNALS: Final = ()
 # Calls at a point after which a function has its own way into machine code; it takes some 50 us to make.
 _FEW_CALLS: Final = 20
 
 
 class CompiledFunction:
-    """Native function ``f(t, q, u, r=(), p=(), *, out=None)``.
+    """Native function ``f(t, q, u, r=(), p=(), *, s=(), out=None)``.
 
     Arguments are 1-D, or have leading batch axes that broadcast against each other: q of shape
     (B, n_q) gives results of shape (B, ...). Calls are reentrant; batches release the GIL; functions pickle.
@@ -56,12 +59,16 @@ class CompiledFunction:
     lanes : bool or None
         Whether batches are computed several points at once. True compiles that at the first batch, None when
         300,000 points have been asked for, False never.
+    portable : bool
+        Fuse no operation, so that `source` has the same bits.
     """
 
     def __init__(
-        self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None
-    ) -> None:
-        self._bind_code(SharedCode(sequence, quick=quick, lanes=lanes), signature, NOTHING, None)
+        self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None,
+        portable: bool = False,
+    ) -> None:  # fmt: skip
+        code = SharedCode(sequence, quick=quick, lanes=lanes, portable=portable)
+        self._bind_code(code, signature, NOTHING, None)
 
     @classmethod
     def from_code(
@@ -89,17 +96,15 @@ class CompiledFunction:
         self._code = code
         self._values = values
         self._specialize = specialize
-        self._result = _result_type(code.sequence)
+        self._result = result_type(code.sequence)
+        n_q = len(signature.q)  # states of signals stand behind the coordinates
+        self._reads_s = any(x.group == "q" and x.position >= n_q for x in code.sequence.inputs)
         # Made when they are first needed: what follows from the values, and calls at a point.
         self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
         self._calls = 0
-        self._sizes = [
-            ("q", len(signature.q)),
-            ("u", len(signature.u)),
-            ("r", len(signature.r)),
-            ("p", len(signature.p)),
-        ]
+        sizes = (n_q + len(signature.s), *(len(signature.names(group)) for group in "urp"))
+        self._sizes = list(zip("qurp", sizes, strict=True))
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -136,6 +141,7 @@ class CompiledFunction:
         r: ArrayLike = (),
         p: ArrayLike = (),
         *,
+        s: ArrayLike = _NO_SIGNALS,
         out: Floats | None = None,
         threads: int = 1,
     ) -> Any:
@@ -148,6 +154,7 @@ class CompiledFunction:
         u : (..., n_u) speeds
         r : (..., n_r) inputs
         p : (..., n_p) free parameters
+        s : (..., n_s) states of signals, where the outputs depend on them; they may also stand behind q
         out : array, optional
             Receives the result of a single output, of the result's shape, contiguous float64.
         threads : int
@@ -160,6 +167,10 @@ class CompiledFunction:
         SimulationError
             If the mass matrix is singular on the admissible velocities.
         """
+        if self.signature.s:
+            q = self._with_signals(q, s)
+        elif s is not _NO_SIGNALS and np.size(s):
+            raise CompileError(length_problem("s", (), np.shape(s)))
         if out is None and self._at_point is not None:
             result = self._at_point(t, q, u, r, p)
             if result is not None:
@@ -177,6 +188,10 @@ class CompiledFunction:
         check_out(out, batch, self.outputs)
         given["c"] = self._constants(given.pop("p"))
         return self._reshape_outputs(self._code.tail(given, batch, checked_threads(threads)), batch, out)
+
+    def _with_signals(self, q: ArrayLike, s: ArrayLike) -> Floats:
+        """Return q with s behind."""
+        return with_signals(q, s, (self.signature.q, self.signature.s), reads_s=self._reads_s)
 
     def _constants(self, p: Floats) -> Floats:
         """Return c for free parameters (..., n_p)."""
@@ -199,25 +214,28 @@ class CompiledFunction:
         return np.concatenate([p, np.broadcast_to(self._values, (*p.shape[:-1], self._values.size))], axis=-1)
 
     def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:
-        """Return the outputs for a state (speeds, then coordinates), the order of ``eqs.states``."""
+        """Return the outputs for a state (speeds, coordinates, signals), the order of ``eqs.states``."""
         state = as_array("x", x)
         count = len(self.signature.u)
-        names = self.signature.u + self.signature.q
+        names = self.signature.states
         if state.ndim == 0 or state.shape[-1] != len(names):
             raise CompileError(length_problem("x", names, state.shape))
         return self(t, state[..., count:], state[..., :count], r, p)
 
     def bind(self, p: ArrayLike) -> Callable[..., Any]:
-        """Return ``f(t, q, u, r=())`` with parameters fixed; what depends on them alone is computed now."""
+        """Return ``f(t, q, u, r=(), *, s=())`` with parameters fixed; what they decide is computed now."""
         values = checked_group("p", p, self.signature.names("p"))
         if values.ndim == 1:
             bound = CompiledFunction.from_code(
                 self._code, replace(self.signature, p=()), self._all_parameters(values)
             )
-            return partial(_call_bound, bound)
+            return partial(bound, p=())
         cached = self._constants(values)
 
-        def evaluate_rest(t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()) -> Any:
+        def evaluate_rest(
+            t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = (), *, s: ArrayLike = ()
+        ) -> Any:
+            q = self._with_signals(q, s) if self.signature.s else q
             now = {
                 group: checked_group(group, x, self.signature.names(group))
                 for group, x in zip("qur", (q, u, r), strict=True)
@@ -247,6 +265,11 @@ class CompiledFunction:
         """Return the same code for several points at once, for calls by address; the first call compiles."""
         return self._code.tail.in_lanes()
 
+    @property
+    def constant_count(self) -> int:
+        """How many numbers `constants` returns."""
+        return self._code.constant_count
+
     def constants(self, p: ArrayLike = ()) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""
         return self._constants(checked_group("p", p, self.signature.names("p")))
@@ -258,12 +281,15 @@ class CompiledFunction:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of all arguments: t, coordinates, speeds, inputs, free parameters."""
-        return ("t", *self.signature.q, *self.signature.u, *self.signature.r, *self.signature.p)
+        """Names of all arguments: t, coordinates, speeds, inputs, free parameters, states of signals."""
+        return self.signature.arguments
 
     @checked_arguments
     def source(self, language: str = "c") -> str:
         """Return the function as source text of another language; see `generate_code`."""
+        if self._code.portable:
+            groups = {group: self.signature.names(group) for group in "qurp"}
+            return portable_text(self._code.sequence, language, groups)
         return source_text(self.sequence, language, self.signature)
 
     def __repr__(self) -> str:
@@ -273,7 +299,7 @@ class CompiledFunction:
     def __reduce__(self) -> tuple[Callable[..., CompiledFunction], tuple[object, ...]]:
         code = self._code
         specialized = None if self._specialize is None else self.sequence
-        choices = code.quick, code.lanes
+        choices = code.quick, code.lanes, code.portable
         return _remade, (code.sequence, self.signature, choices, self._values, specialized)
 
     def _made_direct(self) -> DirectCall:
@@ -294,13 +320,7 @@ class CompiledFunction:
 
     def _taken_apart(self, flat: Floats) -> Any:
         """Return several outputs of one point, which lie one after the other."""
-        results, start = [], 0
-        for output in self.outputs:
-            shape = output.shape
-            stop = start + len(output.values)
-            part = flat[start:stop]
-            results.append(part if len(shape) == 1 else part.reshape(shape))
-            start = stop
+        results = split_outputs(self.outputs, flat)
         return self._result(*results) if self._result is not None else results[0]
 
     def _points(self, t: ArrayLike, *arguments: ArrayLike) -> tuple[float, list[Floats]] | None:
@@ -348,11 +368,7 @@ class CompiledFunction:
         )
 
     def _reshape_outputs(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
-        results, start = [], 0
-        for output in self.outputs:
-            stop = start + len(output.values)
-            results.append(flat[..., start:stop].reshape(batch + output.shape))
-            start = stop
+        results = split_outputs(self.outputs, flat, batch)
         if self._result is not None:
             return self._result(*results)
         if out is None:
@@ -364,36 +380,16 @@ class CompiledFunction:
 def _remade(
     sequence: Sequence,
     signature: Signature,
-    choices: tuple[bool, bool | None],
+    choices: tuple[bool, bool | None, bool],
     values: Floats,
     specialized: Sequence | None,
 ) -> CompiledFunction:
     """Return a function from what was pickled of it."""
-    quick, lanes = choices
+    quick, lanes, portable = choices
     specialize = None if specialized is None else partial(_itself, specialized)
-    return CompiledFunction.from_code(
-        SharedCode(sequence, quick=quick, lanes=lanes), signature, values, specialize
-    )
+    code = SharedCode(sequence, quick=quick, lanes=lanes, portable=portable)
+    return CompiledFunction.from_code(code, signature, values, specialize)
 
 
 def _itself(sequence: Sequence) -> Sequence:
     return sequence
-
-
-def _call_bound(
-    function: CompiledFunction, t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()
-) -> Any:
-    return function(t, q, u, r)
-
-
-def _result_type(sequence: Sequence) -> Callable[..., Any] | None:
-    """Return a named tuple class, or None for a single output; expressions get the names _0, _1, ..."""
-    if len(sequence.outputs) == 1:
-        return None
-    return _named_tuple(tuple(output.name for output in sequence.outputs))
-
-
-@lru_cache(maxsize=256)
-def _named_tuple(names: tuple[str, ...]) -> Callable[..., Any]:
-    """Return the class for these names: Python compiles each new one. Two threads may make one each."""
-    return namedtuple("Outputs", names, rename=True)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.llvm.machine import lanes as widest
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
+from symbody.codegen.llvm.portable import compile_portable
 from symbody.errors import Problem, SimulationError
 from symbody.expr.sequence import KernelNode, Sequence
 from symbody.single_flight import SingleFlight
@@ -50,6 +51,8 @@ class NativeCall:
     lanes : bool or None
         Whether batches are computed in lanes; None when so many points have been asked for that it pays.
         Results do not depend on it.
+    portable : bool
+        Whether no operation is fused; there are no lanes then.
 
     Attributes
     ----------
@@ -57,11 +60,22 @@ class NativeCall:
         The code for one point, held alive.
     """
 
-    def __init__(self, sequence: Sequence, *, quick: bool = False, lanes: bool | None = None) -> None:
+    def __init__(
+        self,
+        sequence: Sequence,
+        *,
+        quick: bool = False,
+        lanes: bool | None = None,
+        portable: bool = False,
+    ) -> None:
         self.sequence = sequence
-        self.native: NativeFunction = compile_sequence(sequence, quick=quick)
+        self.native: NativeFunction = (
+            compile_portable(sequence) if portable else compile_sequence(sequence, quick=quick)
+        )
         self._point = _SINGLE(self.native.address)
-        self._points_left = {None: _POINTS_THAT_PAY, True: 0, False: sys.maxsize}[lanes]
+        self._points_left = {None: _POINTS_THAT_PAY, True: 0, False: sys.maxsize}[
+            False if portable else lanes
+        ]
         self._in_lanes: SingleFlight[None, NativeFunction] = SingleFlight()
         self._work = sequence.operation_count + sum(_kernel_work(kernel) for kernel in sequence.kernels)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.native_call import GROUPS, NativeCall
+from symbody.codegen.portable_text import portable_sequence
 from symbody.expr.deadline import begin
 from symbody.expr.folding import fold_constants
 from symbody.expr.opcodes import DIV, POW, SYMBOL
@@ -35,6 +36,8 @@ class SharedCode:
         Compile in less than half the time for calls that take 1.5 to 3 times as long.
     lanes : bool or None
         Whether batches are computed several points at once; see `NativeCall`.
+    portable : bool
+        Whether no operation is fused; then `portable_text` has the same bits.
 
     Attributes
     ----------
@@ -48,17 +51,26 @@ class SharedCode:
         What others have learned from the sequence.
     """
 
-    __slots__ = ("divisors", "head", "lanes", "notes", "quick", "sequence", "tail")
+    __slots__ = ("divisors", "head", "lanes", "notes", "portable", "quick", "sequence", "tail")
 
-    def __init__(self, sequence: Sequence, *, quick: bool = False, lanes: bool | None = None) -> None:
+    def __init__(
+        self,
+        sequence: Sequence,
+        *,
+        quick: bool = False,
+        lanes: bool | None = None,
+        portable: bool = False,
+    ) -> None:
         self.sequence = sequence
         self.quick = quick
         self.lanes = lanes
+        self.portable = portable
         self.notes: SingleFlight[Hashable, Any] = SingleFlight(_MOST_NOTES)
         begin("constants")
-        head, tail = fold_constants(sequence).split("p")
-        self.head = NativeCall(head, quick=True) if head.output_size else None
-        self.tail = NativeCall(tail, quick=quick, lanes=lanes)
+        folded = portable_sequence(sequence) if portable else fold_constants(sequence)
+        head, tail = folded.split("p")
+        self.head = NativeCall(head, quick=True, portable=portable) if head.output_size else None
+        self.tail = NativeCall(tail, quick=quick, lanes=lanes, portable=portable)
         self.divisors = _divisors(tail)
 
     @property

@@ -41,15 +41,15 @@ def read_sequence(key: bytes) -> tuple[Sequence, Signature] | None:
     header = json.loads(head)
     columns = array(_CODE)
     columns.frombytes(body)
-    q, u, r, p = (tuple(names) for names in header["signature"])
-    return _sequence(header, columns), Signature(q, u, r, p)
+    return _sequence(header, columns), Signature(*(tuple(names) for names in header["signature"]))
 
 
 def store_sequence(key: bytes, sequence: Sequence, signature: Signature) -> bool:
     """Store a sequence if that pays, and return whether it did."""
     if not key or len(sequence.operations) < SMALLEST or sequence.functions:
         return False
-    header = _as_mapping(sequence) | {"signature": (signature.q, signature.u, signature.r, signature.p)}
+    names = (signature.q, signature.u, signature.r, signature.p, signature.s)
+    header = _as_mapping(sequence) | {"signature": names}
     store(key, json.dumps(header).encode() + b"\n" + _columns(sequence).tobytes())
     return True
 

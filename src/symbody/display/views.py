@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from html import escape
 from typing import Final
 
 import numpy as np
@@ -11,10 +12,9 @@ from numpy.typing import NDArray
 
 from symbody.analysis.equilibrium.find_equilibrium import Equilibrium
 from symbody.analysis.linear.linearization import Linearization
-from symbody.analysis.linear.modes import Mode, Modes
+from symbody.analysis.linear.modes import Mode, Modes, eigenvalue_on_axes
 from symbody.analysis.state import State
-from symbody.analysis.value_lines import eigenvalue_on_axes, without_rounding
-from symbody.display.declared import show_declared
+from symbody.analysis.value_lines import without_rounding
 from symbody.display.formulas import show_formula
 from symbody.display.html import (
     Markup,
@@ -31,10 +31,12 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.display import mathml_sides
 from symbody.equations.outputs.parameter_units import symbol_units
 from symbody.errors import SymbodyError, number_in_words
+from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
 from symbody.expr.rewrite import tree_sizes
 from symbody.model.body import Body
 from symbody.model.declaration import Declared
+from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.model import Model
 from symbody.notebook import LATEX_VIEWS, VIEWS
@@ -209,6 +211,55 @@ def _sweep(sweep: Sweep) -> str:
     )
 
 
+def _show_declared(element: Declared) -> str:
+    """Return the arguments with their values and units."""
+    name = f" {element.name}" if isinstance(element, Element) else ""
+    rows = list(_rows(element))
+    if isinstance(element, Joint):
+        rows.insert(0, ("from \u2192 to", f"{element.start} \u2192 {element.end}", ""))
+        rows.insert(1, ("coordinates", Markup(", ".join(map(symbol, element.coordinates))), ""))
+    return page(f"{type(element).__name__}{name}", table(("", "value", "unit"), rows))
+
+
+def _rows(element: Declared, before: str = "") -> Iterator[tuple[str, str, str]]:
+    """Return a row for each argument, those of parts and of mappings below their names."""
+    for word, value in element.given_arguments().items():
+        if word in ("name", "start", "end", "coordinate", "coordinates"):
+            continue
+        unit = _unit(element.fields[word].unit, before)
+        for place, entry in _entries(value, f"{before}{word}"):
+            if isinstance(entry, Declared):
+                yield from _rows(entry, f"{place} ")
+            else:
+                yield place, _value(entry), unit
+
+
+def _unit(units: str, before: str) -> str:
+    """Return a unit; of "N, N m", of displacements and angles, that of the force or torque it belongs to."""
+    both = units.split(", ")
+    return show_unit(
+        both[-1] if before.startswith("torque") else both[0] if before.startswith("force") else units
+    )
+
+
+def _entries(value: object, place: str) -> Iterator[tuple[str, object]]:
+    if isinstance(value, Mapping):
+        yield from ((f"{place} {name}", entry) for name, entry in value.items())
+    elif isinstance(value, tuple) and any(isinstance(entry, Declared) for entry in value):
+        yield from ((f"{place} {k + 1}", entry) for k, entry in enumerate(value))
+    else:
+        yield place, value
+
+
+def _value(value: object) -> Markup:
+    if isinstance(value, Formula):
+        shown = show_formula(value)
+        return shown if isinstance(shown, Markup) else Markup(escape(shown))
+    if isinstance(value, tuple):
+        return Markup(f"({', '.join(map(_value, value))})")
+    return Markup(escape(str(value)))
+
+
 VIEWS.update(
     {
         Model: _model,
@@ -219,7 +270,7 @@ VIEWS.update(
         Linearization: _linearization,
         Mode: _mode,
         Modes: _all_modes,
-        Declared: show_declared,
+        Declared: _show_declared,
         Sweep: _sweep,
     }
 )

@@ -9,12 +9,13 @@ from collections.abc import Sequence
 from typing import Final
 
 from symbody.dynaflexpro.exports import ModelEquations
-from symbody.dynaflexpro.loose_bodies import with_free_joints
 from symbody.equations.form import form_equations
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.formats.native import load_model
 from symbody.graph.trees import TreeChoice
+from symbody.model.joints import Free
 from symbody.model.model import Model
+from symbody.model.naming import GROUND
 
 _FOREIGN: Final = (".dfp", ".mb")  # model and diagram
 _HOW_TO_START: Final = (
@@ -55,7 +56,7 @@ def BuildEQs(
     if not isinstance(model, Model):
         _refuse_foreign(model)
     described = model if isinstance(model, Model) else load_model(model)
-    complete, notes = with_free_joints(described)
+    complete, notes = _with_free_joints(described)
     if chosen.get("DynSimpType") == "Simplify":
         notes = (*notes, "DynSimpType: the equations come in their short trigonometric form anyway")
     return ModelEquations(form_equations(complete, tree=tree), notes)
@@ -126,3 +127,37 @@ def _parse_options(options: Sequence[str]) -> dict[str, str]:
     if problems:
         raise UsageError(*problems)
     return dict(pairs)
+
+
+def _with_free_joints(model: Model) -> tuple[Model, tuple[str, ...]]:
+    """Return a model in which every body has a joint, and what was added.
+
+    The coordinates of a body B are ``B_x, B_y, B_z`` and the Cardan angles ``B_alpha, B_beta, B_gamma``
+    about x, y, z.
+    """
+    loose = _loose(model)
+    if not loose:
+        return model, ()
+    joints = [_free(body) for body in loose]
+    complete = Model(
+        model.name,
+        [*model.elements, *joints],
+        gravity=model.gravity,
+        parameters=model.parameters,
+        inputs=model.inputs,
+        initial=model.initial,
+        ground=model.ground,
+        ground_shapes=model.ground_shapes,
+    )
+    return complete, tuple(f"body {body} is free: six coordinates, Cardan angles x-y-z" for body in loose)
+
+
+def _loose(model: Model) -> list[str]:
+    """Return the bodies without a joint; the model itself refuses bodies joined to each other alone."""
+    held = {end.body for joint in model.joints for end in (joint.start, joint.end)}
+    return [body.name for body in model.bodies if body.name not in held]
+
+
+def _free(body: str) -> Free:
+    names = [f"{body}_{word}" for word in ("x", "y", "z", "alpha", "beta", "gamma")]
+    return Free(f"{body}_free", GROUND, body, angles="123", coordinates=names)

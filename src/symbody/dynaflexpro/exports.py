@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from symbody.dynaflexpro.stabilization import check_pair, stabilize
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.textbook import Reaction
+from symbody.errors import Problem, UsageError
 from symbody.expr.closed_form import closed_forms
+from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.sympy_writer import SympyEquation, SympyExpr, SympyMatrix, symbol_to_sympy, to_sympy
@@ -168,8 +170,8 @@ class ModelEquations:
             If there are not two numbers >= 0.
         """
         if pair is not None:
-            self._baumgarte = check_pair(pair)
-            self.equations = stabilize(self._formed, *self._baumgarte)
+            self._baumgarte = _check_pair(pair)
+            self.equations = _stabilize(self._formed, *self._baumgarte)
         return self._baumgarte
 
     def GetSysODEs(self) -> list[SympyEquation]:
@@ -221,3 +223,34 @@ def _column(entries: Iterable[SympyExpr]) -> SympyMatrix:
 
 def _zero_equations(column: SympyMatrix) -> list[SympyEquation]:
     return [SympyEquation(entry, 0, evaluate=False) for entry in column]
+
+
+def _check_pair(pair: Sequence[float]) -> tuple[float, float]:
+    """Return alpha and beta as they are.
+
+    Raises
+    ------
+    UsageError
+        If there are not two finite numbers >= 0.
+    """
+    values = list(pair) if isinstance(pair, Iterable) else [pair]
+    numbers = all(isinstance(value, int | float) and 0 <= value < math.inf for value in values)
+    if len(values) != 2 or not numbers:
+        raise UsageError(
+            Problem("dynaflexpro.baumgarte", "SetBaumgarte", f"{values} are not two numbers >= 0",
+                    "", "give alpha and beta, for instance SetBaumgarte([5, 5]); [0, 0] switches it off")
+        )  # fmt: skip
+    return values[0], values[1]
+
+
+def _stabilize(eqs: EquationSet, alpha: float, beta: float) -> EquationSet:
+    """Return equations whose constraints decay like ``Psi'' + 2 alpha Psi' + beta^2 Psi = 0``."""
+    if not alpha and not beta:
+        return eqs
+    graph, rows = eqs.formed.graph, []
+    for row in eqs.formed.rows:
+        rate = row.drift
+        for speed, slope in row.jacobian.items():
+            rate = rate + slope * Expr(graph, speed)
+        rows.append(replace(row, gamma=row.gamma - (rate * (2 * alpha) + row.value * beta**2)))
+    return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)

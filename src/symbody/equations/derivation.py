@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -27,6 +27,9 @@ from symbody.equations.kinematics.placements import differentiate_constraints, d
 from symbody.equations.kinematics.variables import JointRole, Variables, form_variables
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
+from symbody.equations.outputs.output_roots import raw_output
+from symbody.equations.outputs.signal_outputs import explicit_outputs
+from symbody.equations.signals import outputs_of_loads, substitute_values
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.equations.system import MultibodySystem
 from symbody.expr.deadline import begin
@@ -73,16 +76,34 @@ def derive(
     if formulation.differentiates_placements:
         rows = differentiate_constraints(kinematics, rows)
     notes = constraints.notes + notes
-    begin("loads", notes)
-    system = _system(topology, names, roles, variables, kinematics, rows, formulation)
-    system = replace(system, redundant=tuple(constraints.redundant))
-    begin("mass matrix and forcing")
-    formed = _equations(system, formulation, notes)
+
+    def form_dynamics(names: Names) -> EquationsOfMotion:
+        begin("loads", notes)
+        system = _system(topology, names, roles, variables, kinematics, rows, formulation)
+        system = replace(system, redundant=tuple(constraints.redundant))
+        begin("mass matrix and forcing")
+        return _equations(system, formulation, notes)
+
+    formed = _with_outputs_for_loads(topology.model, names, form_dynamics)
     complete = _with_contacts(formed)
     shares = _share_notes(complete)
     if dependent:
         return _eliminate(formed, dependent, notes + shares)
     return replace(complete, notes=complete.notes + shares)
+
+
+def _with_outputs_for_loads(
+    model: Model, names: Names, form_dynamics: Callable[[Names], EquationsOfMotion]
+) -> EquationsOfMotion:
+    """Return equations in which signals stand for their values.
+
+    Where loads read outputs, these are taken from equations formed first, with symbols in their places.
+    """
+    formed = form_dynamics(substitute_values(names, model, {}))
+    ways = outputs_of_loads(model)
+    if not ways:
+        return formed
+    return form_dynamics(substitute_values(names, model, explicit_outputs(formed, ways, raw_output)))
 
 
 def default_formulation(topology: Topology, *, eliminates: bool) -> Formulation:

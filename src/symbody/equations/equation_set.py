@@ -13,7 +13,7 @@ from symbody.equations.cache_key import DeferredEquations
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
-from symbody.equations.names import OrderedNames, names_of
+from symbody.equations.names import NamedEquations, OrderedNames, names_of
 from symbody.equations.outputs.derivative_outputs import parse_derivative
 from symbody.equations.outputs.equation_lines import PrintedEquations
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
@@ -31,7 +31,7 @@ from symbody.single_flight import SingleFlight
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class EquationSet(PrintedEquations):
+class EquationSet(PrintedEquations, NamedEquations):
     """Equations of motion ``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` of a model.
 
     Every property that shows formulas returns SymPy objects in dynamicsymbols; the numbers come from
@@ -98,51 +98,6 @@ class EquationSet(PrintedEquations):
         return self._names or names_of(self.formed)
 
     @property
-    def quaternions(self) -> tuple[tuple[str, ...], ...]:
-        """Names of the four Euler parameters of each quaternion in q, scalar first."""
-        return self.names.quaternions
-
-    @property
-    def measured_angles(self) -> tuple[str, ...]:
-        """Names of the angles of cut joints, which are outputs in (-pi, pi]."""
-        return self.names.measured_angles
-
-    @property
-    def coordinate_names(self) -> tuple[str, ...]:
-        """Names of q in order."""
-        return self.names.coordinates
-
-    @property
-    def speed_names(self) -> tuple[str, ...]:
-        """Names of u in order."""
-        return self.names.speeds
-
-    @property
-    def acceleration_names(self) -> tuple[str, ...]:
-        """Names of u' in order: ``<coordinate>_ddot``, ``<quasi-speed>_dot``."""
-        return self.names.accelerations
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """Names of the states: speeds, then coordinates."""
-        return self.names.states
-
-    @property
-    def input_names(self) -> tuple[str, ...]:
-        """Names of the inputs r in order."""
-        return self.names.inputs
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Names of all parameters of the model."""
-        return self.names.parameters
-
-    @property
-    def multiplier_names(self) -> tuple[str, ...]:
-        """Names of the multipliers, one a constraint; none in a tree."""
-        return self.names.multipliers
-
-    @property
     def units(self) -> Units:
         """SI units of coordinates, rates, energies, efforts, reactions and frames, where derivable."""
         units: Units = self.plans.get("units", partial(output_units, self.formed))
@@ -159,9 +114,14 @@ class EquationSet(PrintedEquations):
         return self._symbols(self.formed.u)
 
     @property
+    def signal_states(self) -> tuple[SympyExpr, ...]:
+        """States s of signals as dynamicsymbols."""
+        return self._symbols(self.formed.signal_states)
+
+    @property
     def states(self) -> tuple[SympyExpr, ...]:
-        """Speeds, then coordinates."""
-        return self.speeds + self.coordinates
+        """Speeds, then coordinates, then the states of signals."""
+        return self.speeds + self.coordinates + self.signal_states
 
     @property
     def inputs(self) -> tuple[SympyExpr, ...]:
@@ -215,7 +175,7 @@ class EquationSet(PrintedEquations):
 
     @property
     def A(self) -> SympyMatrix:
-        """Derivatives of x' by the states (u, q), (n_x, n_x), each with the others held fixed."""
+        """Derivatives of x' by the states (u, q, s), (n_x, n_x), each with the others held fixed."""
         return self.textbook.derivatives("A")
 
     @property

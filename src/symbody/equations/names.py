@@ -12,8 +12,8 @@ class OrderedNames(NamedTuple):
 
     Attributes
     ----------
-    coordinates, speeds, accelerations, states : tuple of str
-        Of q, u, u', and x, which is u before q.
+    coordinates, speeds, accelerations, signals, states : tuple of str
+        Of q, u, u', s, and x, which is u, then q, then s.
     inputs, parameters : tuple of str
         Of r, and of the model.
     multipliers : tuple of str
@@ -27,6 +27,7 @@ class OrderedNames(NamedTuple):
     coordinates: tuple[str, ...]
     speeds: tuple[str, ...]
     accelerations: tuple[str, ...]
+    signals: tuple[str, ...]
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     parameters: tuple[str, ...]
@@ -38,12 +39,14 @@ class OrderedNames(NamedTuple):
 def names_of(formed: EquationsOfMotion) -> OrderedNames:
     """Return the names of equations."""
     q, u = (tuple(symbol.label for symbol in symbols) for symbols in (formed.q, formed.u))
+    signals = tuple(symbol.name for symbol in formed.signal_states)
     labels = {formed.graph.symbol(symbol): symbol.label for symbol in formed.q}
     return OrderedNames(
         coordinates=q,
         speeds=u,
         accelerations=tuple(symbol.derivative.label for symbol in formed.u),
-        states=u + q,
+        signals=signals,
+        states=u + q + signals,
         inputs=tuple(symbol.name for symbol in formed.inputs),
         parameters=tuple(symbol.name for symbol in formed.parameters),
         multipliers=tuple(row.name for row in formed.rows),
@@ -55,3 +58,64 @@ def names_of(formed: EquationsOfMotion) -> OrderedNames:
             if name not in role.coordinates and role.joint.quaternion is None
         ),
     )
+
+
+class NamedEquations:
+    """Equations with names of all that has a place in an array."""
+
+    __slots__ = ()
+
+    @property
+    def names(self) -> OrderedNames:
+        """Names of all that has a place in an array."""
+        raise NotImplementedError
+
+    @property
+    def quaternions(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the four Euler parameters of each quaternion in q, scalar first."""
+        return self.names.quaternions
+
+    @property
+    def measured_angles(self) -> tuple[str, ...]:
+        """Names of the angles of cut joints, which are outputs in (-pi, pi]."""
+        return self.names.measured_angles
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """Names of q in order."""
+        return self.names.coordinates
+
+    @property
+    def speed_names(self) -> tuple[str, ...]:
+        """Names of u in order."""
+        return self.names.speeds
+
+    @property
+    def acceleration_names(self) -> tuple[str, ...]:
+        """Names of u' in order: ``<coordinate>_ddot``, ``<quasi-speed>_dot``."""
+        return self.names.accelerations
+
+    @property
+    def signal_state_names(self) -> tuple[str, ...]:
+        """Names of the states s of signals in order."""
+        return self.names.signals
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states: speeds, then coordinates, then those of signals."""
+        return self.names.states
+
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """Names of the inputs r in order."""
+        return self.names.inputs
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of all parameters of the model."""
+        return self.names.parameters
+
+    @property
+    def multiplier_names(self) -> tuple[str, ...]:
+        """Names of the multipliers, one a constraint; none in a tree."""
+        return self.names.multipliers

@@ -63,6 +63,11 @@ class MultibodySystem:
         return self.variables.u
 
     @property
+    def signal_states(self) -> tuple[Symbol, ...]:
+        """The states s of signals, in the order of the model."""
+        return tuple(Symbol(s.name, SymbolKind.SIGNAL) for s in self.topology.model.signals if s.is_state)
+
+    @property
     def holonomic(self) -> tuple[ConstraintEquation, ...]:
         """The constraints on positions, which stand first."""
         return tuple(row for row in self.rows if row.is_holonomic)

@@ -1,7 +1,7 @@
 """Plain evaluation of a sequence: the reference that every generated language is tested against.
 
 Floats follow IEEE 754 as compiled code does: nothing raises, 1/0 is infinite, log(-1) is not a
-number. With `MPMATH` the same sequence is evaluated at the precision mpmath is set to.
+number. With `precise_numbers.MPMATH` the same sequence is evaluated at the precision mpmath is set to.
 """
 
 from __future__ import annotations
@@ -12,8 +12,6 @@ from collections.abc import Sequence as Items
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Final
-
-import mpmath
 
 from symbody.expr import opcodes as op
 from symbody.expr.graph import Constant
@@ -53,7 +51,7 @@ def evaluate_sequence(
     inputs : mapping of group to numbers
         For instance ``{"t": [0.0], "q": [0.1, 0.2]}``.
     arithmetic : Arithmetic, optional
-        `FLOATS` by default, or `MPMATH`.
+        `FLOATS` by default, or `precise_numbers.MPMATH`.
     """
     rules = FLOATS if arithmetic is None else arithmetic
     values: list[Number] = []
@@ -182,11 +180,12 @@ def _floor(x: float) -> float:
     return whole if whole else math.copysign(0.0, x)
 
 
-def _sign(x: Number) -> int:
+def sign(x: Number) -> int:
+    """Return 1, 0 or -1."""
     return int(x > 0) - int(x < 0)
 
 
-_LOGIC: Final[dict[int, Callable[..., Number]]] = {
+LOGIC: Final[dict[int, Callable[..., Number]]] = {
     op.NEG: lambda a: -a,
     op.ADD: lambda a, b: a + b,
     op.SUB: lambda a, b: a - b,
@@ -203,7 +202,7 @@ _LOGIC: Final[dict[int, Callable[..., Number]]] = {
     op.SELECT: lambda c, a, b: a if c else b,
 }
 
-_NAMED: Final = {
+NAMED: Final = {
     op.SIN: "sin", op.COS: "cos", op.TAN: "tan", op.ASIN: "asin", op.ACOS: "acos", op.ATAN: "atan",
     op.SINH: "sinh", op.COSH: "cosh", op.TANH: "tanh", op.EXP: "exp", op.LOG: "log", op.SQRT: "sqrt",
 }  # fmt: skip
@@ -211,34 +210,16 @@ _NAMED: Final = {
 FLOATS: Final = Arithmetic(
     constant=float,
     pi=lambda: math.pi,
-    functions=_LOGIC
-    | {code: _quiet(getattr(math, name)) for code, name in _NAMED.items()}
+    functions=LOGIC
+    | {code: _quiet(getattr(math, name)) for code, name in NAMED.items()}
     | {
         op.DIV: _divide,
         op.POW: _power,
-        op.SIGN: lambda a: a if a != a else float(_sign(a)),
+        op.SIGN: lambda a: a if a != a else float(sign(a)),
         # Adding zero makes -0 positive: the angle of a point on the negative x axis is pi.
         op.ATAN2: lambda y, x: math.atan2(y + 0.0, x),
         op.FLOOR: _floor,
         op.FMA: _fma,
     },
     sqrt=math.sqrt,
-)
-
-MPMATH: Final = Arithmetic(
-    constant=lambda value: (
-        mpmath.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else mpmath.mpf(value)
-    ),
-    pi=lambda: +mpmath.pi,
-    functions=_LOGIC
-    | {code: getattr(mpmath, name) for code, name in _NAMED.items()}
-    | {
-        op.DIV: lambda a, b: a / b,
-        op.POW: mpmath.power,
-        op.SIGN: lambda a: mpmath.mpf(_sign(a)),
-        op.ATAN2: mpmath.atan2,
-        op.FLOOR: mpmath.floor,
-        op.FMA: lambda a, b, c: a * b + c,
-    },
-    sqrt=mpmath.sqrt,
 )

@@ -41,6 +41,7 @@ class SymbolKind(StrEnum):
     PARAMETER = "parameter"
     INPUT = "input"
     MULTIPLIER = "multiplier"
+    SIGNAL = "signal"
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ Schema: TypeAlias = dict[str, Any]
 
 _MAX_PROBLEMS: Final = 50
 _LARGE: Final = 10**60
-_TYPED: Final = (("joint",), ("constraint",))
+_TYPED: Final = (("joint",), ("constraint",), ("block",))
 
 # What other programs, and books, call our types.
 _OTHER_NAMES: Final = MappingProxyType(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, Final, TypeVar
 
-from symbody.errors import ModelError, Problem, SymbodyError
+from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, Frames
 from symbody.model.declaration import Declared, Field
@@ -21,11 +21,12 @@ from symbody.model.loads.friction import Friction
 from symbody.model.registry import TYPED, element_types, shape_types, snake_case, type_word
 from symbody.model.shapes.mesh import Mesh
 from symbody.model.shapes.shape import BodyShape, Shapes
+from symbody.model.tables.lookup import Lookup
 
 T = TypeVar("T")
 
 # What a model file consists of; formulas become text or numbers when it is written.
-Node = Formula | str | bool | list["Node"] | dict[str, "Node"]
+Node = Formula | str | bool | int | list["Node"] | dict[str, "Node"]
 
 # Written even where they have their default: a reader looks for them, or other defaults depend on them.
 _ALWAYS: Final = frozenset({"angles", "axes", "axis"})
@@ -40,6 +41,8 @@ def read_element(kind: str, entry: Mapping[str, object], folder: str = "") -> El
         With everything in it that is not a name, a place or a formula.
     """
     arguments = dict(entry)
+    if kind == Lookup.kind:
+        arguments["folder"] = folder
     make: Callable[..., Element] = element_types(kind)[str(arguments.pop("type", ""))]
     between = arguments.pop("between", None)
     if isinstance(between, list):
@@ -109,8 +112,13 @@ def shape_entries(shapes: Iterable[BodyShape], folder: str | None = None) -> lis
     return entries
 
 
-def write_element(element: Element, folder: str | None = None) -> dict[str, Node]:
-    """Return the table of an element, without what has its default; `folder` as in `shape_entries`."""
+def write_element(element: Element, folder: str | None = None, *, is_alone: bool = False) -> dict[str, Node]:
+    """Return the table of an element, without what has its default; `folder` as in `shape_entries`.
+
+    Where the text `is_alone`, points of files stand in it.
+    """
+    if isinstance(element, Lookup):
+        return table_entry(element, folder, is_alone=is_alone)
     entry: dict[str, Node] = {"name": element.name}
     if element.kind in TYPED:
         entry["type"] = type_word(type(element))
@@ -119,8 +127,8 @@ def write_element(element: Element, folder: str | None = None) -> dict[str, Node
     if "start" in values:
         entry["between"] = [write_node(values.pop("start")), write_node(values.pop("end"))]
     given = [*_required_arguments(element), *(_ALWAYS & set(values))]
-    plainest = type(element)(**{name: getattr(element, name) for name in given})
-    defaults = {name: value for name, value in _values(plainest).items() if name not in given}
+    fields = element.fields
+    defaults = {name: fields[name].default_value(element, name) for name in fields if name not in given}
     for name, value in values.items():
         if name not in entry and value is not None and (name not in defaults or value != defaults[name]):
             entry[name] = write_node(_alone(element, value))
@@ -129,10 +137,36 @@ def write_element(element: Element, folder: str | None = None) -> dict[str, Node
     return entry
 
 
+def table_entry(table: Lookup, folder: str | None, *, is_alone: bool) -> dict[str, Node]:
+    """Return the table of a function by points.
+
+    Raises
+    ------
+    FormatError
+        If its file lies outside of the folder.
+    """
+    values = {name: value for name, value in table.given_arguments().items() if name != "folder"}
+    if is_alone and table.file:
+        values = {name: value for name, value in values.items() if name not in ("file", "columns", "units")}
+        values["points"] = table.points
+    elif table.file and folder is not None:
+        values["file"] = table.path_from(folder)
+        if values["file"].startswith(".."):
+            raise FormatError(
+                Problem("file.outside", f"table {table.name}, file",
+                        f"{table.file!r} lies outside of the folder in which the model is saved",
+                        "a model file names files of its own folder alone",
+                        "copy the file into the folder first, or save the model beside the file")
+            )  # fmt: skip
+    return {name: write_node(value) for name, value in values.items()}
+
+
 def write_node(value: object) -> Node:
     """Return a value of the model as part of a file."""
-    if isinstance(value, Formula | str | bool):
+    if isinstance(value, Formula | str | bool | int):
         return value
+    if isinstance(value, float):
+        return Formula.from_value(value)
     if isinstance(value, FrameRef):
         return value.full_name
     if isinstance(value, FrozenMapping):

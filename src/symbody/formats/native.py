@@ -19,15 +19,18 @@ from symbody.formats.entries import (
     write_element,
     write_node,
 )
+from symbody.formats.includes import include_entry, read_includes
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
+from symbody.formats.schema import NEWER_SECTIONS, VERSION
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.toml_text import write_layout, write_toml
 from symbody.formats.writing import write_text
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import KINDS, Model
+from symbody.model.parts.expansion import own_content, whole_content
 
 
 @checked_arguments
@@ -76,10 +79,18 @@ def model_from_toml(text: str, where: str = "model file") -> Model:
         See `load_model`.
     """
     plain = text.removeprefix("\N{ZERO WIDTH NO-BREAK SPACE}").replace("\r\n", "\n")
-    return _model(parse_toml(plain, where), line_locator(plain, where), os.path.dirname(where))
+    reading = (os.path.realpath(where),)
+    return _model(parse_toml(plain, where), line_locator(plain, where), os.path.dirname(where), reading)
 
 
-def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None = None) -> str:
+def model_to_toml(
+    model: Model,
+    onto: str = "",
+    layout: Mapping[str, Any] | None = None,
+    *,
+    is_alone: bool = False,
+    folder: str = "",
+) -> str:
     """Return the TOML text of a model.
 
     Parameters
@@ -88,13 +99,17 @@ def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None
         Text of a model file; its comments, order and layout are kept where it still says the same.
     layout : mapping, optional
         Takes the place of ``[layout]``; None keeps it as it is.
+    is_alone : bool
+        Whether the text is to be read without the files that the model names: it then holds what is in them.
+    folder : str
+        Where `onto` stands, in which paths begin; "" leaves paths as they are.
 
     Raises
     ------
     FormatError
         If the layout holds something that TOML cannot say.
     """
-    text = _toml_text(_content(model), onto)
+    text = _toml_text(_content(model, folder or None, is_alone=is_alone), onto, folder or None)
     return text if layout is None else _with_layout(text, layout)
 
 
@@ -120,9 +135,14 @@ def from_data(data: object, where: str = "", folder: str = "") -> Model:
     return _model(_drop_nulls(data), locate, folder)
 
 
-def to_data(model: Model, layout: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return a model as JSON data with the structure of the file; formulas and numbers are texts."""
-    data = {key: _plain(node) for key, node in _content(model).items()}
+def to_data(
+    model: Model, layout: Mapping[str, Any] | None = None, *, is_alone: bool = False
+) -> dict[str, Any]:
+    """Return a model as JSON data with the structure of the file; formulas and numbers are texts.
+
+    Where the data are to be read without the files that the model names, what is in these stands in them.
+    """
+    data = {key: _plain(node) for key, node in _content(model, is_alone=is_alone).items()}
     return data if layout is None else {**data, "layout": dict(layout)}
 
 
@@ -138,8 +158,10 @@ def read_layout(text: str, where: str = "model file") -> dict[str, Any]:
     return layout if isinstance(layout, dict) else {}
 
 
-def _model(data: object, locate: Locate, folder: str = "") -> Model:
+def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, ...] = ()) -> Model:
     content = check_structure(data, locate)
+    parts = read_includes(content.get("include", []), locate, folder, reading, _model)
+    locate = parts.locate
     problems: list[Problem] = []
     elements: list[Element] = []
     paths: list[Path] = []
@@ -158,11 +180,12 @@ def _model(data: object, locate: Locate, folder: str = "") -> Model:
     if problems:
         raise ModelError(*problems)
     labels = element_labels(elements)
-    bases: dict[str, Path] = {"model": (), **{labels[k]: path for k, path in enumerate(paths)}}
+    bases: dict[str, Path] = {"model": (), **parts.paths}
+    bases |= {labels[k]: path for k, path in enumerate(paths)}
     try:
         return Model(
             content["name"],
-            elements,
+            [*elements, *parts.includes],
             gravity=content.get("gravity", (0, 0, 0)),
             parameters={name: None if v == "" else v for name, v in content.get("parameters", {}).items()},
             inputs=content.get("inputs", ()),
@@ -174,31 +197,37 @@ def _model(data: object, locate: Locate, folder: str = "") -> Model:
         raise ModelError(*relocate(error.problems, bases, locate)) from None
 
 
-def _content(model: Model, folder: str | None = None) -> dict[str, Node]:
+def _content(model: Model, folder: str | None = None, *, is_alone: bool = False) -> dict[str, Node]:
     """Return what the file of a model says, without layout; `folder` as in `shape_entries`."""
     content: dict[str, Node] = {"name": model.name, "gravity": write_node(model.gravity)}
-    if model.inputs:
-        content["inputs"] = list(model.inputs)
-    if model.parameters:
+    said = whole_content(model) if is_alone else own_content(model)
+    if said.inputs:
+        content["inputs"] = list(said.inputs)
+    if said.parameters:
         content["parameters"] = {
-            name: "" if formula is None else formula for name, formula in model.parameters.items()
+            name: "" if formula is None else formula for name, formula in said.parameters.items()
         }
     fixed: dict[str, Node] = {}
-    if model.ground:
-        fixed["frames"] = write_node(model.ground)
-    if model.ground_shapes:
-        fixed["shape"] = shape_entries(model.ground_shapes, folder)
+    if said.ground:
+        fixed["frames"] = {name: write_node(frame) for name, frame in said.ground.items()}
+    if said.ground_shapes:
+        fixed["shape"] = shape_entries(said.ground_shapes, folder)
     if fixed:
         content["ground"] = fixed
     for kind in KINDS:
         entries: list[Node] = [
-            write_element(element, folder) for element in model.elements if element.kind == kind
+            write_element(element, folder, is_alone=is_alone)
+            for element in said.elements
+            if element.kind == kind
         ]
         if entries:
             content[kind] = entries
-    if model.initial:
-        content["initial"] = write_node(model.initial)
-    return content
+    if said.includes:
+        content["include"] = [include_entry(include, folder) for include in said.includes]
+    if said.initial:
+        content["initial"] = {name: formula for name, formula in said.initial.items()}
+    is_new = any(section in content for section in NEWER_SECTIONS)
+    return {"version": VERSION, **content} if is_new else content
 
 
 def _toml_text(content: Mapping[str, Node], onto: str, folder: str | None = None) -> str:

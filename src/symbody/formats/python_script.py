@@ -23,7 +23,8 @@ _INDENT: Final = "    "
 def model_to_script(model: Model) -> str:
     """Return a Python script in which ``model`` is an equal model.
 
-    Only names, numbers and texts are written, each as Python writes it: nothing of a model is code.
+    Only names, numbers and texts are written, each as Python writes it: nothing of a model is code. The script
+    needs no other file but those of meshes: it holds what is in parts and tables.
     """
     elements = [_element(element) for element in model.elements]
     arguments = [_text(model.name), _list(elements)]
@@ -48,7 +49,7 @@ def _title(name: str) -> str:
 
 
 def _element(element: Element) -> str:
-    entry = write_element(element)
+    entry = write_element(element, is_alone=True)
     entry.pop("type", None)
     arguments = [_value(entry.pop("name"))]
     between = entry.pop("between", None)
@@ -116,7 +117,7 @@ def _value(node: Node, key: str = "") -> str:
         return _dict_text({name: _value(item) for name, item in node.items()})
     if isinstance(node, list):
         return "[" + ", ".join(_value(item) for item in node) + "]"
-    return repr(node) if isinstance(node, bool) else _text(node)
+    return repr(node) if isinstance(node, int) else _text(node)
 
 
 def _number(formula: Formula) -> str | None:

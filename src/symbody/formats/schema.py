@@ -14,12 +14,14 @@ from pydantic.functional_validators import PlainValidator
 from pydantic_core import PydanticCustomError
 
 from symbody.formats.schema_entries import TYPES, entry_list_type
-from symbody.formats.schema_types import Angle, FileEntry, Triple
+from symbody.formats.schema_types import Angle, Expression, FileEntry, Triple
 from symbody.model.body import Frames
 from symbody.model.model import KINDS
 from symbody.model.shapes.shape import Shapes
 
-VERSION: Final = 1
+VERSION: Final = 2
+# What version 2 brought; a file without any of them is written without a version, as those of version 1.
+NEWER_SECTIONS: Final = ("table", "signal", "block", "include")
 
 
 def _version(value: object) -> int:
@@ -41,12 +43,36 @@ GroundEntry: Final = create_model(
 Version = Annotated[
     Any, PlainValidator(_version), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": VERSION})
 ]
+IncludeEntry: Final = create_model(
+    "IncludeEntry",
+    __base__=FileEntry,
+    __doc__="A model file as a part: its elements and symbols under names with a prefix.",
+    file=(str, Field(description="Model file in the folder of this one or below it, by its relative path.")),
+    prefix=(str, Field(description='"FL" makes FL_knee of the joint or parameter knee.')),
+    at=(str, Field(default="ground", description="Frame that is the ground of the part.")),
+    connect=(
+        dict[str, Expression],
+        Field(
+            default={},
+            description="Inputs of the part to symbols or formulas here; its signals to the names they get.",
+        ),
+    ),
+    share=(
+        list[str],
+        Field(default=[], description="Parameters and inputs of the part that keep their names."),
+    ),
+    parameters=(
+        dict[str, Angle],
+        Field(default={}, description="In place of the part's values, in symbols of this model."),
+    ),
+)
+_ENTRY: Final[Any] = IncludeEntry
 _LISTS: Final[Mapping[str, Any]] = {kind: (entry_list_type(kind), []) for kind in KINDS}
 ModelFile: Final = create_model(
     "ModelFile",
     __base__=FileEntry,
     __doc__="A mechanism. SI units, radians.",
-    version=(Version, Field(default=VERSION, description="Version of the file format.")),
+    version=(Version, Field(default=1, description="Version of the file format.")),
     name=(str, Field(description="Title.")),
     gravity=(
         Triple,
@@ -64,6 +90,10 @@ ModelFile: Final = create_model(
     ),
     ground=(GroundEntry, Field(default_factory=GroundEntry)),
     **_LISTS,
+    include=(
+        list[_ENTRY],
+        Field(default=[], description="Parts: model files, once or several times, under prefixes."),
+    ),
     initial=(
         dict[str, Angle],
         Field(default={}, description="Initial values of coordinates and speeds."),

@@ -8,7 +8,7 @@ from operator import or_
 from types import MappingProxyType
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field, create_model
+from pydantic import BeforeValidator, Field, StrictInt, StrictStr, create_model
 from pydantic_core import PydanticCustomError
 
 from symbody.formats import schema_types as values
@@ -25,6 +25,8 @@ from symbody.model.loads.springs import Six, SixOrMatrix
 from symbody.model.registry import definition_name, element_types, shape_types
 from symbody.model.shapes.mesh import ScaleFactors
 from symbody.model.shapes.shape import Color, Shapes
+from symbody.model.signals import block_fields
+from symbody.model.tables import lookup
 
 Role: TypeAlias = type[declaration.Field[Any, Any]]
 
@@ -37,9 +39,14 @@ _PLAIN: Final[Mapping[Role, Any]] = MappingProxyType(
         fields.ElementName: str,
         fields.SymbolName: str,
         fields.FilePath: str,
+        fields.Text: str,
+        lookup.ColumnChoice: Annotated[list[StrictInt | StrictStr], Field(min_length=2, max_length=2)],
+        lookup.UnitPair: Annotated[list[str], Field(min_length=2, max_length=2)],
+        lookup.TablePoints: list[Annotated[list[Expression], Field(min_length=2, max_length=2)]] | None,
         fields.Quantity: Expression,
         fields.AngleQuantity: Angle,
         fields.OptionalQuantity: Expression,
+        fields.OptionalText: str | None,
         fields.VectorQuantity: Triple,
         fields.Direction: Axis,
         fields.OptionalDirection: Axis,
@@ -57,6 +64,10 @@ _PLAIN: Final[Mapping[Role, Any]] = MappingProxyType(
         joint_fields.PrescribedMotions: dict[str, Angle],
         joint_fields.Armature: Expression,
         orientation.SpeedNames: list[str] | None,
+        block_fields.NamedGains: dict[str, Expression],
+        block_fields.OutputLimits: Annotated[list[Expression], Field(min_length=2, max_length=2)] | None,
+        block_fields.Coefficients: list[Expression],
+        block_fields.MatrixRows: list[list[Expression]],
         SpringLaw: values.Law,
         SixOrMatrix: values.Six,
         Six: values.Six,
@@ -89,6 +100,8 @@ def _value_type(field: declaration.Field[Any, Any], types: Mapping[Role, Any]) -
         return Annotated[list[str], Field(min_length=field.count, max_length=field.count)]
     if isinstance(field, orientation.AngleSequence):
         return Annotated[str, Field(json_schema_extra={"pattern": field.pattern})]
+    if isinstance(field, fields.WordChoice):
+        return Annotated[str, Field(json_schema_extra={"enum": [*field.words]})]
     if isinstance(field, orientation.SpeedChoice):
         return Annotated[str | None, Field(json_schema_extra={"enum": [*field.words]})]
     return next(types[role] for role in type(field).__mro__ if role in types)

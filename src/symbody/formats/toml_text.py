@@ -76,11 +76,12 @@ def _merge_entries(entries: AoT, before: list[Node], after: list[Node]) -> bool:
     news = [cast("Tree", node) for node in after]
     if len(olds) != len(entries):
         return False
-    if not all("name" in node for node in (*olds, *news)):
+    key = next((key for key in ("name", "prefix") if all(key in node for node in (*olds, *news))), "")
+    if not key:
         return _merge_in_order(entries, olds, news)
-    names = [node["name"] for node in news]
-    kept = [k for k, node in enumerate(olds) if node["name"] in names]
-    if [olds[k]["name"] for k in kept] != names[: len(kept)]:
+    names = [node[key] for node in news]
+    kept = [k for k, node in enumerate(olds) if node[key] in names]
+    if [olds[k][key] for k in kept] != names[: len(kept)]:
         if len(olds) != len(news):
             return False
         kept = list(range(len(olds)))  # renamed in place
@@ -108,7 +109,9 @@ def _item(key: str, node: Node) -> Item:
     if isinstance(node, dict):
         return _table(node) if key in _HEADED else _inline(node)
     if isinstance(node, list):
-        if node and all(isinstance(entry, dict) and {"name", "type"} & set(entry) for entry in node):
+        if node and all(
+            isinstance(entry, dict) and {"name", "type", "prefix"} & set(entry) for entry in node
+        ):
             tables = tomlkit.aot()
             for entry in node:
                 tables.append(_table(cast("Tree", entry)))
@@ -143,7 +146,7 @@ def _array(nodes: list[Node]) -> Array:
     return array
 
 
-def _scalar(node: Formula | str | bool) -> Item:
+def _scalar(node: Formula | str | bool | int) -> Item:
     if isinstance(node, Formula):
         number = _number(node)
         return tomlkit.string(node.text) if number is None else number

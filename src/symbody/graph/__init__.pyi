@@ -1,3 +1,4 @@
+from . import cycle as cycle
 from .linear_graph import Edge as Edge
 from .linear_graph import LinearGraph as LinearGraph
 from .spanning_tree import spanning_tree as spanning_tree

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import networkx as nx
+from symbody.graph.walk import neighbours, walk
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,19 +40,15 @@ class LinearGraph:
         self, names: Iterable[str] | None = None, from_nodes: Iterable[str] = ()
     ) -> tuple[str, ...]:
         """Return the nodes that the edges `names`, or all, do not join to the root or to `from_nodes`."""
-        net = self._net(names)
-        reached = nx.node_connected_component(net, self.root)
-        for node in from_nodes:
-            reached |= nx.node_connected_component(net, node)
+        chosen = {edge.name for edge in self.edges} if names is None else set(names)
+        beside = neighbours(edge for edge in self.edges if edge.name in chosen)
+        starts = (self.root, *from_nodes)
+        reached = {*starts, *(node for start in starts for _, node in walk(beside, start))}
         return tuple(node for node in self.nodes if node not in reached)
 
     def distances(self) -> dict[str, int]:
         """Return the number of edges from the root to each node that it reaches."""
-        return dict(nx.single_source_shortest_path_length(self._net(None), self.root))
-
-    def _net(self, names: Iterable[str] | None) -> nx.MultiGraph:
-        chosen = {edge.name for edge in self.edges} if names is None else set(names)
-        net = nx.MultiGraph()
-        net.add_nodes_from(self.nodes)
-        net.add_edges_from((edge.start, edge.end) for edge in self.edges if edge.name in chosen)
-        return net
+        distances = {self.root: 0}
+        for node, other in walk(neighbours(self.edges), self.root):
+            distances[other] = distances[node] + 1
+        return distances

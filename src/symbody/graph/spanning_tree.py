@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-import networkx as nx
-
 from symbody.graph.linear_graph import Edge, LinearGraph
+from symbody.graph.walk import forest_places, neighbours, walk
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,24 +41,18 @@ def least_forest(graph: LinearGraph, weights: Mapping[str, tuple[float, ...]]) -
     weights : mapping of edge name to tuple of float
         Reluctance to take the edge, compared entry by entry; edges not named come first.
     """
-    net = nx.MultiGraph()
-    net.add_nodes_from(graph.nodes)
-    # Sorting is stable, so the rank breaks ties by the order of the edges.
-    for rank, edge in enumerate(sorted(graph.edges, key=lambda edge: weights.get(edge.name, ()))):
-        net.add_edge(edge.start, edge.end, key=edge.name, weight=rank)
-    chosen = {key for _, _, key in nx.minimum_spanning_edges(net, keys=True, data=False)}
+    # Sorting is stable, so that the order of the edges breaks ties.
+    ordered = sorted(graph.edges, key=lambda edge: weights.get(edge.name, ()))
+    chosen = {ordered[place].name for place in forest_places(ordered)}
     return tuple(edge for edge in graph.edges if edge.name in chosen)
 
 
 def spanning_tree(graph: LinearGraph, names: Collection[str]) -> SpanningTree:
     """Return the tree of the edges `names`, which join every node to the root by one path."""
-    tree = nx.Graph()
-    tree.add_nodes_from(graph.nodes)
-    for edge in graph.edges:
-        if edge.name in names:
-            tree.add_edge(edge.start, edge.end, edge=edge)
+    own = [edge for edge in graph.edges if edge.name in names]
+    between = {node: edge for edge in own for node in ((edge.start, edge.end), (edge.end, edge.start))}
     branches = tuple(
-        TreeBranch(edge := tree.edges[parent, child]["edge"], parent, child, edge.start == parent)
-        for parent, child in nx.bfs_edges(tree, graph.root)
+        TreeBranch(edge := between[parent, child], parent, child, edge.start == parent)
+        for parent, child in walk(neighbours(own), graph.root)
     )
     return SpanningTree(branches, tuple(edge for edge in graph.edges if edge.name not in names))

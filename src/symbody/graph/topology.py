@@ -47,7 +47,7 @@ class Topology:
     _links: SingleFlight[None, dict[str, Joint | FrameConstraint]] = field(
         default_factory=SingleFlight, init=False, compare=False, repr=False
     )
-    # Names of the joints in each tree, filled on first use too: it is asked for each joint.
+    # Names of the joints in each tree, filled on first use too: it is read for each joint.
     _inside: dict[str, frozenset[str]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def joint(self, name: str) -> Joint:

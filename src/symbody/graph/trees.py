@@ -6,11 +6,11 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-import networkx as nx
-
+import symbody.graph as graph
 from symbody.arguments import checked_arguments
 from symbody.errors import Problem, TopologyError, nearest
 from symbody.graph.linear_graph import Edge
+from symbody.graph.walk import forest_places
 from symbody.model.joint import Joint
 from symbody.model.model import Model
 
@@ -50,12 +50,12 @@ class Preference:
 
 
 def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> dict[str, Preference]:
-    """Return what a choice of trees says about the joints, for "rotation" and "translation".
+    """Return the joints that a choice of trees names, for "rotation" and "translation".
 
     Raises
     ------
     TopologyError
-        If a name is no joint, or the choice is none.
+        If a name is not that of a joint, or the choice is not one of trees.
     """
     names = tuple(joint.name for joint in joints)
     if isinstance(choice, Trees):
@@ -82,12 +82,10 @@ def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> di
 
 def cycle_problem(kind: str, edges: Iterable[Edge], chosen: Collection[str]) -> Problem | None:
     """Return a problem that shows a cycle among the chosen edges, or None if they form a forest."""
-    net = nx.MultiGraph()
-    net.add_edges_from((edge.start, edge.end, edge.name) for edge in edges if edge.name in chosen)
-    try:
-        cycle = nx.find_cycle(net)
-    except nx.NetworkXNoCycle:
+    own = [edge for edge in edges if edge.name in chosen]
+    if len(forest_places(own)) == len(own):
         return None
+    cycle = graph.cycle.find_cycle(own)
     names = ", ".join(key for _, _, key in cycle)
     bodies = " - ".join([cycle[0][0], *(end for _, end, _ in cycle)])
     return Problem(

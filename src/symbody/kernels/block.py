@@ -19,6 +19,11 @@ NOT_FINITE: Final = 4
 SINGULAR: Final = 5
 TOO_MANY: Final = 6
 STIFF: Final = 7
+# What motions that are searched for events return besides.
+NO_EVENT_ROOM: Final = 8
+STOPPED: Final = 9
+CHATTERING: Final = 10
+EVENT_FAULT: Final = 11
 
 # Counters, first in the block.
 ACCEPTED: Final = 0
@@ -107,11 +112,13 @@ BREAK_LONGEST: Final = 1
 BREAK_JUMPS: Final = 2
 BREAK_MARGIN: Final = 3
 
-# The numbers of a function: its time, where p, c and its scratch begin, then r and these.
+# The numbers of a function: its time, where p, c, its scratch and its tables begin (0: it has none), then r
+# and these.
 CLOCK: Final = 0
 P_PLACE: Final = 1
 C_PLACE: Final = 2
 WORK_PLACE: Final = 3
+TABLES_PLACE: Final = 4
 R_PLACE: Final = 8
 
 # What projects: sizes and limits, where the numbers of its function begin; then the scales of the position

@@ -25,6 +25,7 @@ from symbody.kernels.block import (
     STAGES,
     STATE_NEW,
     STATE_OLD,
+    TABLES_PLACE,
     TOLERANCES,
     VECTOR_ROWS,
     WORK_PLACE,
@@ -49,6 +50,7 @@ from symbody.kernels.lane_block import (
 )
 from symbody.kernels.language import INFINITY, LANES, Function, Lanes, Reals, part, put, spread, take, where
 from symbody.kernels.runge_kutta import error_size
+from symbody.kernels.tables import read_table
 
 
 def combine_lanes(n: int, row: int, M: Reals, K: Reals, factor: Lanes, base: Reals, target: Reals) -> None:
@@ -94,11 +96,22 @@ def take_marked(L: Reals, n: int, source: Reals, target: Reals) -> None:
         put(target, at, where(mask > 0.0, take(source, at), take(target, at)))
 
 
+def read_tables_in_lanes(numbers: Reals) -> None:
+    """Set the inputs that are tables to their values at the time of each lane."""
+    D = part(numbers, int(numbers[TABLES_PLACE]), 1)
+    for k in range(int(D[0])):
+        for lane in range(LANES):
+            value = read_table(part(D, int(D[2 + 2 * k]), 1), numbers[LANE_CLOCK + lane])
+            numbers[LANE_R + int(D[1 + 2 * k]) * LANES + lane] = value
+
+
 def call_lanes(wide: Function, L: Reals, t: Lanes, x: Reals, out: Reals) -> int:
     """Write the derivatives at times and states x; return the status of the function."""
     numbers = part(L, int(L[FUNCTION]), LANE_R)
     clock = part(numbers, LANE_CLOCK, LANES)
     put(clock, 0, t)
+    if numbers[TABLES_PLACE] != 0.0:
+        read_tables_in_lanes(numbers)
     r = part(numbers, LANE_R, 0)
     p = part(numbers, int(numbers[P_PLACE]), int(numbers[C_PLACE]) - int(numbers[P_PLACE]))
     c = part(numbers, int(numbers[C_PLACE]), int(numbers[WORK_PLACE]) - int(numbers[C_PLACE]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from symbody.kernels.language import Reals, part
 from symbody.kernels.saddle_factors import (
+    count_massless,
     factor_mass,
     factor_rows,
     multiply_q,
@@ -33,7 +34,7 @@ def find_null_vector(
     share = part(work, 6 * n + 3 * m, m)
     A = part(work, 6 * n + 4 * m, m * n)
     B = part(work, 6 * n + 4 * m + m * n, n * n)
-    scale_matrices(n, m, M, J, d, r, A, B)
+    scale_matrices(n, m, count_massless(n, M), M, J, d, r, v, weight, A, B)
     rank = factor_rows(n, m, rank_cut, A, rows, r, inverse, beta, weight, share)
     if rank < 0:
         return 0

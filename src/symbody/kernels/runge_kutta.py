@@ -47,6 +47,7 @@ from symbody.kernels.block import (
     STEP,
     STIFF_BOUND,
     STIFF_VOTES,
+    TABLES_PLACE,
     TIME,
     TOLERANCES,
     UNJUDGED,
@@ -57,6 +58,7 @@ from symbody.kernels.block import (
 )
 from symbody.kernels.language import INFINITY, Function, Reals, is_finite, part, sqrt
 from symbody.kernels.power import power
+from symbody.kernels.tables import read_tables
 
 SAFETY: Final = 0.9
 
@@ -64,6 +66,8 @@ SAFETY: Final = 0.9
 def call(f: Function, n_u: int, numbers: Reals, t: float, x: Reals, out: Reals) -> int:
     """Call a function at a time and a state x = (u, q), with its other numbers; return its status."""
     numbers[CLOCK] = t
+    if numbers[TABLES_PLACE] != 0.0:
+        read_tables(numbers, t)
     r = part(numbers, R_PLACE, 1)
     p = part(numbers, int(numbers[P_PLACE]), 1)
     c = part(numbers, int(numbers[C_PLACE]), 1)

@@ -19,12 +19,22 @@ PIVOT_SHARE: Final = 0.0625  # an earlier row goes first if its squared sine exc
 LIGHTEST: Final = 2.0**-40  # entries of diag(M) below this share of the largest no longer set the scale
 
 
-def choose_scales(n: int, m: int, M: Reals, J: Reals, d: Reals, r: Reals) -> None:
+def count_massless(n: int, M: Reals) -> int:
+    """Return how many coordinates have no mass."""
+    count = 0
+    for j in range(n):
+        if not M[j * n + j] > 0.0:
+            count = count + 1
+    return count
+
+
+def choose_scales(
+    n: int, m: int, massless: int, M: Reals, J: Reals, d: Reals, r: Reals, floors: Reals, tops: Reals
+) -> None:
     """Choose powers of two d, r: diag(M) and the largest entries of the rows of J become about 1.
 
     With a diagonal of ones M is conditioned nearly as well as diagonal scaling can make it [H section 7.3].
-    Massless columns start at the scale of the heaviest one and are then brought up until their largest entry
-    in J is about 1: a small entry of J beside larger ones never sets a scale.
+    Massless columns get the scale of what they are coupled to. `floors` (n,) and `tops` (m,) are scratch.
     """
     heaviest = 0.0
     for j in range(n):
@@ -36,22 +46,92 @@ def choose_scales(n: int, m: int, M: Reals, J: Reals, d: Reals, r: Reals) -> Non
         elif mass < LIGHTEST * heaviest:
             mass = LIGHTEST * heaviest
         d[j] = power_of_two(-half(exponent(mass)))
+    scale_rows(n, m, J, d, r)
+    if massless > 0:
+        scale_massless(n, m, massless, heaviest, M, J, d, r, floors, tops)
+        scale_rows(n, m, J, d, r)
+        for j in range(n):
+            if not M[j * n + j] > 0.0:
+                d[j] = d[j] * power_of_two(-exponent(largest_in_column(n, m, j, J, r) * d[j]))
+
+
+def scale_rows(n: int, m: int, J: Reals, d: Reals, r: Reals) -> None:
+    """Choose r for columns that are scaled by d."""
     for i in range(m):
         top = 0.0
         for j in range(n):
             top = max(top, abs(J[i * n + j]) * d[j])
         r[i] = power_of_two(-exponent(top))
+
+
+def largest_in_column(n: int, m: int, j: int, J: Reals, r: Reals) -> float:
+    """Return the largest entry of a column of J, with rows scaled by r."""
+    top = 0.0
+    for i in range(m):
+        top = max(top, abs(J[i * n + j]) * r[i])
+    return top
+
+
+def scale_massless(
+    n: int, m: int, massless: int, heaviest: float, M: Reals, J: Reals, d: Reals, r: Reals,
+    floors: Reals, tops: Reals,
+) -> None:  # fmt: skip
+    """Choose d of massless columns: those that share a row of J with others first, then their neighbors.
+
+    Columns that are coupled to none with mass keep the scale of the heaviest one. Entries of J below the
+    share LIGHTEST of the largest of their column, with rows scaled by r, count as rounding of zeros.
+    """
     for j in range(n):
+        floors[j] = LIGHTEST * largest_in_column(n, m, j, J, r)
         if not M[j * n + j] > 0.0:
-            top = 0.0
+            d[j] = 0.0
+    stop = massless
+    for turn in range(n):
+        if turn < stop:
+            chosen = scale_neighbors(n, m, J, d, r, floors, tops)
+            if chosen == 0:
+                stop = 0
+    for j in range(n):
+        if not d[j] > 0.0:
+            d[j] = power_of_two(-half(exponent(heaviest)))
+
+
+def scale_neighbors(n: int, m: int, J: Reals, d: Reals, r: Reals, floors: Reals, tops: Reals) -> int:
+    """Choose d of columns that share a row with one that has a scale; return how many there were.
+
+    A speed of such a column is as large as those that it is coupled to if d is the quotient of their scaled
+    entry and its own one. Of several rows the middle between the smallest and the largest quotient counts,
+    since either may come from a row that is about to vanish.
+    """
+    for i in range(m):
+        tops[i] = 0.0
+        for j in range(n):
+            entry = abs(J[i * n + j])
+            if entry * r[i] > floors[j]:
+                tops[i] = max(tops[i], entry * d[j])
+    count = 0
+    for j in range(n):
+        if not d[j] > 0.0:
+            least = INFINITY
+            most = 0.0
             for i in range(m):
-                top = max(top, abs(J[i * n + j]) * r[i] * d[j])
-            d[j] = d[j] * power_of_two(-exponent(top))
+                entry = abs(J[i * n + j])
+                if entry * r[i] > floors[j]:
+                    if tops[i] > 0.0:
+                        least = min(least, tops[i] / entry)
+                        most = max(most, tops[i] / entry)
+            if most > 0.0:
+                d[j] = power_of_two(half(exponent(least * most)))
+                count = count + 1
+    return count
 
 
-def scale_matrices(n: int, m: int, M: Reals, J: Reals, d: Reals, r: Reals, A: Reals, B: Reals) -> None:
-    """Choose scales, and set A (m, n) to the scaled J and B (n, n) to the scaled M."""
-    choose_scales(n, m, M, J, d, r)
+def scale_matrices(
+    n: int, m: int, massless: int, M: Reals, J: Reals, d: Reals, r: Reals, floors: Reals, tops: Reals,
+    A: Reals, B: Reals,
+) -> None:  # fmt: skip
+    """Choose scales, and set A (m, n) to the scaled J and B (n, n) to the scaled M; others are scratch."""
+    choose_scales(n, m, massless, M, J, d, r, floors, tops)
     for i in range(m):
         for j in range(n):
             A[i * n + j] = J[i * n + j] * r[i] * d[j]

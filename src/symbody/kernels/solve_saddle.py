@@ -12,6 +12,7 @@ from symbody.kernels.saddle_factors import (
     CUT_FACTOR,
     EPSILON,
     apply_reflection,
+    count_massless,
     factor_mass,
     factor_rows,
     multiply_q,
@@ -47,24 +48,28 @@ def solve_saddle_cut(
     n: int, m: int, M: Reals, J: Reals, F: Reals, gamma: Reals, rank_cut: float, result: Reals, work: Reals
 ) -> int:
     """Solve as `solve_saddle`; a row is left out if its relative distance from others is at most the cut."""
-    rank = factor_constraints(n, m, M, J, rank_cut, work)
+    rank = factor_constraints(n, m, count_massless(n, M), M, J, rank_cut, work)
     return solve_factored(n, m, rank, M, J, F, gamma, result, work)
 
 
 def solve_independent(
     n: int, m: int, M: Reals, J: Reals, F: Reals, gamma: Reals, result: Reals, work: Reals
 ) -> int:
-    """Solve as `solve_saddle` if no row of J is left out; return 2, and no result, if one is.
+    """Solve as `solve_saddle` if all coordinates have mass and no row of J is left out; else return 2.
 
-    For sizes known when compiling: then the rank is known, too.
+    For sizes known when compiling: then the rank is known, too. Where it returns 2 there is no result.
     """
-    rank = factor_constraints(n, m, M, J, CUT_FACTOR * m * EPSILON, work)
+    if count_massless(n, M) > 0:
+        return 2
+    rank = factor_constraints(n, m, 0, M, J, CUT_FACTOR * m * EPSILON, work)
     if rank < m:
         return 2
     return solve_factored(n, m, m, M, J, F, gamma, result, work)
 
 
-def factor_constraints(n: int, m: int, M: Reals, J: Reals, rank_cut: float, work: Reals) -> int:
+def factor_constraints(
+    n: int, m: int, massless: int, M: Reals, J: Reals, rank_cut: float, work: Reals
+) -> int:
     """Scale M and J and factor J; return its rank, or -1 if J is not finite."""
     d = part(work, 0, n)
     inverse = part(work, n, n)
@@ -75,7 +80,7 @@ def factor_constraints(n: int, m: int, M: Reals, J: Reals, rank_cut: float, work
     share = part(work, 6 * n + 3 * m, m)
     A = part(work, 6 * n + 4 * m, m * n)
     B = part(work, 6 * n + 4 * m + m * n, n * n)
-    scale_matrices(n, m, M, J, d, r, A, B)
+    scale_matrices(n, m, massless, M, J, d, r, inverse, weight, A, B)
     return factor_rows(n, m, rank_cut, A, rows, r, inverse, beta, weight, share)
 
 

@@ -41,6 +41,7 @@ from .loads.springs import Bushing as Bushing
 from .loads.springs import TorsionSpring as TorsionSpring
 from .model import Model as Model
 from .model import resolve_parameters as resolve_parameters
+from .parts.include import Include as Include
 from .registry import elements as elements
 from .shapes import Box as Box
 from .shapes import Capsule as Capsule
@@ -48,3 +49,12 @@ from .shapes import Cone as Cone
 from .shapes import Cylinder as Cylinder
 from .shapes import Mesh as Mesh
 from .shapes import Sphere as Sphere
+from .signals.blocks import PID as PID
+from .signals.blocks import DCMotor as DCMotor
+from .signals.blocks import Delay as Delay
+from .signals.blocks import FirstOrder as FirstOrder
+from .signals.blocks import RateLimit as RateLimit
+from .signals.blocks import StateSpace as StateSpace
+from .signals.blocks import TransferFunction as TransferFunction
+from .signals.signal import Signal as Signal
+from .tables.lookup import Lookup as Lookup

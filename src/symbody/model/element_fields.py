@@ -18,6 +18,7 @@ from symbody.model.fields import (
     ElementName,
     Flag,
     Quantity,
+    SymbolElementName,
     SymbolName,
     VectorQuantity,
     read_list,
@@ -173,7 +174,7 @@ class CurvePoint(VectorQuantity):
 @dataclass_transform(
     field_specifiers=(
         Field, ElementName, SymbolName, Quantity, AngleQuantity, VectorQuantity, Direction, Flag,
-        AttachedFrame, Directions, VanishingFormulas, Coupled, CurvePoint, Radii,
+        AttachedFrame, Directions, VanishingFormulas, Coupled, CurvePoint, Radii, SymbolElementName,
     )
 )  # fmt: skip
 def element(kind: type[E]) -> type[E]:

@@ -44,6 +44,37 @@ class SymbolName(Field[str, str]):
         return arguments.symbol_name(value, path)
 
 
+class SymbolElementName(ElementName):
+    """The name of an element that formulas contain."""
+
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
+        """Return the name as formulas contain it."""
+        return arguments.symbol_name(value, path)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OptionalText(Field[str | None, str | None]):
+    """A text that may be left out."""
+
+    role: ClassVar[str] = "text"
+    takes: ClassVar[str] = "str"
+    annotation: ClassVar[str] = "str | None"
+
+    _: KW_ONLY
+    default: Any = None
+
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str | None:
+        """Return the text without blanks about it."""
+        if value is None:
+            return None
+        if isinstance(value, str) and value.strip():
+            return value.strip()
+        why = "an output is named as in notation.md"
+        cure = 'write for instance "frame r Foot.heel ground ground z"'
+        arguments.add("model.not_a_text", path, f"{value!r} is no name of an output", why, cure)
+        return None
+
+
 class Text(Field[str, str]):
     """A text of any kind."""
 

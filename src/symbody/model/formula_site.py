@@ -16,8 +16,9 @@ class Scope(StrEnum):
 
     CONSTANT = "parameters"
     PRESCRIBED = "parameters and t"
-    LOAD = "parameters, inputs, t, coordinates, their rates, and speeds"
+    LOAD = "parameters, inputs, t, coordinates, their rates, speeds, and signals"
     MOTION = "parameters, t, coordinates, their rates, and speeds"
+    ARGUMENT = "parameters, t, coordinates, rates of these, and speeds"
     POINT = "x, y, z of the point, parameters and t"
     COORDINATE = "the name of a joint's coordinate"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, TypeVar, final
 
 from symbody.arguments import checked_arguments
@@ -14,6 +14,7 @@ from symbody.expr.parser import parse_angle
 from symbody.model.arguments import Arguments, Value, plain_value
 from symbody.model.body import Body, frame_table
 from symbody.model.checks import physics
+from symbody.model.checks.signals import collect_signals
 from symbody.model.checks.structure import free_joints
 from symbody.model.checks.validation import Draft, check_draft
 from symbody.model.constraint import ConstraintElement
@@ -24,13 +25,28 @@ from symbody.model.frame_index import element_labels, include_bodies
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import Joint
 from symbody.model.parameters import dependence_order, parameter_values, resolve
+from symbody.model.parts.expansion import add_parts
+from symbody.model.parts.include import Include
 from symbody.model.shapes.shape import BodyShape, read_shapes
+from symbody.model.signals.signal import Signal
+from symbody.model.tables.lookup import Lookup
 from symbody.notebook import Displayed
 
 E = TypeVar("E", bound=Element)
 
 # Elements are kept in this order, as a file lists them; within a kind, in the order given.
-KINDS: Final = ("body", "joint", "spring", "torsion_spring", "force", "torque", "constraint")
+KINDS: Final = (
+    "body",
+    "joint",
+    "spring",
+    "torsion_spring",
+    "force",
+    "torque",
+    "constraint",
+    "table",
+    "signal",
+    "block",
+)
 
 
 @final
@@ -44,8 +60,9 @@ class Model(Displayed):
     ----------
     name : str
         Title.
-    elements : iterable of Element
-        Bodies, joints, forces; bodies given as objects in joints and forces need not be listed.
+    elements : iterable of Element or Include
+        Bodies, joints, forces; bodies given as objects in joints and forces need not be listed. Parts that
+        are included come last.
     gravity : (3,) number or formula
         Acceleration of free fall in ground axes [m/s^2].
     parameters : mapping of name to number, formula or None
@@ -65,6 +82,12 @@ class Model(Displayed):
     ----------
     bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
+    signals : tuple of Signal
+        Those among `elements`, and those that blocks consist of.
+    tables : tuple of Lookup
+        Those among `elements`.
+    includes : tuple of Include
+        The parts, whose elements stand among `elements`.
     notes : tuple of str
         What was assumed, and what is legal but unusual.
 
@@ -93,13 +116,16 @@ class Model(Displayed):
     bodies: tuple[Body, ...] = field(init=False, compare=False)
     joints: tuple[Joint, ...] = field(init=False, compare=False)
     constraints: tuple[ConstraintElement, ...] = field(init=False, compare=False)
+    signals: tuple[Signal, ...] = field(init=False, compare=False)
+    tables: tuple[Lookup, ...] = field(init=False, compare=False)
+    includes: tuple[Include, ...] = field(init=False, compare=False)
     notes: tuple[str, ...] = field(init=False, compare=False)
 
     @checked_arguments
     def __init__(
         self,
         name: str,
-        elements: Iterable[Element] = (),
+        elements: Iterable[Element | Include] = (),
         gravity: Iterable[Value] = (0, 0, 0),
         parameters: Mapping[str, Value | None] | None = None,
         inputs: Iterable[str] = (),
@@ -109,8 +135,11 @@ class Model(Displayed):
         ground_shapes: Iterable[BodyShape] = (),
     ) -> None:
         arguments = Arguments("model")
+        items = arguments.items(elements, "elements")
+        includes = tuple(item for item in items if isinstance(item, Include))
+        items = [item for item in items if not isinstance(item, Include)]
         draft = Draft(
-            elements=_sort_by_kind(include_bodies(_elements(arguments, elements))),
+            elements=_sort_by_kind(include_bodies(_elements(arguments, items))),
             gravity=arguments.triple(gravity, "gravity"),
             parameters=arguments.table(
                 parameters or {},
@@ -125,6 +154,8 @@ class Model(Displayed):
             ground=frame_table(arguments, ground or {}, "ground.frames"),
             ground_shapes=read_shapes(arguments, ground_shapes, "ground.shape"),
         )
+        draft = add_parts(draft, includes, arguments.problems)
+        draft = replace(draft, elements=_sort_by_kind(draft.elements))
         title = name if isinstance(name, str) else "?"
         if title != name:
             arguments.add("names.not_text", "name", f"{name!r} is not a name", "", "give a text")
@@ -142,6 +173,9 @@ class Model(Displayed):
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
         object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
         object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, ConstraintElement)))
+        object.__setattr__(self, "signals", collect_signals(placed))
+        object.__setattr__(self, "tables", tuple(e for e in placed if isinstance(e, Lookup)))
+        object.__setattr__(self, "includes", includes)
         object.__setattr__(self, "notes", (*notes, *remarks))
 
     def __repr__(self) -> str:
@@ -223,8 +257,7 @@ def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str]
     )
 
 
-def _elements(arguments: Arguments, elements: object) -> list[Element]:
-    items = arguments.items(elements, "elements")
+def _elements(arguments: Arguments, items: Iterable[object]) -> list[Element]:
     for k, item in enumerate(items):
         if not isinstance(item, Element):
             arguments.add(

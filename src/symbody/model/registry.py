@@ -11,15 +11,16 @@ from pkgutil import iter_modules
 from types import MappingProxyType, ModuleType
 from typing import Any, Final
 
-from symbody.model import constraints, joints, loads, shapes
+from symbody.model import constraints, joints, loads, shapes, signals, tables
 from symbody.model.body import Body
 from symbody.model.declaration import REQUIRED, Field
 from symbody.model.element import Element
 from symbody.model.model import KINDS
 from symbody.model.shapes.shape import BodyShape
+from symbody.model.signals import blocks
 
 # Kinds of which a file has several types, named by a word.
-TYPED: Final = ("joint", "constraint")
+TYPED: Final = ("joint", "constraint", "block")
 # What the diagram editor calls groups of kinds.
 _GROUPS: Final = MappingProxyType(
     {
@@ -30,6 +31,9 @@ _GROUPS: Final = MappingProxyType(
         "torsion_spring": "Springs and dampers",
         "force": "Forces and torques",
         "torque": "Forces and torques",
+        "signal": "Signals",
+        "table": "Signals",
+        "block": "Blocks",
     }
 )
 
@@ -39,7 +43,11 @@ def element_types(kind: str) -> Mapping[str, type[Element]]:
     """Return the elements of a kind by their words in model files; "" where the kind has one type."""
     if kind == Body.kind:
         return MappingProxyType({"": Body})
-    classes = [each for folder in (joints, constraints, loads) for each in _final_classes(folder)]
+    classes = [
+        each
+        for folder in (joints, constraints, loads, signals, blocks, tables)
+        for each in _final_classes(folder)
+    ]
     words = {type_word(each): each for each in classes if issubclass(each, Element) and each.kind == kind}
     return MappingProxyType(dict(sorted(words.items())))
 

@@ -1,3 +1,4 @@
+from . import progress_bar as progress_bar
 from .events.events import Event as Event
 from .inputs.tables import Table as Table
 from .inverse.inverse_dynamics import inverse_dynamics as inverse_dynamics

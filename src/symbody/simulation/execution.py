@@ -32,6 +32,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
     """Return the run with its names."""
     eqs, raw = problem.eqs, run.raw
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
+    n_q = len(eqs.coordinate_names)
     states, work = _split_work(raw.dense_output, n)
     passages = [] if states is None else list(singular_passages(eqs, states))
     stop = "" if raw.status.success else stop_note(problem, raw)
@@ -40,10 +41,12 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
     occurrences = () if run.watch is None else run.watch.occurrences
     return Trajectory(
         t=raw.t,
-        q=raw.x[n_u:n],
+        q=raw.x[n_u : n_u + n_q],
         u=raw.x[:n_u],
         coordinate_names=eqs.coordinate_names,
         speed_names=eqs.speed_names,
+        s=raw.x[n_u + n_q : n],
+        signal_state_names=eqs.signal_state_names,
         status=raw.status,
         statistics=raw.statistics,
         evaluate=Evaluator(problem, work),

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rich.console import Console
-from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
-
+import symbody.simulation as simulation
 from symbody.errors import Problem, UsageError
 from symbody.simulation.native.run import Progress
 
@@ -33,18 +30,5 @@ def show_progress(progress: Progress | bool | None, name: str) -> Iterator[Progr
     elif progress is not True:
         yield progress
     else:
-        columns = (
-            TextColumn("{task.description}", markup=False),
-            BarColumn(),
-            TaskProgressColumn(),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-        )
-        with Bar(*columns, console=Console(stderr=True)) as bar:
-            task = bar.add_task(name, total=1.0)
-
-            def show(share: float) -> None:
-                bar.update(task, completed=share)
-
+        with simulation.progress_bar.show_bar(name) as show:
             yield show
-            show(1.0)

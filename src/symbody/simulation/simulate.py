@@ -23,7 +23,7 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, silent_input_note
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
@@ -52,7 +52,7 @@ def simulate(
     t_end : float or (t0, t_end)
         End time [s], or both ends; initial values hold at the first.
     initial : mapping of name to number or formula in parameters
-        Coordinates, speeds, ``_dot`` names and any named joint coordinate that have these values at first.
+        Coordinates, speeds, ``_dot`` names, joint coordinates and signals that have these values at first.
     guess : mapping of name to number or formula in parameters
         Where the others are looked for, see `assemble`; by default the model's initial values, then 0.
     parameters : mapping of name to number or formula
@@ -70,8 +70,8 @@ def simulate(
     rtol, atol : float
         Tolerances of the local error, relative and absolute; by default atol is 1e-10 of the mechanism's
         largest length or of 1 rad, for speeds over its time; see `analysis.scales.Scales`.
-    scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg] where it shall not follow from the model.
+    scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
+        What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
     progress : bool or callable, optional
         True shows a bar, also of the loop's compilation; a callable takes the share that is done, and ends
         the motion by returning False.
@@ -84,12 +84,13 @@ def simulate(
     """
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    watched, laws = check_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
+    watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
+    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
-    notes = (*_input_notes(eqs, inputs or {}, laws), *problem.scales.notes(eqs, atol))
+    notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
     notes += start_notes(problem, first, {**(guess or {}), **(initial or {})})
-    x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
+    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     with show_progress(progress, "motion") as report:
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
@@ -118,7 +119,7 @@ def pose_problem(
     """Return the equations to integrate, with all that they depend on besides the state."""
     sizes = mechanism_scales(eqs, dict(parameters), scales, first.q).fit_span(*span)
     stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
-    return SimulationProblem(stabilized, dict(parameters), laws, sizes)
+    return SimulationProblem(stabilized, dict(parameters), laws, sizes, first)
 
 
 def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:

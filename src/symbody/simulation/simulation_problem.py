@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.plain_assembly import PlainState
 from symbody.analysis.scales import Scales
-from symbody.codegen.formation.bound_function import bound_function, evaluate_once
+from symbody.analysis.state import State
+from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_MOTIONS
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
@@ -24,17 +27,24 @@ Floats = NDArray[np.float64]
 
 NOTHING: Final = np.zeros(0)
 # Outputs that are measured by the scales of a motion.
-VIOLATIONS: Final = ("constraint_violation", "velocity_violation")
+VIOLATIONS: Final = OF_MOTIONS[1:]
 
 
 @dataclass(frozen=True, slots=True)
 class SimulationProblem:
-    """Equations with the values of parameters, the laws of all inputs, and what counts as large."""
+    """Equations with the values of parameters, the laws of all inputs, and what counts as large.
+
+    Attributes
+    ----------
+    first : State, optional
+        Where a motion starts, whose numbers need not be computed again.
+    """
 
     eqs: EquationSet
     parameters: Mapping[str, Value]
     laws: InputLaws
     scales: Scales
+    first: State | None = None
     # Functions already compiled; they follow from the fields above.
     _functions: SingleFlight[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False, compare=False
@@ -80,13 +90,14 @@ class SimulationProblem:
         inputs = self.laws.evaluate(t, q, u) if self.laws.callbacks else NOTHING
         return float(self.compile_outputs(output, quick=True)(t, q, u, inputs))
 
-    def interpret(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
-        """Return a number at one state, without compiling for it."""
-        # Numbers of Python overflow to infinity in silence, those of NumPy with a warning.
-        q, u = list(map(float, q)), list(map(float, u))
-        inputs = self.laws.evaluate(t, np.array(q), np.array(u)) if self.laws.callbacks else []
-        point = {"t": [t], "q": q, "u": u, "r": inputs}
-        return float(evaluate_once(self.eqs, output, self.parameters, self.laws.formulas, point)[0][0])
+    def first_numbers(self, t: float, x: Floats) -> PlainState | None:
+        """Return what was computed at a state x = (u, q), if that is the first and a plain one."""
+        first = self.first
+        if first is None or first.plain is None or first.eqs is not self.eqs or t != first.t:
+            return None
+        plain = first.plain
+        n_u = plain.u.size
+        return plain if (plain.u == x[:n_u]).all() and (plain.q == x[n_u:]).all() else None
 
     @property
     def is_closed(self) -> bool:

@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import reduce
 
 from symbody.expr.expression import Expr, cos, number, sin
 from symbody.expr.graph import Graph
-from symbody.spatial.angle_sum import angle_sum
+from symbody.expr.opcodes import ADD, MUL, NEG, RATIONAL, SUB
 from symbody.spatial.euler_parameters import EulerParameters
 from symbody.spatial.matrix import Matrix, Matrix3, Triple, Vector3, identity, matrix3, transpose
+
+Form = dict[int, Fraction]
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,3 +161,41 @@ def _merge_axis_rotations(first: AxisRotation, second: AxisRotation) -> tuple[Ax
     else:
         return None
     return () if angle.is_zero else (AxisRotation(first.axis, angle),)
+
+
+def angle_sum(a: Expr, b: Expr) -> Expr:
+    """Return ``a + b``, collected if the two have a term in common: ``(a + b) - b`` is ``a``.
+
+    The graph adds two nodes without looking inside them, which is not enough for turns forth and back.
+    """
+    if a.graph is not b.graph:
+        return a + b
+    graph = a.graph
+    first, second = _linear_form(graph, a.index), _linear_form(graph, b.index)
+    if first.keys().isdisjoint(second):
+        return a + b  # as it is: longer sums go on sharing the shorter ones
+    for node, factor in second.items():
+        first[node] = first.get(node, Fraction(0)) + factor
+    total = Expr(graph, 0)
+    for node, factor in first.items():
+        total = total + Expr(graph, node) * factor
+    return total
+
+
+def _linear_form(graph: Graph, node: int) -> Form:
+    """Return the terms of a sum with their exact factors, in the order they are written."""
+    form: Form = {}
+    stack = [(node, Fraction(1))]
+    while stack:
+        term, factor = stack.pop()
+        op, left, right = graph.ops[term], graph.left[term], graph.right[term]
+        if op in (ADD, SUB):
+            stack.append((right, factor if op == ADD else -factor))
+            stack.append((left, factor))
+        elif op == NEG:
+            stack.append((left, -factor))
+        elif op == MUL and graph.ops[left] == RATIONAL:
+            stack.append((right, factor * Fraction(graph.constants[graph.left[left]])))
+        else:
+            form[term] = form.get(term, Fraction(0)) + factor
+    return form

@@ -12,7 +12,8 @@ import pytest
 
 import symbody as sb
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.expr.evaluate import MPMATH, evaluate_sequence
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.precise_numbers import MPMATH
 from symbody.expr.sequence import Sequence
 from tests.codegen.texts.running import CASADI, JAX, Point
 from tests.problems.mechanisms import equations_of, random_values, state_of

@@ -94,7 +94,7 @@ class EquilibriumSearch:
         """Return the end of steps of least length; `bearing` as of `Balance.rest`."""
         free, sizes, balance = self.free, self.evaluator.sizes, self.balance
         largest = balance.largest_term(self.start)
-        rest = balance.residual(q, np.zeros(balance.unknowns), largest, bearing)
+        rest = balance.residual(q, balance.first_inputs, largest, bearing)
 
         def move(rest: StaticResidual, step: Floats) -> StaticResidual:
             q = rest.q.copy()
@@ -143,7 +143,7 @@ class EquilibriumSearch:
 
     def _count_loads(self, q: Floats) -> int:
         """Return the number of independent loads at a regular configuration."""
-        rest = self.balance.residual(q, np.zeros(self.balance.unknowns), 1.0)
+        rest = self.balance.residual(q, self.balance.first_inputs, 1.0)
         return int((rest.shares > RANK).sum())
 
     def _count_generic_loads(self) -> int | None:
@@ -167,8 +167,9 @@ class EquilibriumSearch:
     def is_regular(self, rest: StaticResidual) -> bool:
         """Return whether accelerations exist: where angles are singular, forces along them vanish anyway."""
         still = np.zeros(len(self.evaluator.eqs.speed_names))
+        udot, signals = self.evaluator.compile("udot"), rest.inputs[self.balance.unknowns :]
         try:
-            return bool(np.isfinite(self.evaluator.compile("udot")(self.evaluator.t, rest.q, still)).all())
+            return bool(np.isfinite(udot(self.evaluator.t, rest.q, still, s=signals)).all())
         except SimulationError:
             return False
 

@@ -54,7 +54,8 @@ class Equilibrium(State):
             verdict = self.verdict
         except SymbodyError:  # no linear equations here
             verdict = "stability not known"
-        return f"Equilibrium, {verdict}: {values_line(self.q, self.eqs.units)}"
+        lines = [values_line(values, self.eqs.units) for values in (self.q, self.s)]
+        return f"Equilibrium, {verdict}: {'; '.join(filter(None, lines))}"
 
     @property
     def linearization(self) -> Linearization:
@@ -94,7 +95,8 @@ def find_equilibrium(
 ) -> Equilibrium:
     """Return the equilibrium nearest to a guess, with others found as its ``branches``.
 
-    Ropes pull or are slack, whatever holds there: none pushes, and none is longer than it is.
+    Ropes pull or are slack, whatever holds there: none pushes, and none is longer than it is. The states of
+    signals are those whose rates vanish.
 
     Parameters
     ----------
@@ -122,7 +124,10 @@ def find_equilibrium(
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     _check(eqs, unknowns, fixed or {})
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
-    evaluator = constraint_evaluator(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    evaluator = constraint_evaluator(
+        eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism,
+        signals=np.array(list(first.s.values()), dtype=np.float64),
+    )  # fmt: skip
     searches = TautSearch(
         evaluator, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ())
     )
@@ -183,14 +188,20 @@ def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
         what = "the forces are not finite"
     else:
         best = min(finite, key=lambda one: one.residual.merit)
-        rest, search = best.residual, best.search
-        k = int(np.argmax(np.abs(rest.unbalanced))) if rest.unbalanced.size else 0
-        name = eqs.speed_names[k]
-        unit = "N" if eqs.units.get(name) == "m/s" else "N m"
-        force = rest.unbalanced[k] * search.balance.largest_term(search.start) / search.balance.sizes[k]
-        place = ", ".join(f"{q} = {x:.4g}" for q, x in zip(eqs.coordinate_names, rest.q, strict=True))
-        left = best.fault or f"along {name} {force:.4g} {unit} are not balanced"
-        what = f"{left}, where least is left ({place})"
+        forces, search = best.residual.unbalanced, best.search
+        k = int(np.argmax(np.abs(forces))) if forces.size else 0
+        if k >= len(eqs.speed_names):
+            name = eqs.signal_state_names[k - len(eqs.speed_names)]
+            left = f"the rate of signal {name} does not vanish"
+        else:
+            name = eqs.speed_names[k]
+            unit = "N" if eqs.units.get(name) == "m/s" else "N m"
+            force = forces[k] * search.balance.largest_term(search.start) / search.balance.sizes[k]
+            left = f"along {name} {force:.4g} {unit} are not balanced"
+        place = ", ".join(
+            f"{q} = {x:.4g}" for q, x in zip(eqs.coordinate_names, best.residual.q, strict=True)
+        )
+        what = f"{best.fault or left}, where least is left ({place})"
         cause = _loose_body(eqs, name) if not best.fault else ""
     dry = "; friction at rest was taken as 0" if switching_joints(eqs.formed) else ""
     return Problem(
@@ -217,21 +228,23 @@ def _singular(evaluator: ConstraintEvaluator, q: Floats) -> Problem:
 
 
 def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
-    search, rest = candidate.search, candidate.residual
+    search, residual = candidate.search, candidate.residual
     evaluator, eqs = search.evaluator, search.evaluator.eqs
     order = [name for name in eqs.input_names if name in unknowns]
-    held = dict(zip(order, rest.inputs.tolist(), strict=True))
-    if held:
+    held = dict(zip(order, residual.inputs.tolist(), strict=False))
+    signals = residual.inputs[len(order) :]
+    if held or signals.size:
         evaluator = constraint_evaluator(
-            eqs, evaluator.parameters, {**evaluator.inputs, **held}, evaluator.t, evaluator.mechanism
-        )
-    state = complete_state(evaluator, rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
-    further = examine_neighbourhood(search, rest)
+            eqs, evaluator.parameters, {**evaluator.inputs, **held}, evaluator.t, evaluator.mechanism,
+            signals=signals,
+        )  # fmt: skip
+    state = complete_state(evaluator, residual.q, np.zeros(len(eqs.speed_names)), search.start, {})
+    further = examine_neighbourhood(search, residual)
     notes = [*evaluator.mechanism.notes(eqs), *further.notes, *candidate.notes]
     if search.balance.timed:
         notes.append(f"forces or motions depend on time: they are frozen at t = {evaluator.t:g} s")
     if eqs.formed.friction:
-        notes.append("friction is 0 at rest: sticking holds more configurations than this")
+        notes.append("friction is 0 at residual: sticking holds more configurations than this")
     edges = (*candidate.edges, *(settle(eqs, state).edges if switching_joints(eqs.formed) else ()))
     return _equilibrium(state, notes, "undecided" if edges else further.doubt)
 
@@ -240,7 +253,7 @@ def _friction_equilibrium(searches: TautSearch) -> Equilibrium | None:
     """Return the guess as an equilibrium if dry joints hold it there; None if they do not."""
     search = searches.nearest_set()
     evaluator, eqs = search.evaluator, search.evaluator.eqs
-    if not switching_joints(eqs.formed):
+    if not switching_joints(eqs.formed) or eqs.signal_state_names:
         return None
     still = np.zeros(len(eqs.speed_names))
     try:

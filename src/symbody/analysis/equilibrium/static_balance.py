@@ -19,13 +19,13 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.input_formulas import input_formula
 from symbody.expr.canonical import ZERO
 from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Symbol, SymbolKind
-from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequence import Roots
-from symbody.tolerances import BALANCED, BEARING, TINY
+from symbody.tolerances import BALANCED, BEARING, EXACT, TINY
 
 Floats = NDArray[np.float64]
 
@@ -33,6 +33,7 @@ _FORCES: Final = "rest forces"
 _SLOPES: Final = "rest slopes"
 _SHARES: Final = "rest shares"
 _CROSSING: Final = 1e-7  # of the largest term, where branches cross: as well as the place is known
+_ROUNDS: Final = 20  # of fits of states of signals
 _ROUNDING: Final = 1e-13  # of the largest term of all equations
 
 
@@ -43,13 +44,14 @@ class StaticResidual:
     Attributes
     ----------
     q, inputs, multipliers : arrays
-        Where; the inputs are those unknown.
-    unbalanced : (n_u,) array
-        Unbalanced forces as work on unit displacements, in units of the largest term.
+        Where; the inputs are those unknown, and behind them the states of signals.
+    unbalanced : (n_u + n_s,) array
+        Unbalanced forces as work on unit displacements, in units of the largest term; then rates of signals,
+        as changes of their size in the mechanism's time.
     values, slopes : arrays
         All equations that are to vanish, and their derivatives by q in units of sizes.
-    terms : (n_u,) array
-        Sums of absolute terms, which the forces are compared with.
+    terms : (n_u + n_s,) array
+        Sums of absolute terms, which these are compared with.
     shares : (n,) array
         Singular values of what unit multipliers and unknown inputs do, over the largest.
     bearing : int or None
@@ -94,7 +96,7 @@ class StaticBalance:
     function : CompiledFunction
         Forces and their derivatives.
     unknowns : int
-        Number of unknown inputs.
+        Number of unknown inputs, without the states of signals, which are unknown in the same way.
     sizes : (n_u,) array
         Size of displacements along each speed.
     scales : (n_c,) array
@@ -110,11 +112,17 @@ class StaticBalance:
     scales: Floats
     timed: bool
 
+    @property
+    def first_inputs(self) -> Floats:
+        """Where unknown inputs are looked for: at 0, and the states of signals at their first values."""
+        return np.concatenate([np.zeros(self.unknowns), self.evaluator.signals])
+
     def largest_term(self, q: Floats) -> float:
         """Return the largest of the terms that are to balance, as work [J]; 1 if there are none."""
-        terms = self._evaluate(q, np.zeros(self.unknowns), np.zeros(len(self.evaluator.eqs.multiplier_names)))
-        slopes = np.abs(terms[1]) * self.evaluator.sizes * self.sizes[:, np.newaxis]
-        forces = np.abs(terms[0]) * self.sizes
+        terms = self._evaluate(q, self.first_inputs, np.zeros(len(self.evaluator.eqs.multiplier_names)))
+        n_u = self.sizes.size
+        slopes = np.abs(terms[1][:n_u]) * self.evaluator.sizes * self.sizes[:, np.newaxis]
+        forces = np.abs(terms[0][:n_u]) * self.sizes
         return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
 
     def residual(
@@ -129,10 +137,19 @@ class StaticBalance:
         bearing : int, optional
             Number of singular values of the loads that count, the largest first; by default all but rounding.
         """
+        for _ in range(_ROUNDS if self.evaluator.signals.size else 0):  # these need not enter linearly
+            before, inputs = inputs, self._residual(q, inputs, largest, bearing).inputs
+            if not np.isfinite(inputs).all() or (np.abs(inputs - before) <= EXACT * np.abs(inputs)).all():
+                break
+        return self._residual(q, inputs, largest, bearing)
+
+    def _residual(self, q: Floats, inputs: Floats, largest: float, bearing: int | None) -> StaticResidual:
+        """Return the residual with multipliers and unknown inputs from one linear fit."""
         none = np.zeros(len(self.evaluator.eqs.multiplier_names))
-        scale = self.sizes / largest
+        scale = np.concatenate([self.sizes / largest, self._rate_scales()])
         first = self._evaluate(q, inputs, none)
-        shares = np.hstack([first[3].T, first[2]]) * scale[:, np.newaxis]
+        pulls = np.vstack([first[3].T, np.zeros((self.evaluator.signals.size, none.size))])
+        shares = np.hstack([pulls, first[2]]) * scale[:, np.newaxis]
         weights = np.linalg.norm(shares, axis=0)
         # Rows of J are of order 1 in their scales: one that is less is nearly none, as where branches cross.
         weights[: none.size] = self.scales / largest
@@ -149,12 +166,20 @@ class StaticBalance:
         values = np.concatenate([left, open_values])
         with np.errstate(invalid="ignore"):  # where forces or constraints are not finite
             terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.evaluator.sizes
+            if self.evaluator.signals.size:
+                terms += np.abs(shares[:, none.size :]) @ np.abs(inputs)
         return StaticResidual(q, inputs, multipliers, left, values, rows, terms, loads.shares, bearing)
 
+    def _rate_scales(self) -> Floats:
+        """Return what makes rates of signals changes of their size in the mechanism's time."""
+        signals = np.abs(self.evaluator.signals)
+        return np.asarray(self.evaluator.mechanism.time / np.where(signals > 0.0, signals, 1.0))
+
     def _evaluate(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
-        """Return forces, their derivatives by q and by unknown inputs, and J."""
+        """Return forces and rates of signals, their derivatives by q and by what is unknown, and J."""
         still = np.zeros(len(self.evaluator.eqs.speed_names))
-        return self.function(self.evaluator.t, q, still, np.concatenate([inputs, multipliers]))
+        given, signals = inputs[: self.unknowns], inputs[self.unknowns :]
+        return self.function(self.evaluator.t, q, still, np.concatenate([given, multipliers]), s=signals)
 
 
 def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> StaticBalance:
@@ -163,7 +188,7 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     given: dict[str, Value] = {
         name: evaluator.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
     }
-    laws = {name: law for name, law in given.items() if not _is_number(law)}
+    laws = {name: law for name, law in given.items() if not _is_number(law, name)}
     key = "balance", tuple(unknowns), laws_key(laws)
     plan: _BalancePlan = eqs.variants.get(key, lambda: _plan_balance(eqs, unknowns, laws))
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
@@ -182,23 +207,27 @@ class _BalancePlan(NamedTuple):
 
 def _plan_balance(eqs: EquationSet, unknowns: Sequence[str], laws: Mapping[str, Value]) -> _BalancePlan:
     symbols = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
+    signals = eqs.formed.signal_states
     forces, pulls = _forces(eqs, laws)
     roots = [
         Roots(_FORCES, (len(forces),), tuple(forces)),
         partial_derivatives(eqs, _SLOPES, forces, eqs.formed.q),
-        partial_derivatives(eqs, _SHARES, forces, symbols),
+        partial_derivatives(eqs, _SHARES, forces, (*symbols, *signals)),
     ]
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
     return _BalancePlan(with_outputs(eqs, roots, pulls), len(symbols), timed)
 
 
-def _is_number(law: Value) -> bool:
-    return isinstance(law, int | float) or Formula.from_value(law).constant() is not None
+def _is_number(law: Value, name: str) -> bool:
+    return isinstance(law, int | float) or input_formula(law, name).constant() is not None
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
-    """Return ``F + J^T lambda`` without friction, which is 0 at rest, and the symbols of the multipliers."""
+    """Return ``F + J^T lambda`` without friction, which is 0 at rest, and the symbols of the multipliers.
+
+    Behind the forces stand the rates of signals.
+    """
     formed, graph = eqs.formed, eqs.formed.graph
     pulls = {
         f"rest lambda {k}": Symbol(f"rest lambda {k}", SymbolKind.INPUT) for k in range(len(formed.rows))
@@ -210,6 +239,7 @@ def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], di
         for row, pull in zip(rows, multipliers, strict=True):
             total = total + row[i] * pull
         totals.append(total.index)
+    totals += eqs.roots("signal_rates").nodes if formed.signal_states else ()
     quiet = {law.effort.index: ZERO for law in formed.friction}
     quiet |= {Expr(graph, graph.symbol(speed)).index: ZERO for speed in formed.u}
     return substitute(graph, with_laws(eqs, totals, given), quiet), pulls

@@ -72,8 +72,9 @@ class TautSearch:
             evaluator, eqs = self.evaluator, with_taut(self.evaluator.eqs, taut)
             if eqs is not evaluator.eqs:
                 evaluator = constraint_evaluator(
-                    eqs, evaluator.parameters, evaluator.inputs, evaluator.t, evaluator.mechanism
-                )
+                    eqs, evaluator.parameters, evaluator.inputs, evaluator.t, evaluator.mechanism,
+                    signals=evaluator.signals,
+                )  # fmt: skip
             self._searches[taut] = EquilibriumSearch(self._balance(evaluator), self.start, self.fixed)
         return self._searches[taut]
 

@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from symbody.analysis.linear.slopes import Slopes
@@ -29,7 +30,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Selection:
-    """Independent states, speeds first.
+    """Independent states, speeds first, states of signals last.
 
     Attributes
     ----------
@@ -41,6 +42,8 @@ class Selection:
         Size of deviations of each: 1 for angles, the size of the mechanism [m] for lengths.
     notes : tuple of str
         Choices that were made.
+    s_sizes : (n_s,) array
+        Size of deviations of the states of signals.
     """
 
     names: tuple[str, ...]
@@ -49,12 +52,17 @@ class Selection:
     u_sizes: Floats
     q_sizes: Floats
     notes: tuple[str, ...]
+    s_sizes: Floats
 
     @property
     def sizes(self) -> Floats:
         """Sizes of deviations of the independent states."""
         return np.concatenate(
-            [self.u_sizes[list(self.speeds.independent)], self.q_sizes[list(self.coordinates.independent)]]
+            [
+                self.u_sizes[list(self.speeds.independent)],
+                self.q_sizes[list(self.coordinates.independent)],
+                self.s_sizes,
+            ]
         )
 
 
@@ -65,11 +73,11 @@ class Basis:
     Attributes
     ----------
     out, back : arrays
-        d(u, q) for their deviations, (n_u + n_q, n); and back, for those that keep the constraints.
+        d(u, q, s) for their deviations, (n_u + n_q + n_s, n); and back, for those that keep the constraints.
     turning : (n, n) array
-        Their rates beyond ``back d(u, q)'``, per deviation: axes of rotation vectors turn.
+        Their rates beyond ``back d(u, q, s)'``, per deviation: axes of rotation vectors turn.
     all_names, recovery : tuple of str, array
-        All speeds and coordinates, and how their deviations follow.
+        All speeds, coordinates and states of signals, and how their deviations follow.
     """
 
     out: Floats
@@ -103,8 +111,10 @@ def select(
     chosen = [turned.names[k] for k in q.independent]
     rates = {f"{name}_dot" for name in chosen}
     u = _choose("speeds", slopes.jacobian * u_sizes, eqs.speed_names, speeds, (), rates)
-    names = tuple(eqs.speed_names[k] for k in u.independent) + tuple(chosen)
-    return Selection(names, u, q, u_sizes, q_sizes, _notes(q, u, names, asked))
+    names = (*(eqs.speed_names[k] for k in u.independent), *chosen, *eqs.signal_state_names)
+    first = np.abs(np.array(list(state.s.values()), dtype=np.float64))
+    s_sizes = np.where(first > 0.0, first, 1.0)
+    return Selection(names, u, q, u_sizes, q_sizes, _notes(q, u, names, asked), s_sizes)
 
 
 def basis(eqs: EquationSet, q_values: Floats, slopes: Slopes, selection: Selection) -> Basis:
@@ -113,7 +123,7 @@ def basis(eqs: EquationSet, q_values: Floats, slopes: Slopes, selection: Selecti
     q, u, q_sizes, u_sizes = selection.coordinates, selection.speeds, selection.q_sizes, selection.u_sizes
     positions, rows = slopes.position_jacobian @ turned.out * q_sizes, slopes.jacobian * u_sizes
     R_q, R_u = dependence_matrix(positions, q, q_sizes), dependence_matrix(rows, u, u_sizes)
-    bent = slopes.of_velocity_rows[:, len(u_sizes) :] @ turned.out @ R_q
+    bent = slopes.of_velocity_rows[:, len(u_sizes) : len(u_sizes) + len(q_values)] @ turned.out @ R_q
     W = np.zeros((len(u_sizes), R_q.shape[1]))
     if u.dependent:
         W[list(u.dependent)] = -solve_dependent(rows, u, bent) * u_sizes[list(u.dependent), np.newaxis]
@@ -128,11 +138,15 @@ def basis(eqs: EquationSet, q_values: Floats, slopes: Slopes, selection: Selecti
     turning = np.zeros((n_u + n_q, n_u + n_q))
     turning[n_u:, n_u:] = turned.turning[list(q.independent)] @ R_q
     out = np.vstack([recovery[: len(u_sizes)], turned.out @ recovery[len(u_sizes) :]])
-    return Basis(out, back, turning, eqs.speed_names + turned.names, recovery)
+    alone = np.eye(selection.s_sizes.size)  # signals follow from nothing else
+    out, back, recovery = (scipy.linalg.block_diag(part, alone) for part in (out, back, recovery))
+    turning = scipy.linalg.block_diag(turning, 0.0 * alone)
+    return Basis(out, back, turning, (*eqs.speed_names, *turned.names, *eqs.signal_state_names), recovery)
 
 
 def _local_rotations(eqs: EquationSet, q: Floats, slopes: Slopes) -> Rotations:
-    return rotations(eqs, q, slopes.rates[len(eqs.speed_names) :])
+    n_u = len(eqs.speed_names)
+    return rotations(eqs, q, slopes.rates[n_u : n_u + len(q)])
 
 
 def _split_names(

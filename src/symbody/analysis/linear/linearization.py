@@ -20,7 +20,7 @@ from symbody.single_flight import SingleFlight
 Floats = NDArray[np.float64]
 
 
-class StateSpace(NamedTuple):
+class LinearMatrices(NamedTuple):
     """The matrices of ``x' = A x + B r``, ``y = C x + D r``."""
 
     A: Floats
@@ -36,7 +36,8 @@ class Linearization(Displayed):
     Attributes
     ----------
     A, B, C, D : arrays
-        (n, n), (n, n_r), (n_y, n), (n_y, n_r); x are independent speeds, then independent coordinates.
+        (n, n), (n, n_r), (n_y, n), (n_y, n_r); x are independent speeds, then independent
+        coordinates, then the states of signals.
     state_names, input_names, output_names : tuple of str
         Names of the quantities that x, r, y are deviations of. The rotation vector of a quaternion's joint
         from its attitude in that motion is ``<joint>_rx, _ry, _rz`` [rad], in its end axes there, which turn
@@ -86,9 +87,9 @@ class Linearization(Displayed):
         return iter(self.state_space)
 
     @property
-    def state_space(self) -> StateSpace:
+    def state_space(self) -> LinearMatrices:
         """The matrices as a named tuple."""
-        return StateSpace(self.A, self.B, self.C, self.D)
+        return LinearMatrices(self.A, self.B, self.C, self.D)
 
     @property
     def eigenvalues(self) -> NDArray[np.complex128]:
@@ -117,7 +118,7 @@ class Linearization(Displayed):
 
     @checked_arguments
     def recover(self, deviations: Mapping[str, float] | ArrayLike) -> dict[str, Floats]:
-        """Return the deviations of all speeds and coordinates, dependent ones too, by name.
+        """Return the deviations of all speeds, coordinates and signals, dependent ones too, by name.
 
         Parameters
         ----------

@@ -106,7 +106,7 @@ def _state(
     if isinstance(at, State):
         if parameters is None and inputs is None and at.eqs is eqs:
             return at
-        values = {**at.q, **at.u}
+        values = {**at.q, **at.u, **at.s}
         inputs_there = at.inputs if inputs is None else inputs
         chosen = at.parameters if parameters is None else parameters
         return assemble(eqs, values, None, chosen, inputs_there, at.t, scales=scales)

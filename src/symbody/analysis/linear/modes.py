@@ -7,6 +7,7 @@ came from. Whatever is nearer to the imaginary axis is on it.
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,13 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig, matrix_balance
 
-from symbody.analysis.value_lines import mode_line, mode_table
 from symbody.notebook import Displayed
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 _EPS: Final = float(np.finfo(float).eps)
+_MOST_MODES: Final = 24  # rows of a table
+_MOST_COMPONENTS: Final = 6  # of a shape in one line
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -44,7 +46,7 @@ class Mode(Displayed):
     shape: Mapping[str, complex]
 
     def __repr__(self) -> str:
-        return f"Mode of {mode_line(self)}"
+        return f"Mode of {_mode_line(self)}"
 
     @property
     def frequency(self) -> float:
@@ -71,7 +73,7 @@ class Modes(tuple[Mode, ...], Displayed):
     __slots__ = ()
 
     def __repr__(self) -> str:
-        return mode_table(self)
+        return _mode_table(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,3 +128,68 @@ def _verdict(modes: Sequence[Mode], slopes: Floats, level: float) -> str:
     if any(abs(mode.eigenvalue.real) <= mode.tolerance for mode in modes):
         return "marginal"
     return "stable"
+
+
+def _mode_line(mode: Mode) -> str:
+    """Return one mode as a line: eigenvalue, what engineers call it, and its shape."""
+    facts = [f"frequency {mode.frequency:.5g} rad/s"] if mode.eigenvalue.imag else []
+    if mode.eigenvalue.imag:
+        facts.append(f"damping ratio {_plain(mode.damping_ratio)}")
+    elif math.isfinite(mode.time_constant):
+        facts.append(f"time constant {_plain(mode.time_constant)} s")
+    facts.append(f"shape {_shape_line(mode)}")
+    return f"eigenvalue {_complex(eigenvalue_on_axes(mode))} 1/s: {', '.join(facts)}"
+
+
+def _mode_table(modes: Sequence[Mode]) -> str:
+    """Return modes as a table, a pair of conjugate eigenvalues in one row."""
+    heading = ("eigenvalue [1/s]", "frequency [rad/s]", "damping ratio", "time constant [s]", "shape")
+    single = [mode for mode in modes if mode.eigenvalue.imag >= 0.0]
+    rows = [
+        (_complex(eigenvalue_on_axes(mode), pair=True), *map(_plain, _figures(mode)), _shape_line(mode))
+        for mode in single[:_MOST_MODES]
+    ]
+    widths = [max(map(len, column)) for column in zip(heading, *rows, strict=True)]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in (heading, *rows)
+    ]
+    more = len(single) - _MOST_MODES
+    return "\n".join([*lines, *([f"... and {more} more"] if more > 0 else [])])
+
+
+def _figures(mode: Mode) -> tuple[float, float, float]:
+    return mode.frequency, mode.damping_ratio, mode.time_constant
+
+
+def eigenvalue_on_axes(mode: Mode) -> complex:
+    """Return the eigenvalue with 0 for a real part that is rounding."""
+    value = mode.eigenvalue
+    return value if abs(value.real) > mode.tolerance else complex(0.0, value.imag)
+
+
+def _plain(value: float) -> str:
+    return f"{value + 0.0:.5g}" if math.isfinite(value) else "-"  # no minus before 0
+
+
+def _complex(value: complex, pair: bool = False) -> str:
+    if not value.imag:
+        return f"{value.real + 0.0:.5g}"
+    sign = "+-" if pair else "-" if value.imag < 0.0 else "+"
+    return f"{value.real + 0.0:.5g} {sign} {abs(value.imag):.5g}i"
+
+
+def _shape_line(mode: Mode) -> str:
+    """Return the components, the largest first, with their phases where they are not in line with it."""
+    ranked = sorted(mode.shape.items(), key=lambda item: -abs(item[1]))
+    texts = [f"{name} {_component(complex(value))}" for name, value in ranked[:_MOST_COMPONENTS]]
+    return ", ".join([*texts, *(["..."] if len(ranked) > _MOST_COMPONENTS else [])])
+
+
+def _component(value: complex) -> str:
+    size, phase = abs(value), math.degrees(cmath.phase(value))
+    if size < 1e-9:
+        return "0"
+    if min(abs(phase), 180.0 - abs(phase)) < 0.05:
+        return f"{value.real:.3g}"
+    return f"{size:.3g} at {phase:.3g} deg"

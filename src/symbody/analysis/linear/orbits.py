@@ -78,9 +78,11 @@ class Orbit:
         """Return the linear equations at a state."""
         slopes = self.function.evaluate(q, u)
         space = basis(self.function.eqs, q, slopes, self.selection)
-        independent = len(self.selection.speeds.independent)
+        at = len(self.selection.speeds.independent)
+        coordinates = slice(at, at + len(self.selection.coordinates.independent))
+        rows = slice(len(u), len(u) + len(self.selection.q_sizes))
         return OrbitPlace(
-            q, u, slopes, space.recovery[len(u) :, independent:],
+            q, u, slopes, space.recovery[rows, coordinates],
             scale_matrices(matrices(slopes, space), self.selection),
             scale_matrices(term_sizes(slopes, space), self.selection),
             ROUNDING * relative_error(slopes, space, self.selection),
@@ -94,16 +96,17 @@ class Orbit:
         """
         names = self.selection.names
         at = len(self.selection.speeds.independent)
+        end = at + len(self.selection.coordinates.independent)
         rates = start.matrices.affine.copy()
         rates[[k for k, name in enumerate(names) if name not in self.cyclic]] = 0.0
         rates[np.abs(rates) <= AT_REST * natural_rate(start, self.selection)] = 0.0
         running = [name for name, rate in zip(names, rates, strict=True) if rate]
         if not set(running).isdisjoint(self.shown):
-            yield running, (rates / np.abs(rates).max() * self.selection.sizes)[at:]
+            yield running, (rates / np.abs(rates).max() * self.selection.sizes)[at:end]
         for name in self.shown:
             if [name] != running and self._is_alone(name):
                 k = names.index(name)
-                yield [name], (np.eye(len(names))[k] * self.selection.sizes)[at:]
+                yield [name], (np.eye(len(names))[k] * self.selection.sizes)[at:end]
 
     def _is_alone(self, name: str) -> bool:
         """Return whether no constraint reads a coordinate."""
@@ -111,7 +114,7 @@ class Orbit:
         eqs, graph = function.eqs, function.eqs.formed.graph
         if name not in eqs.coordinate_names:
             return False
-        constrained = len(eqs.speed_names) + len(eqs.coordinate_names) + len(function.outputs)
+        constrained = len(eqs.state_names) + len(function.outputs)
         return symbol_node(function, name) not in symbols_of(graph, function.nodes[constrained:])
 
     def places(self, start: OrbitPlace, names: Sequence[str], step: Floats) -> Iterator[OrbitPlace]:
@@ -138,7 +141,7 @@ class Orbit:
 
         def evaluate(q: Floats) -> LinearConstraints:
             slopes = self.function.evaluate(q, u)
-            turned = rotations(eqs, q, slopes.rates[len(u) :])
+            turned = rotations(eqs, q, slopes.rates[len(u) : len(u) + len(q)])
             rows = slopes.position_jacobian @ turned.out * chosen.q_sizes
             lengths = np.linalg.norm(rows, axis=1)
             lengths[lengths == 0.0] = 1.0
@@ -168,7 +171,9 @@ class Orbit:
 
 def natural_rate(place: OrbitPlace, selection: Selection) -> float:
     """Return the fastest rate that terms have alone [1/s]; those of all columns, as some may vanish."""
-    n, A = len(selection.speeds.independent), place.terms.A
+    n = len(selection.speeds.independent)
+    size = n + len(selection.coordinates.independent)  # signals are in other units
+    A = place.terms.A[:size, :size]
     quickest = np.abs(place.u / selection.u_sizes).max(initial=0.0)
     diagonal = max(A[:n, :n].max(initial=0.0), A[n:, n:].max(initial=0.0))
     return float(max(quickest, diagonal, math.sqrt(A[:n, n:].max(initial=0.0))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
@@ -17,10 +18,10 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.input_formulas import input_law_nodes
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.canonical import sub
 from symbody.expr.graph import TIME, SymbolKind
-from symbody.expr.language.formula import Formula
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
@@ -41,10 +42,10 @@ class Slopes:
 
     Attributes
     ----------
-    rates : (n_u + n_q,) array
+    rates : (n_u + n_q + n_s,) array
         x', speeds first.
     by_state, by_input : arrays
-        Of x', the outputs and the conditions on velocities by (u, q), and by the inputs.
+        Of x', the outputs and the conditions on velocities by (u, q, s), and by the inputs.
     outputs : int
         Number of scalars among the outputs.
     jacobian, position_jacobian, mass_matrix : arrays
@@ -68,17 +69,17 @@ class Slopes:
 
     @property
     def of_rates(self) -> Floats:
-        """Derivatives of x' by (u, q)."""
+        """Derivatives of x' by (u, q, s)."""
         return self.by_state[: len(self.rates)]
 
     @property
     def of_outputs(self) -> Floats:
-        """Derivatives of the outputs by (u, q)."""
+        """Derivatives of the outputs by (u, q, s)."""
         return self.by_state[len(self.rates) : len(self.rates) + self.outputs]
 
     @property
     def of_velocity_rows(self) -> Floats:
-        """Derivatives of J u + b by (u, q)."""
+        """Derivatives of J u + b by (u, q, s)."""
         return self.by_state[len(self.rates) + self.outputs :]
 
 
@@ -100,6 +101,8 @@ class SlopeFunction:
         Expressions at whose zeros derivatives jump.
     beside : (n,) array
         Values of these at a state as far away as the mechanism is large.
+    signals : (n_s,) array
+        States of signals, which stay what they are.
     """
 
     eqs: EquationSet
@@ -111,10 +114,11 @@ class SlopeFunction:
     switches: tuple[Switch, ...]
     beside: Floats
     function: CompiledFunction
+    signals: Floats
 
     def evaluate(self, q: Floats, u: Floats) -> Slopes:
         """Return the derivatives at a state."""
-        rates, states, loads, *others = self.function(self.t, q, u)
+        rates, states, loads, *others = self.function(self.t, q, u, s=self.signals)
         return Slopes(rates, states, loads, len(self.outputs), *others)
 
     def evaluate_finite(self, q: Floats, u: Floats) -> Slopes:
@@ -151,8 +155,9 @@ def slope_function(
     far = {"t": [state.t], "r": [], **_far_state(eqs, mechanism, state)}
     beside = np.array(evaluate_once(plan.wider, _KINKS, parameters, given, far)[0], dtype=np.float64)
     return SlopeFunction(
-        eqs, state.t, plan.outputs, plan.inputs, plan.timed, plan.nodes, plan.switches, beside, function
-    )
+        eqs, state.t, plan.outputs, plan.inputs, plan.timed, plan.nodes, plan.switches, beside, function,
+        np.array(list(state.s.values()), dtype=np.float64),
+    )  # fmt: skip
 
 
 class _SlopePlan(NamedTuple):
@@ -171,7 +176,8 @@ def _plan_slopes(eqs: EquationSet, outputs: Sequence[str], laws: Mapping[str, Va
     rates_and_outputs = [*eqs.roots("xdot").nodes, *(node for roots in shown for node in roots.nodes)]
     nodes = with_laws(eqs, [*rates_and_outputs, *eqs.roots("velocity_constraints").nodes], laws)
     inputs = tuple(symbol for symbol in eqs.formed.inputs if symbol.name not in laws)
-    by_state = partial_derivatives(eqs, _BY_STATE, nodes, (*eqs.formed.u, *eqs.formed.q))
+    states = (*eqs.formed.u, *eqs.formed.q, *eqs.formed.signal_states)
+    by_state = partial_derivatives(eqs, _BY_STATE, nodes, states)
     by_input = partial_derivatives(eqs, _BY_INPUT, nodes, inputs)
     between = switches(eqs, nodes)
     kinks = Roots(_KINKS, (len(between),), tuple(node for _, node in between))
@@ -187,12 +193,13 @@ def _plan_slopes(eqs: EquationSet, outputs: Sequence[str], laws: Mapping[str, Va
 
 
 def _far_state(eqs: EquationSet, scales: Scales, state: State) -> dict[str, list[float]]:
-    """Return coordinates and speeds that differ by what counts as large, without symmetry."""
+    """Return a state that differs by what counts as large, without symmetry; signals behind coordinates."""
     q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
     shares = np.cos(np.arange(1.0, 1.0 + q.size + u.size))
     fast = scales.displacements(eqs) / scales.time
     far = q + shares[: q.size] * scales.coordinates(eqs), u + shares[q.size :] * fast
-    return {"q": far[0].tolist(), "u": far[1].tolist()}
+    signals = [x + (abs(x) or 1.0) * math.cos(k) for k, x in enumerate(state.s.values(), q.size + u.size + 1)]
+    return {"q": [*far[0].tolist(), *signals], "u": far[1].tolist()}
 
 
 def _check_finite(
@@ -204,7 +211,7 @@ def _check_finite(
     if not bad.size:
         return
     row, column = (int(k) for k in bad[0])
-    names = (*eqs.speed_names, *eqs.coordinate_names)
+    names = eqs.state_names
     by = ("", *names, *inputs)[column]
     what = f"{names[row]}' has no finite {f'derivative by {by}' if by else 'value'} here"
     raise AssemblyError(
@@ -216,12 +223,11 @@ def _check_finite(
 
 def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:
     """Return the inputs that depend on states or time; values in parameters are points to deviate from."""
-    names, graph = eqs.formed.names, eqs.formed.graph
+    graph = eqs.formed.graph
     laws = {}
-    for name, value in inputs.items():
-        node = names.expression(Formula.from_value(value, where=f"input {name}"), f"input {name}").index
+    for name, node in input_law_nodes(eqs.formed, inputs).items():
         if any(graph.symbols[graph.left[s]].kind != SymbolKind.PARAMETER for s in symbols_of(graph, [node])):
-            laws[name] = value
+            laws[name] = inputs[name]
     return laws
 
 

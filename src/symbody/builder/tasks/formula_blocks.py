@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
-from symbody.builder.tasks.term_spans import with_spans
 from symbody.errors import SymbodyError
 from symbody.expr.graph import Graph
 from symbody.expr.printing.latex import to_latex_with_definitions
-from symbody.expr.printing.mathml import to_mathml_with_definitions
-from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
+from symbody.expr.printing.mathml import to_mathml, to_mathml_with_definitions
+from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix, terms_of
 from symbody.expr.rewrite import operation_count, tree_sizes
 from symbody.expr.sympy_bridge import to_sympy
 
@@ -164,7 +165,7 @@ def _mathml(graph: Graph, block: FormulaBlock, nodes: Sequence[int], latex: str)
     sides = [(_side(label, written, "mathml"), right) for label, right in _pairs(block, written)]
     if block.spans and not named:
         sides = [
-            (with_spans(graph, spans, left), with_spans(graph, spans, right))
+            (_with_spans(graph, spans, left), _with_spans(graph, spans, right))
             for spans, (left, right) in zip(block.spans, sides, strict=True)
         ]
     return math_element(mathml_equations([*sides, *definitions]), block=True)
@@ -212,3 +213,38 @@ def _pairs(block: FormulaBlock, written: _BlockTexts) -> list[tuple[Label | int,
 
 def _side(label: Label | int, written: _BlockTexts, kind: str) -> str:
     return written.texts[label] if isinstance(label, int) else str(getattr(label, kind))
+
+
+def _with_spans(graph: Graph, spans: Mapping[int, str], formula: str) -> str:
+    """Return a formula whose terms bear the spans they are known under.
+
+    Parameters
+    ----------
+    spans : mapping of node to str
+        Terms that may stand in it.
+    formula : str
+        MathML of a sum.
+    """
+    marks = {_strip_sign(to_mathml(graph, node)): span for node, span in spans.items()}
+    parts = []
+    for elements in terms_of(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>"))):
+        signs, unsigned = _split_sign(elements)
+        span = marks.get("".join(map(_text, unsigned)))
+        inner = "".join(map(_text, unsigned))
+        parts.append("".join(map(_text, signs)))
+        parts.append(inner if span is None else f'<mrow data-span="{span}">{inner}</mrow>')
+    return "".join(parts)
+
+
+def _strip_sign(formula: str) -> str:
+    _, unsigned = _split_sign(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>")))
+    return "".join(map(_text, unsigned))
+
+
+def _split_sign(elements: list[Element]) -> tuple[list[Element], list[Element]]:
+    is_sign = bool(elements) and elements[0].tag == "mo" and elements[0].text in ("+", "\u2212")
+    return (elements[:1], elements[1:]) if is_sign else ([], elements)
+
+
+def _text(element: Element) -> str:
+    return ElementTree.tostring(element, encoding="unicode")

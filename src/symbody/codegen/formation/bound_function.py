@@ -19,6 +19,7 @@ from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.input_formulas import input_formula
 from symbody.errors import CompileError, ExpressionError
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Graph
@@ -226,7 +227,7 @@ def _split_inputs(
         if type(value) is int or (type(value) is float and math.isfinite(value)):
             numbers[name] = float(value)
             continue
-        formula = Formula.from_value(plain_value(value), where=f"input {name}")
+        formula = input_formula(plain_value(value), name)
         number = formula.constant()
         if number is None:
             formulas[name] = formula

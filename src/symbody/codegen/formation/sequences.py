@@ -15,11 +15,11 @@ from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.input_formulas import input_law_nodes
 from symbody.errors import CompileError, ExpressionError
 from symbody.expr.deadline import begin
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Graph
-from symbody.expr.language.formula import Formula
 from symbody.expr.parser import parse_angle
 from symbody.expr.rewrite import substitute, substitute_into, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
@@ -89,7 +89,7 @@ def outputs_sequence(
     """
     nodes = dict(replacements) | input_nodes(eqs, inputs, replacements)
     left = tuple(name for name in eqs.input_names if name not in inputs and name not in arguments)
-    signature = Signature(eqs.coordinate_names, eqs.speed_names, left, arguments)
+    signature = Signature(eqs.coordinate_names, eqs.speed_names, left, arguments, eqs.signal_state_names)
     try:
         roots = []
         for name in outputs:
@@ -216,8 +216,5 @@ def input_nodes(eqs: EquationSet, given: Mapping[str, Value], known: Mapping[int
     problems = [unknown_name("input", name, eqs.input_names) for name in given if name not in eqs.input_names]
     if problems:
         raise CompileError(*problems)
-    result = {}
-    for name, value in given.items():
-        node = names.expression(Formula.from_value(value, where=f"input {name}"), f"input {name}").index
-        result[names.value(name).index] = substitute(graph, [node], known)[0]
-    return result
+    laws = input_law_nodes(eqs.formed, given)
+    return {names.value(name).index: substitute(graph, [node], known)[0] for name, node in laws.items()}

@@ -17,7 +17,16 @@ from symbody.codegen.kernels.dialect import (
 )
 from symbody.codegen.kernels.tree import KernelTree, Type
 
+# Powers of 1, and of -1 with an infinite exponent, are 1 as in C; here they would be nan.
+POWER: Final = """\
+function symbody_pow(base, exponent) {
+    if (base === 1 || (base === -1 && Math.abs(exponent) === Infinity)) return 1;
+    return Math.pow(base, exponent);
+}
+"""
+
 _HELPERS: Final = {
+    "pow": POWER,
     "exponent": """\
 const symbody_number = new Float64Array(1), symbody_words = new Uint32Array(symbody_number.buffer);
 function symbody_exponent(x) {
@@ -63,7 +72,7 @@ JAVASCRIPT: Final = KernelDialect(
     head=_head,
     operators={"and": "&&", "or": "||", "neg": "-", "==": "===", "!=": "!=="},
     words=library_words("Math.") | {
-        "not": "!({0})", "abs": "Math.abs({0})", "sqrt": "Math.sqrt({0})",
+        "pow": "symbody_pow({0}, {1})", "not": "!({0})", "abs": "Math.abs({0})", "sqrt": "Math.sqrt({0})",
         "is_finite": "Number.isFinite({0})", "exponent": "symbody_exponent({0})",
         "min": "({1} < {0} ? {1} : {0})", "max": "({1} > {0} ? {1} : {0})",
         "power_of_two": "2 ** ({0})", "half": "Math.floor(({0}) / 2)", "real": "{0}",

@@ -63,9 +63,8 @@ def read_text(text: str, file: str) -> Mapping[str, KernelTree]:
             source.refuse(node, "only imports, constants and functions stand in a kernel file", "remove it")
     signatures = {name: (tuple(tree.parameters), tree.result) for name, tree in kernels.items()}
     signatures |= {node.name: read_signature(source, node) for node in definitions}
-    for node in definitions:
-        kernels[node.name] = FunctionReader(source, signatures, node).read()
-    return MappingProxyType(_mark_changes(_sort_by_calls(source, kernels)))
+    own = {node.name: FunctionReader(source, signatures, node).read() for node in definitions}
+    return MappingProxyType(_mark_changes(kernels, _sort_by_calls(source, own)))
 
 
 @cache
@@ -117,7 +116,7 @@ def _is_docstring(node: ast.stmt) -> bool:
 
 
 def _sort_by_calls(source: KernelSource, kernels: Mapping[str, KernelTree]) -> dict[str, KernelTree]:
-    calls = {name: sorted(called_kernels(tree.body)) for name, tree in kernels.items()}
+    calls = {name: sorted(called_kernels(tree.body) & kernels.keys()) for name, tree in kernels.items()}
     try:
         order = list(TopologicalSorter(calls).static_order())
     except CycleError as error:
@@ -125,9 +124,11 @@ def _sort_by_calls(source: KernelSource, kernels: Mapping[str, KernelTree]) -> d
     return {name: kernels[name] for name in order}
 
 
-def _mark_changes(kernels: Mapping[str, KernelTree]) -> dict[str, KernelTree]:
-    """Mark the parameters into which a kernel, or one that it calls, stores."""
-    marked: dict[str, KernelTree] = {}
+def _mark_changes(
+    imported: Mapping[str, KernelTree], kernels: Mapping[str, KernelTree]
+) -> dict[str, KernelTree]:
+    """Mark the parameters into which a kernel, or one that it calls, stores; imported ones have marks."""
+    marked = dict(imported)
     for name, tree in kernels.items():
         changed = changed_arrays(tree.body, marked)
         parameters = tuple(

@@ -10,22 +10,24 @@ import llvmlite.binding as binding
 from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
 from symbody.codegen.kernels.reader import read_kernels, read_text
 from symbody.codegen.kernels.tree import KernelTree
-from symbody.codegen.llvm.machine import environment, lanes, optimized_code
+from symbody.codegen.llvm.machine import environment, lanes, light_code, optimized_code
 from symbody.codegen.llvm.runtime import load
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
 
 _LIBRARIES: Final[list[binding.ResourceTracker]] = []  # functions live as long as these
 
 
-def load_kernels(module: str, names: Sequence[str]) -> Mapping[str, int]:
-    """Return the addresses of kernels that one file holds or imports, valid as long as the process lives."""
+def load_kernels(module: str, names: Sequence[str], *, light: bool = False) -> Mapping[str, int]:
+    """Return the addresses of kernels that one file holds or imports, valid as long as the process lives.
+
+    Those called once in a while are compiled in a third of the time with `light`.
+    """
     key = written_by() and b"\n".join([written_by(), module.encode(), *map(str.encode, names)])
     key = key and key + environment().encode()
     stored = read_module(key)
     if stored is None:
-        stored = Module(
-            (optimized_code(llvm_text(read_kernels(module, *names), names, lanes=lanes())),), 0, ()
-        )
+        text = llvm_text(read_kernels(module, *names), names, lanes=lanes())
+        stored = Module((light_code(text) if light else optimized_code(text),), 0, ())
         store_module(key, stored)
     return _addresses(stored, names)
 

@@ -1,1 +1,5 @@
 """Texts for other people's tools: Fortran, MATLAB and Octave, Julia, JAX, CasADi; one language a file."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -23,10 +23,8 @@ from symbody.expr.sequence import Input, Sequence
 
 GROUPS: Final = ("t", "q", "u", "r", "p", "c")
 
-_PARAMETERS: Final = ", ".join(
-    [f"const double *{g}" for g in GROUPS] + ["double *restrict out", "double *restrict work"]
-)
-_ARGUMENTS: Final = ", ".join((*GROUPS, "out", "work"))
+_ARGUMENTS: Final = (*GROUPS, "out", "work")
+_SIGNALS: Final = "s"  # the last argument, where a model has states of signals
 
 _EXPRESSIONS: Final = operation_formats(
     "",
@@ -79,6 +77,7 @@ def generate(
     names: Mapping[str, str] | None = None,
     *,
     piece_size: int = PIECE_SIZE,
+    has_signals: bool = False,
 ) -> str:
     """Return a C99 file with one function ``int name(t, q, u, r, p, c, out, work)``.
 
@@ -90,6 +89,8 @@ def generate(
         What inputs and outputs are to be called in the text instead of their own names.
     piece_size : int
         About how many operations go into one C function; results do not depend on it.
+    has_signals : bool
+        Whether states s of signals are one more argument, the last.
 
     Raises
     ------
@@ -107,25 +108,47 @@ def generate(
     shown |= {entry.name: entry.name for entry in sequence.outputs}
     shown |= names or {}
     labels = [shown[entry.name] for entry in sequence.inputs]
-    words = assign_identifiers(labels, lambda word: _is_reserved(word) or word == f"{name}_WORK_SIZE")
+    arguments = (*_ARGUMENTS, _SIGNALS) if has_signals else _ARGUMENTS
+    taken = {f"{name}_WORK_SIZE", *arguments}
+    words = assign_identifiers(labels, lambda word: _is_reserved(word) or word in taken)
     layout = TextLayout(sequence, plan, name, {}, {}, tuple(words), ())
     kernel = saddle_text(C).split("\n") if plan.results else []
-    head = [*_header(sequence, plan, name, shown, words), PREAMBLE, *kernel, *_interface(plan, name)]
-    return "\n".join([*head, *_functions(layout)]) + "\n"
+    head = [*_header(layout, arguments, shown), PREAMBLE, *kernel, *_interface(plan, name, arguments)]
+    return "\n".join([*head, *_functions(layout, arguments)]) + "\n"
+
+
+def _parameters(arguments: tuple[str, ...]) -> str:
+    """Return the parameters of a function as C declares them."""
+    kinds = {"out": "double *restrict ", "work": "double *restrict "}
+    return ", ".join(f"{kinds.get(name, 'const double *')}{name}" for name in arguments)
+
+
+def function_text(sequence: Sequence, name: str, *, piece_size: int = PIECE_SIZE) -> tuple[str, int]:
+    """Return a static function for a file that holds the kernels, and its doubles of scratch.
+
+    Parameters
+    ----------
+    name : str
+        Of the function; parts of it have numbers behind the name.
+    """
+    plan = plan_pieces(sequence, piece_size)
+    words = assign_identifiers([entry.name for entry in sequence.inputs], _is_reserved)
+    layout = TextLayout(sequence, plan, name, {}, {}, tuple(words), ())
+    return "\n".join(_functions(layout, _ARGUMENTS, "static int")) + "\n", plan.work_size
 
 
 def _is_reserved(word: str) -> bool:
     return word in _RESERVED or _RESERVED_FORM.fullmatch(word) is not None
 
 
-def _header(
-    sequence: Sequence, plan: Plan, name: str, shown: Mapping[str, str], words: list[str]
-) -> Iterator[str]:
+def _header(layout: TextLayout, arguments: tuple[str, ...], shown: Mapping[str, str]) -> Iterator[str]:
+    sequence, plan, name, words = layout.sequence, layout.plan, layout.name, layout.words
     yield "/*"
-    yield f" * int {name}({', '.join(GROUPS)}, out, work) computes {sequence.output_size} numbers"
+    yield f" * int {name}({', '.join(arguments)}) computes {sequence.output_size} numbers"
     yield f" * in {sequence.operation_count} operations. Written by symbody."
     yield " *"
-    yield " * Inputs: place, identifier, name; of t, q, u, r and p what is not listed is not read"
+    groups = "t, q, u, r, p and s" if _SIGNALS in arguments else "t, q, u, r and p"
+    yield f" * Inputs: place, identifier, name; of {groups} what is not listed is not read"
     listed = sorted(zip(sequence.inputs, words, strict=True), key=lambda pair: _place(pair[0]))
     for entry, word in listed:
         yield f" *   {entry.group}[{entry.position}]  {word}  {quote_name(shown[entry.name])}"
@@ -145,14 +168,14 @@ def _header(
 
 
 def _place(entry: Input) -> tuple[int, int]:
-    """Return what inputs are listed by: t, q, u, r, p, c, and the places in each."""
-    return GROUPS.index(entry.group), entry.position
+    """Return what inputs are listed by: t, q, u, r, p, c, s, and the places in each."""
+    return (*GROUPS, _SIGNALS).index(entry.group), entry.position
 
 
-def _interface(plan: Plan, name: str) -> Iterator[str]:
+def _interface(plan: Plan, name: str, arguments: tuple[str, ...]) -> Iterator[str]:
     yield f"#define {name}_WORK_SIZE {plan.work_size}"
     yield f"int {name}_work_size(void);"
-    yield f"int {name}({_PARAMETERS});"
+    yield f"int {name}({_parameters(arguments)});"
     yield ""
     yield f"int {name}_work_size(void)"
     yield "{"
@@ -160,35 +183,35 @@ def _interface(plan: Plan, name: str) -> Iterator[str]:
     yield "}"
 
 
-def _functions(layout: TextLayout) -> Iterator[str]:
+def _functions(layout: TextLayout, arguments: tuple[str, ...], kind: str = "int") -> Iterator[str]:
     name, pieces = layout.name, layout.plan.pieces
     if len(pieces) == 1:
-        yield from _piece_function(layout, pieces[0], f"int {name}")
+        yield from _piece_function(layout, pieces[0], f"{kind} {name}", arguments)
         return
     for k, piece in enumerate(pieces):
-        yield from _piece_function(layout, piece, f"static int {name}_{k}")
+        yield from _piece_function(layout, piece, f"static int {name}_{k}", arguments)
     yield ""
-    yield f"int {name}({_PARAMETERS})"
+    yield f"{kind} {name}({_parameters(arguments)})"
     yield "{"
     yield "    int status = 0, next;"
     for k in range(len(pieces)):
-        yield f"    next = {name}_{k}({_ARGUMENTS});"
+        yield f"    next = {name}_{k}({', '.join(arguments)});"
         yield "    if (!status) status = next;"
     yield "    return status;"
     yield "}"
 
 
-def _piece_function(layout: TextLayout, piece: Piece, head: str) -> Iterator[str]:
+def _piece_function(layout: TextLayout, piece: Piece, head: str, arguments: tuple[str, ...]) -> Iterator[str]:
     targets = {place: f"out[{place}]" for place in range(layout.sequence.output_size)}
     body = Statements(layout, piece, _DIALECT, targets).lines()
     words = {word for line in body for word in _WORD.findall(line)}  # no input is called as an array is
     yield ""
-    yield f"{head}({_PARAMETERS})"
+    yield f"{head}({_parameters(arguments)})"
     yield "{"
     if "status" in words:
         yield "    int status = 0;"
     yield from body
-    for array in (*GROUPS, "out", "work"):
+    for array in arguments:
         if array not in words:
             yield f"    (void){array};"
     yield f"    return {'status' if 'status' in words else '0'};"

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from math import prod
 from typing import Final
 
-from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT, SADDLE_CALL
+from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT, POWER, SADDLE_CALL
 from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
 from symbody.codegen.texts.layout import Language, TextLayout, TextWriter
@@ -46,17 +46,6 @@ _EXPRESSIONS: Final = operation_formats(
     },
 )
 
-# Powers of 1, and of -1 with an infinite exponent, are 1 as in C; here they would be nan.
-FUNCTIONS: Final = {
-    "symbody_pow": """
-function symbody_pow(base, exponent) {
-    if (base === 1 || (base === -1 && Math.abs(exponent) === Infinity)) return 1;
-    return Math.pow(base, exponent);
-}
-""",
-}
-
-
 DIALECT: Final = Dialect(
     _EXPRESSIONS, "    {name} = {value};",
     truth="{0} ? 1 : 0", is_true="{0} !== 0",
@@ -68,8 +57,8 @@ DIALECT: Final = Dialect(
 def _text(layout: TextLayout) -> str:
     """Return an ES module with ``name(t, q, u, r, p, out)`` and ``outputs()``."""
     lines = [*_head(layout), *_function(layout), *_pieces(layout)]
-    body = "\n".join(lines)
-    lines += [text.rstrip("\n") for called, text in FUNCTIONS.items() if f" {called}(" in body]
+    if " symbody_pow(" in "\n".join(lines):
+        lines += ["", POWER.rstrip("\n")]
     kernel = saddle_text(JAVASCRIPT, SADDLE_CALL).rstrip("\n").split("\n") if layout.plan.results else []
     return "\n".join([*lines, *([""] if kernel else []), *kernel]) + "\n"
 

@@ -17,6 +17,7 @@ Arguments = Mapping[str, Items[str]]
 
 WORDS: Final = {
     "t": "time", "q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "c": "constants",
+    "s": "states of signals",
 }  # fmt: skip
 WHOLE: Final = 2**62  # a piece size that no sequence reaches
 
@@ -57,7 +58,8 @@ class TextLayout:
     name : str
         Name of the function.
     sizes : mapping of group to int
-        How many numbers an argument has; groups in the order of the call, c only if it is read.
+        How many numbers an argument has; groups in the order of the call, c only if it is read, s only if
+        there are any.
     words : tuple of str
         Identifiers of the inputs of the sequence.
     results : tuple of str
@@ -101,7 +103,7 @@ class TextLayout:
         outputs = [output.name for output in sequence.outputs]
         words = assign_identifiers(
             [*outputs, *(entry.name for entry in sequence.inputs)],
-            lambda word: language.is_reserved(word) or word.lower() == own,
+            lambda word: language.is_reserved(word) or word.lower() in (own, "s" if "s" in labels else own),
         )
         count = len(outputs)
         sizes = {group: len(names) for group, names in labels.items()}
@@ -156,7 +158,8 @@ def _indices(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
 
 
 def _labels(sequence: Sequence, arguments: Arguments) -> dict[str, list[str]]:
-    groups = [group for group in WORDS if group != "c" or sequence.group_size("c")]
+    there = {"c": sequence.group_size("c") > 0, "s": "s" in arguments or sequence.group_size("s") > 0}
+    groups = [group for group in WORDS if there.get(group, True)]
     labels = {}
     for group in groups:
         size = 1 if group == "t" else sequence.group_size(group)

@@ -27,6 +27,7 @@ WIDTH: Final = 100
 
 _WORDS: Final = {
     "t": "time", "q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "c": "constants",
+    "s": "states of signals",
 }  # fmt: skip
 
 # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
@@ -39,13 +40,15 @@ _BUILTINS: Final = """
     round set slice sorted str sum super tuple type zip ArithmeticError TypeError ValueError ZeroDivisionError
 """.split()
 _RESERVED: Final = frozenset(
-    {*keyword.kwlist, *keyword.softkwlist, *_BUILTINS, *_WORDS}
+    {*keyword.kwlist, *keyword.softkwlist, *_BUILTINS, *_WORDS}.difference("s")
     | {"np", "math", "namedtuple", "Outputs", "batch", "out"}
 )
 _RESERVED_FORM: Final = re.compile(r"z\d+(_\d+)?")
 
 
-def generate(sequence: Sequence, name: str = "f", names: Mapping[str, str] | None = None) -> str:
+def generate(
+    sequence: Sequence, name: str = "f", names: Mapping[str, str] | None = None, *, has_signals: bool = False
+) -> str:
     """Return a Python module with one function ``name(t, q, u, r=(), p=())``, called as `compile`'s are.
 
     Products and sums that other languages contract are rounded one after the other.
@@ -56,6 +59,8 @@ def generate(sequence: Sequence, name: str = "f", names: Mapping[str, str] | Non
         Name of the function.
     names : mapping of str to str, optional
         What inputs and outputs are to be called in the text instead of their own names.
+    has_signals : bool
+        Whether states s of signals are one more argument, the last.
 
     Raises
     ------
@@ -69,7 +74,7 @@ def generate(sequence: Sequence, name: str = "f", names: Mapping[str, str] | Non
                     "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip
     plan = plan_pieces(sequence)
-    module = _Module(sequence, plan, name, names or {})
+    module = _Module(sequence, plan, name, names or {}, has_signals=has_signals)
     kernel = ["", "", *saddle_text(PYTHON, SADDLE_CALL).rstrip("\n").split("\n")] if plan.results else []
     return "\n".join([*module.head(), *kernel, "", "", *module.function()]) + "\n"
 
@@ -81,18 +86,22 @@ def _is_reserved(word: str) -> bool:
 class _Module:
     """Writes the parts of one module."""
 
-    def __init__(self, sequence: Sequence, plan: Plan, name: str, names: Mapping[str, str]) -> None:
+    def __init__(
+        self, sequence: Sequence, plan: Plan, name: str, names: Mapping[str, str], *, has_signals: bool
+    ) -> None:
         self._sequence = sequence
         self._plan = plan
         self._name = name
         self._labels = [names.get(entry.name, entry.name) for entry in sequence.inputs]
-        words = assign_identifiers(self._labels, lambda word: _is_reserved(word) or word == name)
+        taken = {name, "s"} if has_signals else {name}
+        words = assign_identifiers(self._labels, lambda word: _is_reserved(word) or word in taken)
         self._words = [
             "t" if entry.group == "t" else word for entry, word in zip(sequence.inputs, words, strict=True)
         ]
         self._results = [names.get(entry.name, entry.name) for entry in sequence.outputs]
         self._fields = assign_identifiers(self._results, keyword.iskeyword)
-        self._groups = [group for group in _WORDS if group != "c" or sequence.group_size("c")]
+        optional = {"c": bool(sequence.group_size("c")), "s": has_signals}
+        self._groups = [group for group in _WORDS if optional.get(group, True)]
 
     def head(self) -> Iterator[str]:
         """Yield the docstring and what is imported."""
@@ -112,7 +121,7 @@ class _Module:
         yield "Arguments: place, identifier, name"
         rows = zip(self._sequence.inputs, self._words, self._labels, strict=True)
         for entry, word, label in sorted(
-            rows, key=lambda row: ("tqurpc".index(row[0].group), row[0].position)
+            rows, key=lambda row: ("tqurpcs".index(row[0].group), row[0].position)
         ):
             place = "t" if entry.group == "t" else f"{entry.group}[{entry.position}]"
             yield f"  {place}  {word}  {quote_name(label)}"

@@ -68,18 +68,59 @@ def _scales(n, m, M, J):
         heaviest = ca.fmax(heaviest, M[j, j])
     masses = [ca.if_else(M[j, j] > 0.0, ca.fmax(M[j, j], 2.0**-40 * heaviest), heaviest) for j in range(n)]
     d = [_scale(mass, 2.0) for mass in masses]
-    r = []
-    for i in range(m):
-        top = ca.SX(0.0)
-        for j in range(n):
-            top = ca.fmax(top, ca.fabs(J[i, j]) * d[j])
-        r.append(_scale(top, 1.0))
+    r = _scale_rows(n, m, J, d)
+    massless = [j for j in range(n) if M[j, j].is_zero()]
+    if massless:
+        d = _scale_massless(n, m, J, massless, d, r)
+        r = _scale_rows(n, m, J, d)
     for j in range(n):
         top = ca.SX(0.0)
         for i in range(m):
             top = ca.fmax(top, ca.fabs(J[i, j]) * r[i] * d[j])
         d[j] = ca.if_else(M[j, j] > 0.0, d[j], d[j] * _scale(top, 1.0))
     return ca.vertcat(ca.SX(0, 1), *d), ca.vertcat(ca.SX(0, 1), *r)
+
+
+def _scale_rows(n, m, J, d):
+    """Powers of two that bring the largest entries of the rows of J to about 1."""
+    r = []
+    for i in range(m):
+        top = ca.SX(0.0)
+        for j in range(n):
+            top = ca.fmax(top, ca.fabs(J[i, j]) * d[j])
+        r.append(_scale(top, 1.0))
+    return r
+
+
+def _scale_massless(n, m, J, massless, start, r):
+    """Return the scales of columns; columns without mass get those of what rows of J couple them to."""
+    size = [[ca.fabs(J[i, j]) for j in range(n)] for i in range(m)]
+    for j in range(n):
+        top = ca.SX(0.0)
+        for i in range(m):
+            top = ca.fmax(top, size[i][j] * r[i])
+        for i in range(m):
+            size[i][j] = ca.if_else(size[i][j] * r[i] > 2.0**-40 * top, size[i][j], 0.0)
+    d = [ca.SX(0.0) if j in massless else start[j] for j in range(n)]
+    for _ in massless:
+        tops = []
+        for i in range(m):
+            tops.append(ca.SX(0.0))
+            for j in range(n):
+                tops[i] = ca.fmax(tops[i], size[i][j] * d[j])
+        chosen = {}
+        for j in massless:
+            least, most = ca.SX(1e150), ca.SX(0.0)
+            for i in range(m):
+                couples = ca.logic_and(size[i][j] > 0.0, tops[i] > 0.0)
+                ratio = tops[i] / ca.if_else(couples, size[i][j], 1.0)
+                least = ca.if_else(couples, ca.fmin(least, ratio), least)
+                most = ca.if_else(couples, ca.fmax(most, ratio), most)
+            fits = ca.logic_and(d[j] <= 0.0, most > 0.0)
+            chosen[j] = ca.if_else(fits, 1.0 / _scale(least * most, 2.0), d[j])
+        for j in massless:
+            d[j] = chosen[j]
+    return [ca.if_else(d[j] > 0.0, d[j], start[j]) for j in range(n)]
 
 
 def _factor_rows(n, m, A, steps):

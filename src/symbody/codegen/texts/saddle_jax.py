@@ -48,11 +48,25 @@ def _power_of_two(x, share):
 def _scales(M, J):
     """Powers of two that bring diag(M) and the largest entries of the rows of J to about 1."""
     mass = jnp.diag(M)
-    heaviest = jnp.max(mass, initial=0.0)
-    d = _power_of_two(jnp.where(mass > 0.0, jnp.maximum(mass, 2.0**-40 * heaviest), heaviest), 2)
+    heaviest, massless = jnp.max(mass, initial=0.0), ~(mass > 0.0)
+    d = _power_of_two(jnp.where(massless, heaviest, jnp.maximum(mass, 2.0**-40 * heaviest)), 2)
+    r = _power_of_two(jnp.max(jnp.abs(J) * d, axis=1, initial=0.0), 1)
+    share = jnp.abs(J) * r[:, None]
+    size = jnp.where(share > 2.0**-40 * jnp.max(share, axis=0, initial=0.0), jnp.abs(J), 0.0)
+
+    def scale_neighbors(_, d):  # columns that share a row with one that has a scale
+        top = jnp.max(size * d, axis=1, initial=0.0)[:, None]
+        ratio, couples = top / jnp.where(size > 0.0, size, 1.0), (size > 0.0) & (top > 0.0)
+        least = jnp.min(jnp.where(couples, ratio, jnp.inf), axis=0, initial=jnp.inf)
+        most = jnp.max(jnp.where(couples, ratio, 0.0), axis=0, initial=0.0)
+        product = jnp.where(most > 0.0, least, 0.0) * most
+        return jnp.where((d > 0.0) | ~(most > 0.0), d, 1.0 / _power_of_two(product, 2))
+
+    d = _repeat(len(mass), scale_neighbors, jnp.where(massless, 0.0, d))
+    d = jnp.where(d > 0.0, d, _power_of_two(heaviest, 2))
     r = _power_of_two(jnp.max(jnp.abs(J) * d, axis=1, initial=0.0), 1)
     top = jnp.max(jnp.abs(J) * r[:, None] * d, axis=0, initial=0.0)
-    return jnp.where(mass > 0.0, d, d * _power_of_two(top, 1)), r
+    return jnp.where(massless, d * _power_of_two(top, 1), d), r
 
 
 def _factor_saddle(n, m, M, J):

@@ -6,31 +6,40 @@ own, and its frames are entered one step after another. Nothing after this file 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from symbody.equations.by_hand.energies_by_hand import kinetic_energy
-from symbody.equations.by_hand.frames import Chain, frame_names, frame_steps
-from symbody.equations.by_hand.loads_by_hand import loads_by_hand
-from symbody.equations.by_hand.mechanism import MechanismByHand
+from symbody.equations.by_hand.energies_by_hand import is_on_velocities, kinetic_energy
+from symbody.equations.by_hand.frames import Chain, convert_vector, frame_names, frame_steps, position_of
+from symbody.equations.by_hand.mechanism import MechanismByHand, PlacedBody, PlacedForce, PlacedLoad
 from symbody.equations.by_hand.restated import Restatement
-from symbody.equations.by_hand.rows_by_hand import rows_by_hand
+from symbody.equations.constraints.couplings import velocity_equation
+from symbody.equations.constraints.frame_constraints import time_partial
+from symbody.equations.constraints.integrability import is_integrable
 from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.load import Load, Moment, PointForce
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Dynamics, Formulation
 from symbody.equations.formulations.lagrange import project_energies
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation, scalar_equation
 from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import model_names
 from symbody.equations.kinematics.placements import differentiate_placements
 from symbody.equations.kinematics.variables import Variables
+from symbody.equations.loads.loads import Loads
 from symbody.equations.system import MultibodySystem
+from symbody.errors import FormulationError, Problem
+from symbody.expr.expression import Expr, number
+from symbody.expr.fingerprint import find_zeros
 from symbody.expr.graph import Graph, Symbol, SymbolKind
+from symbody.expr.printing.text import to_text
 from symbody.expr.trigonometry.whole_turns import turning_symbols
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
 from symbody.model.model import Model
 from symbody.spatial.dyadic import symmetric_split
 from symbody.spatial.placed import homogeneous
+from symbody.spatial.vector import cross, dot
 
 
 def derive_by_hand(
@@ -63,7 +72,7 @@ def derive_by_hand(
     placed = Restatement(graph, {}).mechanism(mechanism)
     variables = _variables(graph, coordinates)
     kinematics, frames = _kinematics(graph, placed, variables, formulation)
-    rows, notes = rows_by_hand(placed, kinematics)
+    rows, notes = _rows_by_hand(placed, kinematics)
     system = MultibodySystem(
         names=model_names(graph, model.parameters, model.inputs, coordinates),
         topology=Topology(model, (), SpanningTree((), ()), SpanningTree((), ()), ()),
@@ -73,7 +82,7 @@ def derive_by_hand(
         bodies=tuple(
             Inertia(body.name, body.mass, symmetric_split(body.name, body.tensor)) for body in placed.bodies
         ),
-        loads=loads_by_hand(placed, kinematics, frames),
+        loads=_loads_by_hand(placed, kinematics, frames),
         rotors={},
         rows=rows,
     )
@@ -122,3 +131,88 @@ def _variables(graph: Graph, coordinates: Sequence[str]) -> Variables:
     q = tuple(Symbol(name, SymbolKind.COORDINATE) for name in coordinates)
     rates = {graph.symbol(symbol): graph.symbol(symbol.derivative) for symbol in q}
     return Variables(q, tuple(symbol.derivative for symbol in q), rates, (), {})
+
+
+def _loads_by_hand(mechanism: MechanismByHand, kinematics: Kinematics, names: Mapping[Chain, str]) -> Loads:
+    """Return the loads of a mechanism; weights have the only potential energy."""
+    tree, graph = kinematics.tree, kinematics.graph
+    weights: list[Load] = []
+    potential = power = number(graph, 0)
+    if mechanism.gravity is not None:
+        gravity = convert_vector(names, mechanism.gravity)
+        for body in mechanism.bodies:
+            weight = gravity * body.mass
+            weights.append(PointForce(body.name, weight))
+            potential = potential - dot(tree, kinematics.position("ground", body.name), weight)
+    others: list[Load] = []
+    for load in mechanism.loads:
+        for on, sign in ((load.on, 1), (load.reaction_on, -1)):
+            if on is not None:
+                found, spent = _load_on_body(kinematics, names, load, on, sign)
+                others.append(found)
+                power = power + spent
+    return Loads((*weights, *others), potential, power, {}, tuple(others))
+
+
+def _load_on_body(
+    kinematics: Kinematics, names: Mapping[Chain, str], load: PlacedLoad, body: PlacedBody, sign: int
+) -> tuple[Load, Expr]:
+    """Return what a load does to one body, and its power there."""
+    tree = kinematics.tree
+    acting = convert_vector(names, load.vector) * sign
+    w = kinematics.angular_velocities[body.name].value
+    if not isinstance(load, PlacedForce):
+        return Moment(body.name, acting), dot(tree, acting, w)
+    arm = position_of(kinematics, names, body, load.point)
+    v = kinematics.velocities[body.name].value + cross(tree, w, arm)
+    return PointForce(body.name, acting, arm), dot(tree, acting, v)
+
+
+def _rows_by_hand(
+    mechanism: MechanismByHand, kinematics: Kinematics
+) -> tuple[tuple[ConstraintEquation, ...], tuple[str, ...]]:
+    """Return the rows, those on positions first, and what is said of them.
+
+    Raises
+    ------
+    FormulationError
+        If one is not of first degree in the rates, or holds nothing that moves.
+    """
+    rows, notes, problems = [], [], []
+    for row in sorted(_rows(mechanism, kinematics), key=lambda row: not row.is_holonomic):
+        graph = kinematics.graph
+        idle = all(find_zeros(graph, [slope.index for slope in row.jacobian.values()]))
+        left = row.value if row.is_holonomic else row.drift
+        if not idle:
+            rows.append(row)
+            if not row.is_holonomic and is_integrable(kinematics, row):
+                notes.append(
+                    f"constraint {row.element}: it constrains rates, but it is the rate of a constraint on "
+                    "positions, which would keep them from drifting; write it in coordinates"
+                )
+        elif find_zeros(graph, [left.index])[0]:
+            notes.append(f"constraint {row.element}: it holds identically and is dropped")
+        else:
+            problems.append(_never(row, to_text(graph, left.index)))
+    if problems:
+        raise FormulationError(*problems)
+    return tuple(rows), tuple(notes)
+
+
+def _rows(mechanism: MechanismByHand, kinematics: Kinematics) -> Iterator[ConstraintEquation]:
+    for constraint in mechanism.constraints:
+        for value, name in zip(constraint.values, constraint.multipliers, strict=True):
+            if is_on_velocities(kinematics.graph, value.index):
+                row = velocity_equation(kinematics, name, value, f"constraint {name}")
+                yield replace(row, name=name, driven=-row.drift)
+            else:
+                row = scalar_equation(kinematics, name, name, value)
+                yield replace(row, driven=-time_partial(value))
+
+
+def _never(row: ConstraintEquation, left: str) -> Problem:
+    return Problem(
+        "by_hand.never_closed", f"constraint {row.element}",
+        f"its left-hand side is {left}, whatever moves",
+        "no coordinate is in it", "leave it out, or write it in the coordinates it holds",
+    )  # fmt: skip

@@ -8,13 +8,10 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.equations.constraints.couplings import coupling_equations, written_equations
-from symbody.equations.constraints.directions import (
-    angle_equations,
-    parallel_equations,
-    perpendicular_equations,
-)
+from symbody.equations.constraints.frame_constraints import pair_equation
 from symbody.equations.constraints.points import (
     curve_equations,
+    direction,
     distance_equations,
     line_equations,
     plane_equations,
@@ -22,9 +19,11 @@ from symbody.equations.constraints.points import (
 )
 from symbody.equations.constraints.rolling import blade_equations, rolling_equations
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
+from symbody.equations.kinematics.joint_axes import perpendiculars
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.model.constraint import ConstraintElement
+from symbody.expr.expression import Expr, cos
+from symbody.model.constraint import ConstraintElement, FrameConstraint
 from symbody.model.constraints import (
     Angle,
     Belt,
@@ -42,6 +41,45 @@ from symbody.model.constraints import (
     RackPinion,
     Rolling,
 )
+from symbody.spatial.matrix import Triple
+from symbody.spatial.vector import cross, dot, vector
+
+
+def _parallel_equations(
+    names: Names, kinematics: Kinematics, parallel: Parallel
+) -> Iterator[ConstraintEquation]:
+    """Return two rows: the direction of end stands on two perpendiculars of that of start."""
+    first, second = (direction(names, parallel, axis) for axis in parallel.axes)
+    for across in perpendiculars(names.graph, first):
+        yield _cosine_equation(kinematics, parallel, across, second)
+
+
+def _perpendicular_equations(
+    names: Names, kinematics: Kinematics, pair: Perpendicular
+) -> Iterator[ConstraintEquation]:
+    """Return the row of a cosine of 0."""
+    first, second = (direction(names, pair, axis) for axis in pair.axes)
+    yield _cosine_equation(kinematics, pair, first, second)
+
+
+def _angle_equations(names: Names, kinematics: Kinematics, pair: Angle) -> Iterator[ConstraintEquation]:
+    """Return the row of a cosine."""
+    first, second = (direction(names, pair, axis) for axis in pair.axes)
+    cosine = cos(names.expression(pair.value, f"constraint {pair.name}"))
+    yield _cosine_equation(kinematics, pair, first, second, cosine)
+
+
+def _cosine_equation(
+    kinematics: Kinematics, pair: FrameConstraint, first: Triple, second: Triple, target: Expr | None = None
+) -> ConstraintEquation:
+    """Return ``a . b - target = 0`` for a fixed in start and b fixed in end."""
+    tree = kinematics.tree
+    a, b = (
+        vector(tree.orientation_frame(pair.start.full_name), first),
+        vector(tree.orientation_frame(pair.end.full_name), second),
+    )
+    return pair_equation(kinematics, pair, value=dot(tree, a, b), moment=cross(tree, b, a), target=target)
+
 
 # Each maker takes the class it stands beside.
 _MAKERS: Final[
@@ -53,9 +91,9 @@ _MAKERS: Final[
         PointOnPlane: plane_equations,
         PointOnCurve: curve_equations,
         PointOnSurface: surface_equations,
-        Parallel: parallel_equations,
-        Perpendicular: perpendicular_equations,
-        Angle: angle_equations,
+        Parallel: _parallel_equations,
+        Perpendicular: _perpendicular_equations,
+        Angle: _angle_equations,
         KnifeEdge: blade_equations,
         Rolling: rolling_equations,
         Gear: coupling_equations,

@@ -41,14 +41,14 @@ def distance_equations(names: Names, kinematics: Kinematics, rod: Distance) -> I
 def line_equations(names: Names, kinematics: Kinematics, line: PointOnLine) -> Iterator[ConstraintEquation]:
     """Return a row for each of two directions across the line."""
     for across in perpendiculars(names.graph, direction(names, line, line.axis)):
-        yield _distance_equation(names, kinematics, line, across)
+        yield _distance_equation(kinematics, line, across)
 
 
 def plane_equations(
     names: Names, kinematics: Kinematics, plane: PointOnPlane
 ) -> Iterator[ConstraintEquation]:
     """Return the row along the normal."""
-    yield _distance_equation(names, kinematics, plane, direction(names, plane, plane.axis))
+    yield _distance_equation(kinematics, plane, direction(names, plane, plane.axis))
 
 
 def curve_equations(
@@ -57,7 +57,7 @@ def curve_equations(
     """Return a row along each axis of start: the point stands where the parameter says."""
     places = names.triple(curve.curve, f"constraint {curve.name}")
     for axis, place in zip(unit_axes(names.graph), places, strict=True):
-        yield _distance_equation(names, kinematics, curve, axis, place)
+        yield _distance_equation(kinematics, curve, axis, place)
 
 
 def surface_equations(
@@ -81,7 +81,7 @@ def surface_equations(
 
 
 def _distance_equation(
-    names: Names, kinematics: Kinematics, contact: FrameConstraint, axis: Triple, place: Expr | None = None
+    kinematics: Kinematics, contact: FrameConstraint, axis: Triple, place: Expr | None = None
 ) -> ConstraintEquation:
     """Return the row of the distance of end from start along a direction fixed in start."""
     start = contact.start.full_name

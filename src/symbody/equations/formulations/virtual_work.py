@@ -41,7 +41,7 @@ def _project(system: MultibodySystem) -> ProjectedDynamics:
     place = {u: j for j, u in enumerate(speeds)}
     mass = [[zero] * len(speeds) for _ in speeds]
     forcing = [zero] * len(speeds)
-    motions = _free_motions(topology, kinematics, system.joint_roles)
+    motions = _free_motions(kinematics, system.joint_roles)
     for u, j in place.items():
         inertial = {
             body.frame: _unit_wrench(kinematics, body, u)
@@ -65,7 +65,7 @@ def _project(system: MultibodySystem) -> ProjectedDynamics:
 
 
 def _free_motions(
-    topology: Topology, kinematics: Kinematics, roles: Sequence[JointRole]
+    kinematics: Kinematics, roles: Sequence[JointRole]
 ) -> list[tuple[str, int, Vector, Vector]]:
     """Return (joint, speed, dv, dw): how the end of a joint moves relative to its start, seen from there."""
     tree = kinematics.tree

@@ -73,13 +73,13 @@ def _of_equations(equations: Sequence[SympyExpr], unknowns: tuple[SympyExpr, ...
         parted = separate(graph, rows, rates)
         pivots.update(dict.fromkeys(parted.pivots))
         if parted.dropped:
-            raise FormulationError(_undetermined_problem(graph, parted.dropped, len(levels), unknowns))
+            raise FormulationError(_undetermined_problem(parted.dropped, len(levels), unknowns))
         if not parted.algebraic:
             break
         levels.append(parted.algebraic)
         rows = [*parted.differential, *parted.rates]
         if len(levels) > len(unknowns):  # no regular system has a higher index [Hairer & Wanner 1996]
-            raise FormulationError(_undetermined_problem(graph, (), len(levels), unknowns))
+            raise FormulationError(_undetermined_problem((), len(levels), unknowns))
     shown, definitions = to_readable_sympy(
         graph, [*rows, *(node for level in levels for node in level), *pivots]
     )
@@ -103,9 +103,7 @@ def _check_number(count: int, unknowns: Sequence[SympyExpr]) -> None:
     )  # fmt: skip
 
 
-def _undetermined_problem(
-    graph: Graph, dropped: Sequence[int], rounds: int, unknowns: Sequence[SympyExpr]
-) -> Problem:
+def _undetermined_problem(dropped: Sequence[int], rounds: int, unknowns: Sequence[SympyExpr]) -> Problem:
     listed = ", ".join(map(str, dropped))
     what = (
         f"equation {listed} follows from the others" if dropped else "differentiation does not come to an end"

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names, model_names
+from symbody.equations.kinematics.tables import tables_of_time
 from symbody.equations.kinematics.variables import JointRole, Variables
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import time_derivative
@@ -27,7 +28,9 @@ def mechanism_names(graph: Graph, topology: Topology, roles: Iterable[JointRole]
         for name in speeds.names
     ]
     _check_clashes(topology, [*coordinates, *quasi])
-    names = model_names(graph, model.parameters, model.inputs, coordinates, quasi)
+    signals = [signal.name for signal in model.signals]
+    names = model_names(graph, model.parameters, model.inputs, coordinates, quasi, signals)
+    names = names.with_values(tables_of_time(names, model))
     prescribed: dict[str, Expr] = {}
     for role in roles:
         for name in role.prescribed_coordinates:
@@ -41,7 +44,11 @@ def mechanism_names(graph: Graph, topology: Topology, roles: Iterable[JointRole]
 def _check_clashes(topology: Topology, names: Sequence[str]) -> None:
     """Refuse symbols of the model that are called like a variable of a free body."""
     model = topology.model
-    symbols = {*model.parameters, *model.inputs}
+    symbols = {
+        *model.parameters,
+        *model.inputs,
+        *(element.name for element in (*model.signals, *model.tables)),
+    }
     clashes = sorted({name for name in names if name in symbols or names.count(name) > 1})
     if clashes:
         raise FormulationError(

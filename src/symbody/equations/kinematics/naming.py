@@ -83,6 +83,7 @@ def model_names(
     inputs: Iterable[str],
     coordinates: Iterable[str],
     speeds: Iterable[str] = (),
+    signals: Iterable[str] = (),
 ) -> Names:
     """Return the names of a model; `speeds` are quasi-speeds, which are no rates."""
     symbols = {"t": TIME}
@@ -95,4 +96,7 @@ def model_names(
     for name in speeds:
         speed = Symbol(name, SymbolKind.SPEED)
         symbols.update((symbol.label, symbol) for symbol in (speed, speed.derivative))
+    for name in signals:
+        signal = Symbol(name, SymbolKind.SIGNAL)
+        symbols.update((symbol.label, symbol) for symbol in (signal, signal.derivative))
     return Names(graph, symbols, {})

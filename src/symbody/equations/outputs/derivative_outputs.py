@@ -18,7 +18,7 @@ from symbody.expr.opcodes import SYMBOL
 from symbody.expr.sequence import Roots
 
 _ASKED: Final = re.compile(r"d\s+(?P<output>.+?)\s*/\s*d\s*(?:\((?P<list>[^/]*)\)|(?P<one>[^/()]+))\s*", re.S)
-_GROUPS: Final = ("q", "u", "r")
+_GROUPS: Final = ("q", "u", "r", "s")
 
 
 class DerivativeRequest(NamedTuple):
@@ -60,7 +60,7 @@ def derivative_roots(
     Raises
     ------
     FormulationError
-        If a word is none of ``q``, ``u``, ``r`` and no symbol of these equations, with the nearest names.
+        If a word is none of ``q``, ``u``, ``r``, ``s`` and no symbol of the equations, with the nearest ones.
     """
     by = tuple(chain.from_iterable(_symbols(formed, name, word) for word in asked.by))
     rows = differentiate_output(formed, asked.output, values.nodes, by, side_by_side=side_by_side)
@@ -91,7 +91,7 @@ def differentiate_output(
 
 def _symbols(formed: EquationsOfMotion, name: str, word: str) -> tuple[Symbol, ...]:
     """Return the symbols of a group or of one name; parentheses reach a symbol named like a group."""
-    groups = {"q": formed.q, "u": formed.u, "r": formed.inputs}
+    groups = {"q": formed.q, "u": formed.u, "r": formed.inputs, "s": formed.signal_states}
     if word in groups:
         return groups[word]
     graph, inner = formed.graph, word.strip("() ")

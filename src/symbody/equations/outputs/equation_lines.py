@@ -17,6 +17,7 @@ from symbody.expr.printing.latex_rows import WIDTH, latex_equations_page
 from symbody.expr.printing.names import greek_name
 from symbody.expr.printing.wrapping import text_width, wrap_formula
 from symbody.expr.rewrite import tree_size
+from symbody.model.signals.signal import Signal
 from symbody.notebook import Displayed
 
 # Operations of one equation that somebody will read without names for its parts.
@@ -138,10 +139,23 @@ def written_sections(textbook: Textbook, latex: bool, limit: int) -> list[Writte
         # Short enough for the arrangement of textbooks.
         sides = latex_sides(textbook) if latex else display_sides(textbook)
         written = [WrittenSection("motion", sides) if part.title == "motion" else part for part in written]
+    outputs = [
+        _output_sides(signal, latex) for signal in textbook.formed.topology.model.signals if signal.output
+    ]
+    if outputs:
+        written.append(WrittenSection("outputs", outputs))
     if definitions:
         named = [(latex_name(name) if latex else name, text) for name, text in definitions]
         written.append(WrittenSection("where", named))
     return written
+
+
+def _output_sides(signal: Signal, latex: bool) -> tuple[str, str]:
+    """Return a signal and the name of the output that it stands for."""
+    text = str(signal.output)
+    if not latex:
+        return signal.name, text
+    return latex_name(signal.name), r"\text{" + re.sub(r"([_#%&$^~\{}])", r"\\\1", text) + "}"
 
 
 def _take(pairs: Iterator[tuple[str, str]], count: int) -> _Sides:
@@ -156,6 +170,7 @@ def _sections(textbook: Textbook) -> list[Section]:
         Section("rates", [(left, right) for left, right in rates if left != right]),
         Section("motion", list(zip(textbook.inertial_side.nodes, textbook.forcing_side.nodes, strict=True))),
         Section("constraints", [(node, ZERO) for node in textbook.readable("constraints").nodes]),
+        Section("signals", textbook.signal_equations),
     ]
     return [section for section in sections if section.sides or section.title == "motion"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -13,16 +14,23 @@ from symbody.equations.outputs.derivative_outputs import (
     parse_derivative,
 )
 from symbody.equations.outputs.frame_cures import frame_cure
-from symbody.equations.outputs.frame_motion import frame_output
+from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
 from symbody.equations.outputs.friction_outputs import (
     friction_effort,
     friction_names,
     friction_normal,
     friction_reserve,
 )
-from symbody.equations.outputs.gravity_output import gravity_forcing
-from symbody.equations.outputs.joint_outputs import effort_names, joint_effort, reaction_output, total_power
+from symbody.equations.outputs.joint_outputs import (
+    ENTRIES,
+    effort_names,
+    joint_effort,
+    reaction_output,
+    total_power,
+)
+from symbody.equations.outputs.quotation import quotation_cure
 from symbody.equations.outputs.rope_outputs import ROPE_OUTPUTS
+from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
 from symbody.equations.solving.drift_correction import (
     position_move,
     position_residual,
@@ -34,11 +42,15 @@ from symbody.equations.solving.self_stress import substitute_shares
 from symbody.equations.solving.slopes import inverse_dynamics
 from symbody.equations.solving.solution import resistance, solve, substitute_solution
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
+from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
+
+# What is summed up or measured along a motion, and known of its samples alone.
+OF_MOTIONS: Final = ("work", "constraint_violation", "velocity_violation")
 
 
 def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
@@ -59,31 +71,77 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     asked = parse_derivative(name)
     if asked is not None:
         return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output))
+    shape, values = raw_output(formed, name)
+    return _roots(name, shape, _put_in_solution(formed, values))
+
+
+def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], Sequence[Expr]]:
+    """Return the shape and entries of an output, in u', multipliers and signals where it depends on these.
+
+    Raises
+    ------
+    FormulationError
+        If the name means nothing, with the nearest names.
+    """
+    if name in OUTPUTS or parse_derivative(name) is not None:
+        roots = output_roots(formed, name)
+        return roots.shape, [Expr(formed.graph, node) for node in roots.nodes]
     measured = formed.loads.measures.get(name.replace('"', ""))
     if measured is not None:
-        return _roots(name, (), [measured])
+        return (), [measured]
     first, _, rest = name.partition(" ")
     if first in OUTPUTS_BY_NAME and rest:
-        shape, values = OUTPUTS_BY_NAME[first](formed, rest)
-        return _roots(name, shape, substitute_solution(formed, substitute_shares(formed, values)))
+        shape, values = _named_output(formed, name)
+        return shape, substitute_shares(formed, values)
     try:
         formula = Formula.from_value(name, has_outputs=True)
-        value = formed.readable_names.expression(formula, outputs=partial(_quoted_output, formed, formula))
+        value = formed.readable_names.expression(formula, outputs=quoted_output(formed, formula))
     except (ExpressionError, FormulationError) as error:
-        words = [*output_names(formed), *formed.names.symbols]
         fault = error.problems[0]
-        frames = [frame for frame in formed.kinematics.velocities if "|" not in frame]
-        near = frame_cure(name, frames) or nearest(name, words)
-        cure = fault.fix if fault.code == "equations.quoted_output" else near
+        is_quoted = fault.code == "equations.quoted_output"
+        cure = fault.fix if is_quoted else _cure(formed, name)
         raise FormulationError(
             Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
                     fault.what, cure)
         ) from error  # fmt: skip
     _check_is_measured(formed, name, value)
-    return _roots(name, (), substitute_solution(formed, [value]))
+    return (), [value]
 
 
-def _quoted_output(formed: EquationsOfMotion, formula: Formula, name: str, column: int) -> int:
+def _put_in_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
+    """Return entries in t, q, u, s and r alone: signals, u' and multipliers replaced."""
+    return substitute_solution(formed, substitute_signals(formed, values, raw_output))
+
+
+def _named_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the shape and values of an output whose first word is one of `OUTPUTS_BY_NAME`."""
+    first, _, names = name.partition(" ")
+    try:
+        return OUTPUTS_BY_NAME[first](formed, names)
+    except FormulationError as error:
+        cure = quotation_cure(name, output_names(formed))
+        if not cure:
+            raise
+        raise FormulationError(*(replace(problem, fix=cure) for problem in error.problems)) from error
+
+
+def _cure(formed: EquationsOfMotion, name: str) -> str:
+    """Return what to type instead of a text that is neither an output nor an expression."""
+    if name in OF_MOTIONS:
+        return f"read it of a motion that was computed: run[{name!r}], alone or in a formula"
+    outputs = output_names(formed)
+    entries = [f"{x} {entry}" for x in outputs if x.startswith("reaction ") for entry in ENTRIES]
+    frames = [frame for frame in formed.kinematics.velocities if "|" not in frame]
+    near = frame_cure(name, frames) or nearest(name, [*outputs, *entries, *formed.names.symbols])
+    return quotation_cure(name, outputs) or near
+
+
+def quoted_output(formed: EquationsOfMotion, formula: Formula, where: str = "") -> Callable[[str, int], int]:
+    """Return what finds the node of an output that stands in quotes in a formula, by its name and column."""
+    return partial(_quoted_output, formed, formula, where)
+
+
+def _quoted_output(formed: EquationsOfMotion, formula: Formula, where: str, name: str, column: int) -> int:
     """Return the node of an output that stands in quotes in a formula.
 
     Raises
@@ -96,13 +154,13 @@ def _quoted_output(formed: EquationsOfMotion, formula: Formula, name: str, colum
     except FormulationError as error:
         fault = error.problems[0]
         raise ExpressionError(
-            formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix)
+            formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix, where)
         ) from error
     if roots.shape:
         raise ExpressionError(
             formula.problem(
                 "equations.quoted_output", column, f"{name!r} is no number: its shape is {roots.shape}", "",
-                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'",
+                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'", where,
             )
         )  # fmt: skip
     return roots.nodes[0]
@@ -161,12 +219,16 @@ def _qdot(formed: EquationsOfMotion) -> list[Expr]:
 
 
 def _states(formed: EquationsOfMotion) -> tuple[Symbol, ...]:
-    return (*formed.u, *formed.q)
+    return (*formed.u, *formed.q, *formed.signal_states)
+
+
+def _rates_of_states(formed: EquationsOfMotion) -> list[Expr]:
+    return [*_udot(formed), *_qdot(formed), *_put_in_solution(formed, signal_rates(formed))]
 
 
 def _slopes(formed: EquationsOfMotion, by: Sequence[Symbol]) -> list[list[Expr]]:
-    """Return the derivatives of x' = (u', q') by symbols, all others held fixed."""
-    return differentiate_output(formed, "xdot", [rate.index for rate in (*_udot(formed), *_qdot(formed))], by)
+    """Return the derivatives of x' = (u', q', s') by symbols, all others held fixed."""
+    return differentiate_output(formed, "xdot", [rate.index for rate in _rates_of_states(formed)], by)
 
 
 def _roots(name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> Roots:
@@ -203,17 +265,35 @@ def _bias(formed: EquationsOfMotion) -> list[Expr]:
     return [-force for force in formed.dynamics.forcing]
 
 
+def _gravity_forcing(formed: EquationsOfMotion) -> list[Expr]:
+    """Return the generalized forces of gravity (n_u,): power of all weights by each speed [N, N m]."""
+    graph, model = formed.graph, formed.topology.model
+    gravity = formed.names.triple(model.gravity, "gravity")
+    forces = [Expr(graph, 0)] * len(formed.u)
+    speeds = [graph.symbol(symbol) for symbol in formed.u]
+    for body in model.bodies:
+        velocity = frame_motion_entries(formed, "v", body.name)[1]
+        mass = formed.names.expression(body.mass, f"body {body.name}, mass")
+        rows = jacobian(graph, [entry.index for entry in velocity], speeds)
+        for along, row in zip(gravity, rows, strict=True):
+            forces = [
+                force + mass * along * Expr(graph, slope) for force, slope in zip(forces, row, strict=True)
+            ]
+    return forces
+
+
 # Outputs about constraints are empty for a tree without any, but they exist, with their shapes.
 OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "udot": _vector("udot", _udot),
     "qdot": _vector("qdot", _qdot),
-    "xdot": _vector("xdot", lambda formed: [*_udot(formed), *_qdot(formed)]),
+    "xdot": _vector("xdot", _rates_of_states),
+    "signal_rates": _vector("signal_rates", lambda formed: _put_in_solution(formed, signal_rates(formed))),
     "A": _matrix("A", lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
     "B": _matrix("B", lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
     "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
     "mass_matrix": _matrix("mass_matrix", lambda formed: formed.dynamics.mass_matrix),
     "forcing": _vector("forcing", lambda formed: formed.dynamics.forcing),
-    "gravity_forcing": _vector("gravity_forcing", gravity_forcing),
+    "gravity_forcing": _vector("gravity_forcing", _gravity_forcing),
     "bias": _vector("bias", _bias),
     "inverse_dynamics": _vector("inverse_dynamics", inverse_dynamics),
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),

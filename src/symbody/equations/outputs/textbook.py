@@ -13,6 +13,7 @@ from symbody.equations.outputs.curve_names import curve_functions, name_curves
 from symbody.equations.outputs.frame_motion import frame_motion_entries
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.equations.outputs.output_roots import output_roots
+from symbody.equations.outputs.signal_outputs import signal_equations
 from symbody.errors import FormulationError, Problem
 from symbody.expr.closed_form import ClosedForms, closed_forms, equations_between, readable
 from symbody.expr.expression import Expr
@@ -166,6 +167,15 @@ class Textbook:
             for i in range(n)
         ]
         return Roots("driving", (n,), tuple(rows))
+
+    @property
+    def signal_equations(self) -> list[tuple[int, int]]:
+        """What each signal is, as nodes: the rate of a state, the value of another."""
+        equations = signal_equations(self.formed)
+        nodes = [right.index for _, right in equations]
+        shown = self._rewrite("signals", (len(nodes),), nodes).nodes
+        lefts = [self.formed.graph.symbol(symbol) for symbol, _ in equations]
+        return list(zip(lefts, shown, strict=True))
 
     @property
     def norms(self) -> tuple[SympyExpr, ...]:

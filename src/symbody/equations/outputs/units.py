@@ -96,7 +96,14 @@ def output_units(formed: EquationsOfMotion) -> Units:
     for name in ropes(formed):
         units |= {f"rope_tension {name}": "N", f"rope_length {name}": "m", f"rope_slack {name}": "m"}
         units |= {f"rope_slack_dot {name}": "m/s", f"rope_slack_ddot {name}": "m/s^2"}
-    return Units(units)
+    return Units(units | _signal_units(formed, Units(units)))
+
+
+def _signal_units(formed: EquationsOfMotion, listed: Units) -> dict[str, str]:
+    """Return the units of signals that name outputs."""
+    outputs = {signal.name: signal.output or "" for signal in formed.topology.model.signals}
+    units = {name: listed.get(output, "") for name, output in outputs.items() if output}
+    return {name: unit for name, unit in units.items() if unit}
 
 
 def _joint_units(joint: Joint, driven: Collection[str], rough: Collection[str]) -> dict[str, str]:

@@ -82,7 +82,7 @@ def _columns_side_by_side(
     """Return du'/dx, one row a speed, or None where that is not of this form or does not pay."""
     graph, n = system.graph, len(system.u)
     variables = {*system.q, *system.u}
-    if not all(symbol in variables or symbol.kind is SymbolKind.INPUT for symbol in by):
+    if not all(symbol in variables or symbol.kind in (SymbolKind.INPUT, SymbolKind.SIGNAL) for symbol in by):
         return None
     if n < FEWEST_SPEEDS or len(by) < n or recursion.method_for_columns != "composite":
         return None

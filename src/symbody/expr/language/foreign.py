@@ -13,6 +13,9 @@ _DATA: Final = "an expression is data, never code: only numbers, names, operator
 # Mark -> code, fact, cure.
 _MARKS: Final = {
     "string": ("string", "text in quotes has no place in an expression", "write names without quotes"),
+    "output": ("string", "an output of the mechanism cannot be read in this formula",
+               "write names without quotes; a force reads an output by a signal, output = \"length S\", and "
+               "its name here; results, plots, events and laws of inputs read outputs in quotes"),
     "prime": ("prime", "a prime is not a derivative here", "write x_dot for the rate of x"),
     ".": ("attribute", "nothing has attributes here", "write names without dots"),
     "[": ("subscript", "nothing can be indexed here", "give every quantity a name of its own, such as x_1"),
@@ -53,7 +56,7 @@ _LOOKALIKES: Final = {
 
 
 def mark_problem(source: Source, offset: int, mark: str) -> Problem:
-    """Return the problem of an ASCII mark; `mark` is ``"string"`` or ``"prime"`` for quotes."""
+    """Return the problem of an ASCII mark; `mark` is ``"string"``, ``"output"`` or ``"prime"`` for quotes."""
     code, what, fix = _MARKS.get(mark, _OTHER_MARK)
     return source.problem(f"expression.{code}", offset + 1, what, _DATA, fix)
 

@@ -11,7 +11,7 @@ from importlib import import_module
 from numbers import Rational, Real
 from typing import TypeAlias
 
-from symbody.arguments import is_sympy
+from symbody.arguments import is_sympy, register_sympy_writer
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.canonical import constant
 from symbody.expr.graph import Constant, Graph
@@ -67,6 +67,11 @@ class Formula:
     def names(self) -> tuple[str, ...]:
         """Distinct names, in the order of their first appearance."""
         return tuple(dict.fromkeys(str(step.payload) for step in self.program if step.kind == "name"))
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Distinct outputs that stand in quotes, in the order of their first appearance."""
+        return tuple(dict.fromkeys(str(step.payload) for step in self.program if step.kind == "output"))
 
     @property
     def is_number(self) -> bool:
@@ -215,7 +220,7 @@ def _numeral(value: object, where: str) -> str:
             Problem("expression.not_finite", where, f"{value} is not a finite number", why, fix)
         )
     if is_sympy(value):
-        text: str = import_module("symbody.expr.sympy_text").sympy_text(value, where)
+        text = _write_sympy(value, where)
         return text
     what = f"{printable(repr(value))} of type {type(value).__name__} is not an expression"
     raise ExpressionError(Problem("expression.type", where, what, why, fix))
@@ -234,3 +239,12 @@ def _name(text: str) -> str:
             "choose another name",
         )
     )
+
+
+def _write_sympy(value: object, where: str = "") -> str:
+    """Return a SymPy expression as text; SymPy is loaded by then, the reader only now."""
+    text: str = import_module("symbody.expr.sympy_text").sympy_text(value, where)
+    return text
+
+
+register_sympy_writer(_write_sympy)

@@ -27,6 +27,8 @@ _TOKEN: Final = re.compile(
     re.DOTALL,
 )
 _OUTPUT: Final = re.compile(r"'[^'\r\n]+'")
+# Words or a word with low lines: what outputs are called, as against strings of programs.
+_OUTPUT_NAME: Final = re.compile(r"'[a-z]+[ _][^'\r\n]+'")
 # What opens a Python string when a quote follows at once; after any other name a quote is a prime.
 _STRING_PREFIX: Final = re.compile(r"(?:[fru]|br|rb|fr|rf|b)?", re.IGNORECASE)
 # Characters that count as letters or marks and yet show nothing: fillers, joiners, variation selectors.
@@ -161,14 +163,15 @@ def _is_prime(text: str, place: int) -> bool:
 
 
 def _classify_quotation(text: str, start: int) -> tuple[str, int]:
-    """Return the kind of a quotation mark (``"string"`` or ``"prime"``) and where it ends."""
+    """Return the kind of a quotation mark (``"string"``, ``"output"``, ``"prime"``) and where it ends."""
     word = start
     while word > 0 and (text[word - 1].isalnum() or text[word - 1] in "_)"):
         word -= 1
     if text[start] == "'" and _STRING_PREFIX.fullmatch(text, word, start) is None:
         return "prime", start + 1
     closing = text.find(text[start], start + 1)
-    return "string", (len(text) if closing < 0 else closing + 1)
+    kind = "output" if _OUTPUT_NAME.match(text, start) else "string"
+    return kind, (len(text) if closing < 0 else closing + 1)
 
 
 def _plain(character: str) -> str:

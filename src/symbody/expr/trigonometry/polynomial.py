@@ -159,19 +159,20 @@ def replace_sum(p: Polynomial, kernel: Polynomial, name: int) -> Polynomial | No
 
 
 def _divide(p: Polynomial, kernel: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Return a rest and a multiplier of `kernel`; their terms have the signs that they have in `p`."""
+    """Return a remainder and a multiplier of `kernel`; their terms have the signs that they have in `p`."""
     lead = max(kernel, key=_order)
-    rest = dict(p)
+    remainder = dict(p)
     multiplier: Polynomial = {}
-    for monomial in sorted(p, key=_order, reverse=True):
-        if monomial in rest and multiplicity(monomial, lead):
+    multiples = [monomial for monomial in p if multiplicity(monomial, lead)]  # mostly none
+    for monomial in sorted(multiples, key=_order, reverse=True):
+        if monomial in remainder:
             cofactor = quotient(monomial, lead)
-            share = divide(rest[monomial], kernel[lead])
+            share = divide(remainder[monomial], kernel[lead])
             part: Polynomial = {product(cofactor, term): share * c for term, c in kernel.items()}
-            if _contains(rest, part):
-                rest = plus(rest, part, -1)
+            if _contains(remainder, part):
+                remainder = plus(remainder, part, -1)
                 multiplier[cofactor] = share
-    return rest, multiplier
+    return remainder, multiplier
 
 
 def _contains(p: Polynomial, part: Polynomial) -> bool:

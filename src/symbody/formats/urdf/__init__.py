@@ -1,1 +1,1 @@
-"""Robots in URDF: read safely, told what was assumed, made a `Model`, and written again."""
+"""Robots in URDF: read safely, made a `Model` with notes on assumptions, and written again."""

@@ -28,10 +28,13 @@ def initial_problems(
         for name in joint.motion
         for suffix in ("", "_dot")
     }
+    states = [name for name, meaning in symbols.meanings.items() if meaning.word == "signal"]
     problems = []
     for name in initial:
         if name in prescribed:
             problems.append(_prescribed_problem(name, prescribed[name]))
+        elif name in states:
+            problems.append(_signal_problem(name, symbols.meanings[name].where))
         elif name not in legal:
             problems.append(_unknown_problem(name, legal))
     return problems
@@ -71,6 +74,16 @@ def _unknown_problem(name: str, known: Iterable[str]) -> Problem:
         f"there is no coordinate, rate or speed {name!r}",
         "initial values belong to coordinates, to their rates x_dot, and to speeds",
         nearest(name, known),
+    )
+
+
+def _signal_problem(name: str, where: str) -> Problem:
+    return Problem(
+        "signal.initial",
+        f"model, initial.{name}",
+        f"{name} is a signal ({where})",
+        "the value at the start of a signal with a rate stands with the signal",
+        f'write [[signal]] name = "{name}", rate = .., initial = ..',
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Final
 
 from symbody.errors import Problem
 from symbody.model.body import Body
@@ -13,12 +14,16 @@ from symbody.model.joint import Joint
 from symbody.model.joints.free import Free
 from symbody.model.naming import GROUND
 
+# Elements whose names are symbols, and unique among these.
+AMONG_SYMBOLS: Final = ("signal", "block")
+
 
 def duplicate_elements(elements: Iterable[Element], labels: Mapping[int, str]) -> list[Problem]:
     """Return a problem for each name that several elements have."""
     sites: dict[str, list[int]] = {}
     for k, element in enumerate(elements):
-        sites.setdefault(element.name, []).append(k)
+        if element.kind not in AMONG_SYMBOLS:
+            sites.setdefault(element.name, []).append(k)
     return [
         Problem(
             "names.duplicate",

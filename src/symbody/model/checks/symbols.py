@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, NamedTuple
@@ -13,6 +14,8 @@ from symbody.model.constraint import ConstraintElement
 from symbody.model.formula_site import FormulaSite, Scope
 from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
+from symbody.model.signals.signal import Signal
+from symbody.model.tables.lookup import Lookup
 
 
 class Meaning(NamedTuple):
@@ -21,7 +24,8 @@ class Meaning(NamedTuple):
     Attributes
     ----------
     word : str
-        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"``, ``"speed"`` or ``"acceleration"``.
+        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"``, ``"speed"``, ``"acceleration"``,
+        ``"signal"`` or ``"signal rate"``.
     where : str
         The place that introduces it.
     """
@@ -34,10 +38,20 @@ class Meaning(NamedTuple):
 _WORDS: Final = MappingProxyType(
     {
         Scope.CONSTANT: ("parameter",),
-        Scope.PRESCRIBED: ("parameter",),
-        Scope.LOAD: ("parameter", "input", "coordinate", "rate", "speed"),
-        Scope.MOTION: ("parameter", "coordinate", "rate", "speed"),
-        Scope.POINT: ("parameter",),
+        Scope.PRESCRIBED: ("parameter", "table"),
+        Scope.ARGUMENT: ("parameter", "coordinate", "rate", "speed"),
+        Scope.LOAD: (
+            "parameter",
+            "input",
+            "coordinate",
+            "rate",
+            "speed",
+            "signal",
+            "table",
+            "table of states",
+        ),
+        Scope.MOTION: ("parameter", "coordinate", "rate", "speed", "table"),
+        Scope.POINT: ("parameter", "table"),
         Scope.COORDINATE: ("coordinate",),
     }
 )
@@ -93,6 +107,20 @@ def constraint_entries(condition: ConstraintElement, label: str) -> Iterator[tup
             yield f"{name}{suffix}", Meaning(word, f"{label}, parameter")
 
 
+def signal_entries(signals: Iterable[Signal], label: str) -> Iterator[tuple[str, Meaning]]:
+    """Return what an element adds to the symbols: names of its signals, and rates of states."""
+    for signal in signals:
+        yield signal.name, Meaning("signal", f"{label}, name")
+        if signal.is_state:
+            yield f"{signal.name}_dot", Meaning("signal rate", f"{label}, name")
+
+
+def table_entries(table: Lookup, label: str, constants: AbstractSet[str]) -> Iterator[tuple[str, Meaning]]:
+    """Return what a table adds to the symbols: its name, of time where its argument has `constants` alone."""
+    is_of_time = {*table.argument.names} <= {"t", "pi", *constants}
+    yield table.name, Meaning("table" if is_of_time else "table of states", f"{label}, name")
+
+
 def scope_problems(label: str, sites: Iterable[FormulaSite], symbols: Symbols) -> list[Problem]:
     """Return a problem for each name that does not belong where it stands."""
     problems = []
@@ -127,13 +155,13 @@ def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -
     if meaning is not None or name in RESERVED_SYMBOLS:
         kind = "" if meaning is None else f"{_ARTICLES.get(meaning.word, 'a')} {meaning.word}"
         word = kind or RESERVED_SYMBOLS[name]
+        cure = (
+            "name a coordinate of a joint"
+            if is_coordinate
+            else _CURES.get(kind, "write the formula without it")
+        )
         return site.formula.problem(
-            "names.not_here",
-            column,
-            f"{name!r} is {word}, which cannot stand here",
-            takes,
-            "name a coordinate of a joint" if is_coordinate else "write the formula without it",
-            where,
+            "names.not_here", column, f"{name!r} is {word}, which cannot stand here", takes, cure, where
         )
     cure = nearest(name, [*site.local_names, *symbols.allowed_names(site.scope)])
     defined = f'[parameters] {name} = .. in a file, parameters={{"{name}": ..}} in Python'
@@ -149,6 +177,14 @@ def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -
 
 
 _ARTICLES = {"input": "an", "acceleration": "an"}
+# What to do instead, for names whose place is elsewhere.
+_CURES: Final = MappingProxyType(
+    {
+        "a signal": "write what it stands for, if that is made of the names this place takes: a signal may "
+        "depend on states",
+        "a signal rate": "write the formula of the rate, or a signal of it: value = ..",
+    }
+)
 
 
 def _column(formula: Formula, name: str) -> int:
@@ -163,8 +199,8 @@ def _is_clash(meanings: list[Meaning]) -> bool:
 def _duplicate(name: str, meanings: list[Meaning]) -> Problem:
     places = "; ".join(dict.fromkeys(meaning.where for meaning in meanings))
     listed = ", ".join(f"{meaning.word} ({meaning.where})" for meaning in meanings)
-    derived = any(meaning.word in ("rate", "acceleration") for meaning in meanings)
-    made = "x_dot and x_ddot are made for every coordinate x, w_dot for every speed w"
+    derived = any(meaning.word in ("rate", "acceleration", "signal rate") for meaning in meanings)
+    made = "x_dot and x_ddot are made for every coordinate x, w_dot for every speed or state w"
     why = made if derived else "every symbol has one meaning"
     return Problem(
         "names.duplicate",

@@ -9,8 +9,8 @@ from symbody.errors import ExpressionError, ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checks.initial import check_initial, initial_problems
-from symbody.model.checks.physics import check_body, check_frames
-from symbody.model.checks.shapes import check_shapes
+from symbody.model.checks.physics import check_body, check_frame, check_frames
+from symbody.model.checks.signals import collect_signals, loop_problems
 from symbody.model.checks.structure import (
     coupling_problems,
     duplicate_elements,
@@ -26,6 +26,8 @@ from symbody.model.checks.symbols import (
     constraint_entries,
     joint_entries,
     scope_problems,
+    signal_entries,
+    table_entries,
 )
 from symbody.model.constraint import ConstraintElement, FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
@@ -38,6 +40,9 @@ from symbody.model.joint import Joint
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.parameters import cycle_problems, parameter_values
 from symbody.model.shapes.shape import BodyShape
+from symbody.model.signals.block import SignalBlock
+from symbody.model.signals.signal import Signal
+from symbody.model.tables.lookup import Lookup
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,8 +114,26 @@ def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
         problems += scope_problems(label, element.formula_sites(), symbols)
         if isinstance(element, Body):
             problems += scope_problems(label, element.shape_formula_sites(), symbols)
+    problems += loop_problems(collect_signals(draft.elements))
+    problems += _law_problems(draft, labels)
     problems += initial_problems(draft.initial, symbols, draft.joints)
     return problems + _degree_problems(draft, labels)
+
+
+def _law_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
+    """Return a problem for each table that cannot be the law of the input of its name."""
+    problems = []
+    for label, table in zip(labels, draft.elements, strict=True):
+        if isinstance(table, Lookup) and table.name in draft.inputs:
+            wrong = {"argument": table.argument.text != "t", "outside": table.outside != "hold"}
+            problems += [
+                Problem("table.law", f"{label}, {key}",
+                        f"{key} = {str(getattr(table, key))!r} in the law of an input",
+                        "a table that bears the name of an input is its law: a function of the time that "
+                        "holds its first and last value", f"leave {key} out, or rename the table")
+                for key, is_wrong in wrong.items() if is_wrong
+            ]  # fmt: skip
+    return problems
 
 
 def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, Meaning]]:
@@ -123,6 +146,10 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
             yield from joint_entries(element, label)
         elif isinstance(element, ConstraintElement):
             yield from constraint_entries(element, label)
+        elif isinstance(element, Signal | SignalBlock):
+            yield from signal_entries(collect_signals([element]), label)
+        elif isinstance(element, Lookup) and element.name not in draft.inputs:
+            yield from table_entries(element, label, draft.parameters.keys())
     for joint in draft.free_joints:
         yield from joint_entries(joint, f"body {joint.name}")
 
@@ -186,12 +213,12 @@ def _check_numbers(draft: Draft, labels: Iterable[str]) -> NumericChecks:
     check.problems += problems
     check.values(draft.gravity, "model, gravity")
     check_frames(check, draft.ground, "model, ground.frames")
-    check_shapes(check, draft.ground_shapes, "model, ground.shape")
+    _check_shapes(check, draft.ground_shapes, "model, ground.shape")
     check_initial(check, draft.initial, (*draft.joints, *draft.free_joints))
     for label, element in zip(labels, draft.elements, strict=True):
         if isinstance(element, Body):
             check_body(check, element, label)
-            check_shapes(check, element.shapes, f"{label}, shape")
+            _check_shapes(check, element.shapes, f"{label}, shape")
         else:
             element.check_numbers(check, label)
     return check
@@ -214,3 +241,23 @@ def _assumptions(draft: Draft) -> list[str]:
             names = ", ".join(joint.coordinates)
             notes.append(f"joint {joint.name}: coordinates without a name of their own are called {names}")
     return notes
+
+
+def _check_shapes(check: NumericChecks, shapes: Sequence[BodyShape], where: str) -> None:
+    """Refuse negative sizes, opacities beyond 0 to 1, and rotations that are none."""
+    for k, shape in enumerate(shapes):
+        place = f"{where}[{k}]"
+        check_frame(check, shape.frame, place)
+        for path, formula in shape.lengths:
+            length = check.value(formula, f"{place}.{path}")
+            if length is not None and length < 0:
+                check.refuse(
+                    "model.negative_size", f"{place}.{path}", f"the length is {length:g} m",
+                    "a sign is wrong", "give a positive length",
+                )  # fmt: skip
+        opacity = check.value(shape.opacity, f"{place}.opacity")
+        if opacity is not None and not 0 <= opacity <= 1:
+            check.refuse(
+                "model.opacity", f"{place}.opacity", f"the opacity is {opacity:g}",
+                "0 is invisible, 1 hides all behind it", "give a number from 0 to 1",
+            )  # fmt: skip

@@ -60,13 +60,34 @@ class Curve(ElementPart):
         Each is ``(start, x0, c0, c1, ..)``: from `start` on, the value is ``c0 + c1 (x - x0) + ..``. The
         first starts at minus infinity.
         """
-        x, y = self.places, self.values
-        found = _lines(x, y) if self.kind == "linear" else _cubics(x, y)
-        last, width = found[-1], x[-1] - x[-2]
-        ends = (found[0][2], _polynomial_slope(last[1:], width)) if self.outside == "slope" else (0.0, 0.0)
-        rest = (0.0,) * (len(last) - 3)
-        inner = [(start, start, *coefficients) for start, *coefficients in found]
-        return [(-math.inf, x[0], y[0], ends[0], *rest), *inner, (x[-1], x[-1], y[-1], ends[1], *rest)]
+        return segment_pieces(self.places, self.values, self.kind, self.outside)
+
+
+def segment_pieces(
+    x: Sequence[float], y: Sequence[float], kind: str, outside: str
+) -> list[tuple[float, ...]]:
+    """Return the pieces of a function through points, as `Curve.pieces`; a place twice is a jump there."""
+    ends = [0, *(k for k in range(1, len(x)) if x[k] == x[k - 1]), len(x)]
+    parts = [(x[first:end], y[first:end]) for first, end in pairwise(ends)]
+    inner = [piece for part in parts for piece in _part_pieces(*part, kind)]
+    size = max(map(len, inner))
+    inner = [(*piece, *(0.0,) * (size - len(piece))) for piece in inner]
+    slope = outside == "slope"
+    last_x, last_y = parts[-1]
+    first_slope = inner[0][3] if slope and len(parts[0][0]) > 1 else 0.0
+    width = last_x[-1] - inner[-1][1]
+    last_slope = _polynomial_slope(inner[-1][2:], width) if slope and len(last_x) > 1 else 0.0
+    rest = (0.0,) * (size - 4)
+    before = (-math.inf, x[0], y[0], first_slope, *rest)
+    return [before, *inner, (last_x[-1], last_x[-1], last_y[-1], last_slope, *rest)]
+
+
+def _part_pieces(x: Sequence[float], y: Sequence[float], kind: str) -> list[tuple[float, ...]]:
+    """Return the pieces ``(start, x0, c0, c1, ..)`` between the points of a part without jumps."""
+    if len(x) == 1:
+        return [(x[0], x[0], y[0], 0.0)]
+    found = _lines(x, y) if kind == "linear" else _cubics(x, y)
+    return [(start, start, *coefficients) for start, *coefficients in found]
 
 
 Law: TypeAlias = Formula | Curve

@@ -85,6 +85,21 @@ class Event:
         return {} if isinstance(self.action, str) else self.action
 
 
+@dataclass(frozen=True, slots=True)
+class LevelEvent(Event):
+    """A moment when an expression passes a number that follows from the motion so far.
+
+    The expression stays the same from one to the next, and so does the code for it.
+
+    Attributes
+    ----------
+    level : float
+        The number.
+    """
+
+    level: float = 0.0
+
+
 def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Event, ...]:
     """Return events as a tuple.
 

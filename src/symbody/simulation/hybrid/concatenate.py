@@ -100,6 +100,7 @@ def concatenate(
         last,
         t=np.concatenate([part.t for part in parts]),
         q=np.concatenate([part.q for part in parts], axis=1),
+        s=np.concatenate([part.s for part in parts], axis=1),
         u=np.concatenate([part.u for part in parts], axis=1),
         statistics=_total([part.statistics for part in parts]),
         evaluate=Piecewise(starts, tuple(evaluate), np.array(done), tuple(modes)),

@@ -107,11 +107,17 @@ class HybridMechanism:
         """Return the problem with the equations of some modes."""
         if modes not in self._problems:
             eqs = self.problem.eqs
-            formed = eqs.formed
-            for kind, kind_modes in zip(self.kinds, self.split_by_kind(modes), strict=True):
-                formed = kind.apply_modes(formed, kind_modes)
-            self._problems[modes] = replace(self.problem, eqs=EquationSet(eqs.model, formed, eqs.notes))
+            # Kept with the equations: the next motion has the same modes.
+            in_modes = eqs.plans.get(("modes", modes), lambda: self._form(modes))
+            self._problems[modes] = replace(self.problem, eqs=in_modes)
         return self._problems[modes]
+
+    def _form(self, modes: Modes) -> EquationSet:
+        eqs = self.problem.eqs
+        formed = eqs.formed
+        for kind, kind_modes in zip(self.kinds, self.split_by_kind(modes), strict=True):
+            formed = kind.apply_modes(formed, kind_modes)
+        return EquationSet(eqs.model, formed, eqs.notes)
 
     def motion_values(self, t: float, x: Floats) -> list[Floats]:
         """Return the motion outputs of each kind: a column an element."""

@@ -19,7 +19,7 @@ from symbody.analysis.ropes import AT_LENGTH
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.ropes import rope_rows, rope_words, ropes, slacken, with_words
 from symbody.expr.saddle import solve_saddle
-from symbody.simulation.events.events import Event
+from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial, evaluate_outputs
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import BALANCED, CANCELLED
@@ -120,9 +120,8 @@ class RopeElements:
             motion = self.motion_values(trial.t, trial.x)[:, place]
             # At its length up to rounding it is exactly there: an event has to leave zero first.
             start = motion[_SLACKNESS] if abs(motion[_SLACKNESS]) <= AT_LENGTH * motion[_LENGTH] else 0.0
-            return Event(f"{word} - ({float(start)!r})", direction=-1, action="stop", name=name)
-        limit = self._limit(trial, place)
-        return Event(f"{word} - {limit!r}", direction=1, action="stop", name=name)
+            return LevelEvent(word, -1, "stop", name, float(start))
+        return LevelEvent(word, 1, "stop", name, self._limit(trial, place))
 
     def forced_modes(self, trial: ModeTrial, place: int, mode: int) -> Mapping[str, int]:
         """Return that a rope without tension goes slack; one at its length may do either."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
-from symbody.simulation.events.events import Event
+from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial
 from symbody.tolerances import BALANCED
 
@@ -91,8 +91,8 @@ class StickSlipJoints:
         name = f"end of {self.word(mode)}: joint {self.names[place]}"
         if mode == STICKS:
             reserve = f"friction_reserve {self.names[place]}"
-            return Event(reserve, direction=-1, action="stop", name=name)
-        return Event(f"{self.coordinates[place]}_dot", direction=-mode, action="stop", name=name)
+            return LevelEvent(reserve, -1, "stop", name)
+        return LevelEvent(f"{self.coordinates[place]}_dot", -mode, "stop", name)
 
     def forced_modes(self, trial: ModeTrial, place: int, mode: int) -> Mapping[str, int]:
         """Return the direction of a joint that breaks away; one that comes to rest is free to do either."""

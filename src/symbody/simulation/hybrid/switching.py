@@ -240,7 +240,7 @@ class _History:
 def _drop_last_sample(part: Trajectory) -> Trajectory:
     """Return a motion without its last sample."""
     stored = {name: values[..., :-1] for name, values in part.stored.items()}
-    return replace(part, t=part.t[:-1], q=part.q[:, :-1], u=part.u[:, :-1], stored=stored)
+    return replace(part, t=part.t[:-1], q=part.q[:, :-1], u=part.u[:, :-1], s=part.s[:, :-1], stored=stored)
 
 
 def _check_motions(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> None:

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.simulation.events.crossings import NODES, TO_COEFFICIENTS
+from symbody.simulation.inputs.chebyshev import NODES, TO_COEFFICIENTS
 from symbody.simulation.inputs.steepness import may_hide_features
 from symbody.simulation.inputs.time_functions import TimeFunctions
 

@@ -7,7 +7,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import FrameType
 from typing import Final
 
@@ -16,9 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
 from symbody.expr.language.formula import Formula
-from symbody.simulation.inputs.tables import Table
+from symbody.model.model import Model
+from symbody.model.tables.lookup import Lookup
+from symbody.simulation.inputs.tables import Table, table_numbers
 
 Floats = NDArray[np.float64]
 Callback = Callable[[float, Floats, Floats], float]
@@ -40,17 +43,20 @@ class InputLaws:
     formulas : mapping of name to formula
         Part of the equations.
     callbacks : mapping of name to callable
-        Called at every evaluation, with t, q, u.
+        Of t, q and u: what is no part of the equations.
     notes : tuple of str
         What is slow, and why.
     tables : mapping of place to Table
         Those among `callbacks` that are tables.
+    coordinates : int, optional
+        How many coordinates there are, where states of signals may stand behind them.
     """
 
     formulas: Mapping[str, Value]
     callbacks: Mapping[str, Callback]
     notes: tuple[str, ...]
     tables: Mapping[int, Table]
+    coordinates: int | None = field(default=None, kw_only=True)
 
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the values of callbacks at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
@@ -62,9 +68,20 @@ class InputLaws:
         """
         if not self.callbacks:
             return np.empty((t.size, 0))
+        if not self.need_python:
+            return np.stack([table.at(t) for table in self.tables.values()], axis=1)
         return np.array([self.evaluate(*point) for point in zip(t.tolist(), q.T, u.T, strict=True)]).reshape(
             t.size, len(self.callbacks)
         )
+
+    @property
+    def need_python(self) -> bool:
+        """Whether some callbacks are more than tables, which compiled loops read by themselves."""
+        return len(self.tables) < len(self.callbacks)
+
+    def table_numbers(self) -> Floats:
+        """Return all tables as `symbody.kernels.tables` reads them, nothing where Python has to be called."""
+        return table_numbers({} if self.need_python else self.tables)
 
     def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
         """Return the values of callbacks at one time.
@@ -74,6 +91,7 @@ class InputLaws:
         SimulationError
             If a law raises, or returns anything but a finite number.
         """
+        q = q[: self.coordinates]
         return [_call_law(name, law, t, q, u) for name, law in self.callbacks.items()]
 
     def slopes(self, t: float, x: Floats, n_u: int) -> Floats:
@@ -103,7 +121,12 @@ def silent_input_note(units: Mapping[str, str], name: str) -> str:
     return f"input {name} has no value and is 0 {units.get(name, '')}".rstrip()
 
 
-def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
+def input_laws(
+    names: Sequence[str],
+    given: Mapping[str, Law],
+    span: tuple[float, float],
+    coordinates: int | None = None,
+) -> InputLaws:
     """Return the laws of inputs; those without one are 0, and unknown names are left to `compile`.
 
     Raises
@@ -123,7 +146,6 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
                 formulas[name] = table.formula()
             else:
                 callbacks[name], long[name] = table.reader(), table
-                notes.append(f"input {name} is a table of {np.size(table.t)} points, read by Python: slow")
         elif isinstance(table, str | int | float | Formula) or not callable(table):
             formulas[name] = table
         else:
@@ -136,7 +158,21 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
     kept = {name: value for name, value in formulas.items() if name not in callbacks}
     in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
     tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
-    return InputLaws(kept, in_order, tuple(notes), tables)
+    return InputLaws(kept, in_order, tuple(notes), tables, coordinates=coordinates)
+
+
+def laws_of_tables(eqs: EquationSet) -> dict[str, Law]:
+    """Return the laws that tables of the model give to inputs of their name, where a call gives no other."""
+    model = eqs.model
+    tables = (
+        [table for table in model.tables if table.name in model.inputs] if isinstance(model, Model) else []
+    )
+    return {table.name: _law_of_table(table) for table in tables if table.name in eqs.input_names}
+
+
+def _law_of_table(table: Lookup) -> Table:
+    t, values = zip(*table.points, strict=True)
+    return Table(t, values, table.interpolation)
 
 
 class CallbackFunction:
@@ -157,7 +193,7 @@ class CallbackFunction:
         self._function = function
         self._laws = laws
         signature = function.signature
-        self._q, self._u = (ctypes.c_double * len(names) for names in (signature.q, signature.u))
+        self._q, self._u = (ctypes.c_double * len(signature.names(group)) for group in "qu")
         self._r = ctypes.c_double * len(signature.r)
         self._inner = _NATIVE(function.address)
         self._entry = _NATIVE(self._call)

@@ -15,7 +15,7 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from symbody.expr import opcodes as op
-from symbody.simulation.events.crossings import DEGREE, TO_COEFFICIENTS
+from symbody.simulation.inputs.chebyshev import DEGREE, TO_COEFFICIENTS
 from symbody.simulation.inputs.time_functions import TimeFunctions
 
 Floats = NDArray[np.float64]
@@ -74,7 +74,7 @@ def may_hide_features(functions: TimeFunctions, values: Floats, whole: Floats, e
     Parameters
     ----------
     values : (rows, N, nodes) array
-        Samples of all values, and of the differences of the switches looked at, at `crossings.NODES`.
+        Samples of all values, and of the differences of the switches looked at, at `chebyshev.NODES`.
     whole : (rows, N) array
         How much each varies over the span.
     ends : two (N,) arrays

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -12,10 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
+from symbody.model.tables.csv_columns import read_points
 
 Floats = NDArray[np.float64]
 
-# Tables of more points are read by Python: as formulas every evaluation would compute every piece.
+# Tables of more points are read as data: as formulas every evaluation would compute every piece.
 MOST_IN_FORMULAS: Final = 64
 
 
@@ -29,8 +31,9 @@ class Table:
     t, values : (N,) arrays
         Times that increase [s], and the values there; at least two. A time given twice is a jump: from that
         instant on the later value holds.
-    kind : "linear" or "cubic"
-        Straight between points, or between jumps a spline with continuous curvature (not-a-knot ends).
+    kind : "linear", "pchip" or "cubic"
+        Straight between points; or between jumps cubics that are monotonic where the points are (Fritsch and
+        Carlson), or a spline with continuous curvature (not-a-knot ends).
     outside : "hold" or "error"
         Before the first and after the last time: the first and the last value, or a refusal to simulate
         beyond them.
@@ -43,7 +46,7 @@ class Table:
 
     t: ArrayLike
     values: ArrayLike
-    kind: Literal["linear", "cubic"] = "linear"
+    kind: Literal["linear", "pchip", "cubic"] = "linear"
     outside: Literal["hold", "error"] = "hold"
     # Where each piece begins, and its polynomial in the time since, lowest power first. The first piece also
     # holds before it begins, and the last for ever.
@@ -58,14 +61,49 @@ class Table:
         if not (np.isfinite(times).all() and np.isfinite(values).all()):
             raise _wrong("a time or value is not finite", "leave such points out")
         _check_order(times)
-        if self.kind not in ("linear", "cubic") or self.outside not in ("hold", "error"):
+        if self.kind not in ("linear", "pchip", "cubic") or self.outside not in ("hold", "error"):
             what = f"kind = {self.kind!r}, outside = {self.outside!r} mean nothing"
-            raise _wrong(what, "kind is 'linear' or 'cubic', outside is 'hold' or 'error'")
+            raise _wrong(what, "kind is 'linear', 'pchip' or 'cubic', outside is 'hold' or 'error'")
         object.__setattr__(self, "t", times)
         object.__setattr__(self, "values", values)
         starts, pieces = _polynomials(times, values, self.kind)
         object.__setattr__(self, "_starts", starts)
         object.__setattr__(self, "_pieces", pieces)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | os.PathLike[str],
+        columns: Sequence[str | int] = (1, 2),
+        units: Sequence[str] = ("", ""),
+        kind: Literal["linear", "pchip", "cubic"] = "linear",
+        outside: Literal["hold", "error"] = "hold",
+    ) -> Table:
+        """Return two columns of a CSV file as a function of time.
+
+        Parameters
+        ----------
+        path : str or path
+            Values separated by commas, semicolons or tabs, UTF-8; lines that begin with ``#`` are left out.
+        columns : (2,) str or int
+            Of the times and of the values: names of the first row, or numbers counted from 1.
+        units : (2,) str
+            Of the columns, such as ``"ms"`` and ``"mm"``; ``""`` is SI.
+        kind, outside : str
+            As in `Table`.
+
+        Raises
+        ------
+        ModelError
+            If the file cannot be read, or rows are no points, with their lines.
+        """
+        place = os.fsdecode(path)
+        given = tuple(columns), tuple(units)
+        if any(len(pair) != 2 for pair in given):
+            what = f"columns = {given[0]}, units = {given[1]}"
+            raise _wrong(what, "give two columns and two units")
+        times, values = zip(*read_points(place, place, *given), strict=True)
+        return cls(times, values, kind, outside)
 
     @property
     def is_short(self) -> bool:
@@ -118,6 +156,12 @@ class Table:
 
         return read
 
+    def numbers(self) -> Floats:
+        """Return the table as `symbody.kernels.tables` reads it."""
+        first, last = np.asarray(self.t)[[0, -1]]
+        head = [*self._pieces.shape, first, last, 0.0]
+        return np.concatenate([head, self._starts, self._pieces.ravel()])
+
     @property
     def jumps(self) -> Floats:
         """The times that stand there twice."""
@@ -160,6 +204,17 @@ class Table:
         return np.asarray(found, dtype=np.float64)
 
 
+def table_numbers(tables: Mapping[int, Table]) -> Floats:
+    """Return tables by input as `symbody.kernels.tables` reads them; empty without any."""
+    if not tables:
+        return np.zeros(0)
+    numbers = [table.numbers() for table in tables.values()]
+    first = 1 + 2 * len(numbers)
+    places = first + np.cumsum([0, *(own.size for own in numbers[:-1])])
+    pairs = np.column_stack([list(tables), places]).ravel()
+    return np.concatenate([[len(numbers)], pairs, *numbers])
+
+
 def _polynomials(times: Floats, values: Floats, kind: str) -> tuple[Floats, Floats]:
     """Return where pieces begin, (k,), and their polynomials, (k, degree + 1); see `Table`."""
     ends = np.flatnonzero(np.diff(times) == 0.0) + 1
@@ -171,7 +226,8 @@ def _polynomials(times: Floats, values: Floats, kind: str) -> tuple[Floats, Floa
         elif kind == "linear":
             own = np.stack([y[:-1], np.diff(y) / np.diff(t)], axis=1)
         else:
-            own = np.asarray(scipy.interpolate.CubicSpline(t, y).c[::-1].T, dtype=np.float64)
+            curve = scipy.interpolate.CubicSpline if kind == "cubic" else scipy.interpolate.PchipInterpolator
+            own = np.asarray(curve(t, y).c[::-1].T, dtype=np.float64)
         starts.append(t[: len(own)])
         pieces.append(np.pad(own, ((0, 0), (0, 4 - own.shape[1]))))
     return np.concatenate(starts), np.concatenate(pieces)[:, : 2 if kind == "linear" else 4]

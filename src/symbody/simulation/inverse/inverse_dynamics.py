@@ -23,7 +23,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, silent_input_note
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
 from symbody.simulation.inverse.prescribed_motion import PrescribedStates, prescribe_motion
@@ -92,6 +92,7 @@ def inverse_dynamics(
     span = (float(t[0]), float(t[-1]))
     driven = continuation(eqs, *motion_laws(motion, span), given)
     path = prescribe_motion(eqs, driven, given, dict(guess or {}), checked_scales(scales), t)
+    others = {**{name: law for name, law in laws_of_tables(eqs).items() if name not in names}, **others}
     laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
     solver = InputSolver(path, eqs, laws, names, influence(eqs, names))
     inputs_found = solver.solve(samples := path.samples(t))
@@ -205,8 +206,20 @@ def _check_questions(
                 "", "use a Distance that is not a rope where it is taut, or leave it out where it is slack")
         for name in ropes(eqs.formed)
     ]  # fmt: skip
+    if eqs.signal_state_names:
+        problems.append(_moving_signals(eqs))
     if problems:
         raise UsageError(*problems)
+
+
+def _moving_signals(eqs: EquationSet) -> Problem:
+    listed = ", ".join(eqs.signal_state_names)
+    return Problem(
+        "inverse.signals", f"signal {eqs.signal_state_names[0]}",
+        f"the states of signals {listed} do not follow from the motion of the mechanism",
+        "they have rates of their own, which the unknown inputs may drive",
+        "find the effort with an input in the place of the signals, or simulate with them",
+    )  # fmt: skip
 
 
 def _no_input(eqs: EquationSet, name: str) -> Problem:

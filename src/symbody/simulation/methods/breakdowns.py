@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.velocities import CURE, pivot_groups
-from symbody.simulation.events.events import Event
+from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.methods.integration import Integration
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -42,8 +42,9 @@ def pivot_events(problem: SimulationProblem, t: float, x: Floats) -> tuple[Event
     for names, value in zip(groups, np.ravel(pivots), strict=True):
         limit = min(_NEAR, _SHARE * abs(float(value)))
         for sign in "-+":
-            formula = f"{names[0]}_pivot {sign} {limit:.17g}"
-            events.append(Event(formula, 0, "stop", f"{_LABEL}{', '.join(names)} {sign}"))
+            level = limit if sign == "-" else -limit
+            label = f"{_LABEL}{', '.join(names)} {sign}"
+            events.append(LevelEvent(f"{names[0]}_pivot", 0, "stop", label, level))
     return tuple(events)
 
 
@@ -55,7 +56,7 @@ def judge_pivots(run: Integration, events: tuple[Event, ...]) -> Integration:
         return run
     if last.name not in {event.label for event in events}:
         return run
-    watch.occurrences.pop()
+    watch.forget_last()
     names = last.name.removeprefix(_LABEL).rpartition(" ")[0]
     return _blame(
         run,

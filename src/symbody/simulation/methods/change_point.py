@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from symbody.manifold import count_significant
 from symbody.simulation.methods.constraints import Projection
 from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.gear_gupta_leimkuhler import GGL
 from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
@@ -27,6 +28,7 @@ from symbody.simulation.methods.overconstrained import (
     is_overconstrained,
 )
 from symbody.simulation.methods.partition import Partition
+from symbody.simulation.methods.unresolved_poses import unresolved_pose_notes
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -102,6 +104,7 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
     if follows and is_replaceable:
         return integrate_by_partition(plan)
     run = integrate_plan(plan) if isinstance(constraints, GGL) or not follows else integrate_independent(plan)
+    run = _with_step_notes(run, plan)
     if run.raw.status not in _JUDGED:
         return run
     at = change_point(problem, run.raw) if plan.constraints is None else None
@@ -123,6 +126,14 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
     if end is None:
         return run
     return end_run(run, end.t, end.note.format(f"sb.{type(constraints).__name__}()"))
+
+
+def _with_step_notes(run: Integration, plan: MotionPlan) -> Integration:
+    """Return a run with a note where steps of a given length are too long; others follow their errors."""
+    if not isinstance(plan.integrator, FixedStep):
+        return run
+    notes = unresolved_pose_notes(plan.integration.problem, run.raw, plan.integrator.step)
+    return run._replace(notes=(*run.notes, *notes))
 
 
 def is_change_point(problem: SimulationProblem, t: float, x: Floats) -> bool:

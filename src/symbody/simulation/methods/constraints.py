@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import Scales
 from symbody.arguments import checked_fields
-from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
+from symbody.expr.sequence import Output
 from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.native.description import Projector
 from symbody.tolerances import CLOSED
@@ -115,13 +115,33 @@ class Baumgarte:
             rate = row.drift
             for u, slope in row.jacobian.items():
                 rate = rate + slope * Expr(graph, u)
-            pull = rate * (2 * self.zeta * self.omega) + row.value * self.omega**2  # no value: Phi' decays
+            # Quotients, since what is rounded together with a product depends on the digits of constants.
+            pull = rate / (0.5 / (self.zeta * self.omega)) + row.value / (1.0 / self.omega**2)
             rows.append(replace(row, gamma=row.gamma - pull))
         return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)
 
 
+class ProjectingFunction(Protocol):
+    """What computes `PROJECTED`, at an address."""
+
+    @property
+    def address(self) -> int:
+        """Where it lies."""
+
+    @property
+    def work_size(self) -> int:
+        """Doubles of scratch that it needs."""
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """What it computes."""
+
+    def constants(self) -> Floats:
+        """Return the numbers c that it takes."""
+
+
 def make_projector(
-    function: CompiledFunction,
+    function: ProjectingFunction,
     eqs: EquationSet,
     sizes: Scales,
     method: Projection,

@@ -15,8 +15,8 @@ from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
-from symbody.simulation.native.description import Goal, Projector, RightHandSide
-from symbody.simulation.native.run import NativeRun, drive, fresh_record
+from symbody.simulation.native.description import NO_TABLES, Goal, Projector, RightHandSide
+from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, drive, fresh_record
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
@@ -85,6 +85,7 @@ def integrate(
     *,
     method: Explicit | FixedStep,
     inputs: ArrayLike = (),
+    tables: Floats = NO_TABLES,
     parameters: ArrayLike = (),
     constants: ArrayLike = (),
     times: ArrayLike | None = None,
@@ -102,8 +103,9 @@ def integrate(
 
     Parameters
     ----------
-    address, work_size : int
-        A function of generated code, see `kernels.language.Function`, and its doubles of scratch.
+    address, work_size, tables : int, int, array
+        A function of generated code, see `kernels.language.Function`, its doubles of scratch, and its inputs
+        that are tables, see `kernels.tables`.
     times : array, optional
         The samples to store, in the order of the motion; by default every step is stored.
     rtol, atol : float, float or (n_u + n_q,) array
@@ -115,10 +117,8 @@ def integrate(
         stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called about 20 times a second with the share of the span that is done; returning False ends the run.
-    projector, watch : Projector, Watch
-        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`.
-    breakpoints : Breakpoints
-        What bounds steps that are not all of one length.
+    projector, watch, breakpoints : Projector, Watch, Breakpoints
+        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`; bound steps.
 
     Raises
     ------
@@ -130,11 +130,11 @@ def integrate(
     goal = make_goal((start, end), check_rtol(rtol), check_atol(atol, x.size), method.max_step, bounds)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
-    rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size)
+    rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
     block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
     run = NativeRun(rhs.address, projector.address, block)
-    record = fresh_record(run, check_times(times, start, end), dense)
-    return drive(run, record, progress, watch)
+    more = 0 if watch is None else EVENT_SAMPLES
+    return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
 
 
 def make_goal(

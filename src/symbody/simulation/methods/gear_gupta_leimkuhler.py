@@ -1,8 +1,9 @@
 """Closed loops as differential-algebraic equations of index 2, integrated by IDA: `GGL`.
 
-Positions are held by multipliers of their own: ``q' = N (u + J^T mu) + nu``, ``M u' = F + J^T lambda``,
-``Phi = 0``, ``J u + b = 0``; mu is 0 in every exact motion. Gear, Leimkuhler and Gupta, Automatic integration
-of Euler-Lagrange equations with constraints, J. Comput. Appl. Math. 12-13 (1985).
+Positions are held by multipliers of their own: ``q' = N (u + D^2 J^T mu) + nu``, ``M u' = F + J^T lambda``,
+``Phi = 0``, ``J u + b = 0``; mu is 0 in every exact motion, and D has the sizes of displacements along the
+speeds, so that metres and radians are pushed alike in all units. Gear, Leimkuhler and Gupta, Automatic
+integration of Euler-Lagrange equations with constraints, J. Comput. Appl. Math. 12-13 (1985).
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ def run_ggl(
 
     scales = integration.problem.scales
     sizes = scales.constraints(eqs)
-    pushes = sizes[: system.m_positions] / scales.time
+    pushes = 1.0 / (sizes[: system.m_positions] * scales.time)
     tolerances = np.concatenate([integration.tolerances, FREE * scales.energy / sizes, FREE * pushes])
     solver = solver_class("IDA")(
         residual, jacfn=slopes, rtol=integration.rtol, atol=tolerances,
@@ -116,10 +117,11 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
             total = total - rows[k][i] * pull
         values.append(total)
     moved = {}
+    squares = integration.problem.scales.displacements(eqs) ** 2
     for i, u in enumerate(formed.kinematics.speeds):
         speed = Expr(graph, u)
         for k, push in enumerate(pushes):
-            speed = speed + rows[k][i] * push
+            speed = speed + rows[k][i] * push * float(squares[i])
         moved[u] = speed.index
     rates = substitute(graph, eqs.roots("qdot").nodes, moved)
     values += [

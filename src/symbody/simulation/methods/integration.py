@@ -83,6 +83,14 @@ def integrate_plan(plan: MotionPlan) -> Integration:
 def _fitting_constraints(plan: MotionPlan) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
     constraints = plan.constraints or _PROJECTION
+    eqs = plan.integration.eqs
+    if isinstance(constraints, GGL | Partition) and eqs.multiplier_names and eqs.signal_state_names:
+        name = f"sb.{type(constraints).__name__}()"
+        listed = ", ".join(eqs.signal_state_names)
+        why = "it integrates coordinates and speeds alone"
+        fix = "leave constraints out, or give sb.Projection() or sb.Baumgarte()"
+        what = f"{name} does not integrate the states of signals: {listed}"
+        raise UsageError(Problem("simulation.signals", "constraints", what, why, fix))
     fits: tuple[type, ...]
     if isinstance(constraints, GGL):
         fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"
@@ -93,7 +101,7 @@ def _fitting_constraints(plan: MotionPlan) -> Constraints:
     if not (plan.integrator is None or isinstance(plan.integrator, fits)):
         what = f"this integrator cannot be combined with {name}"
         raise UsageError(Problem("simulation.combination", "integrator", what, f"{name} {why}", f"use {fix}"))
-    return constraints if plan.integration.eqs.multiplier_names else _PROJECTION
+    return constraints if eqs.multiplier_names else _PROJECTION
 
 
 def _run_method(
@@ -139,7 +147,7 @@ def run_explicit(
     problem, laws = integration.problem, integration.problem.laws
     # The work is one more state: the function writes its rate, the power, behind xdot.
     function = problem.compile_outputs(("xdot", "power"))
-    python_laws = CallbackFunction(function, laws) if laws.callbacks else None
+    python_laws = CallbackFunction(function, laws) if laws.need_python else None
     projector = NOTHING_TO_PROJECT if closing is None else closing.projector
     if isinstance(method, FixedStep):  # its steps never become shorter, however far one went
         projector = projector._replace(limit=math.inf)
@@ -153,6 +161,7 @@ def run_explicit(
         integration.span,
         method=method,
         inputs=np.zeros(len(laws.callbacks)),
+        tables=laws.table_numbers(),
         constants=function.constants(),
         times=integration.times,
         rtol=integration.rtol,
@@ -181,8 +190,9 @@ def work_tolerance(integration: IntegrationProblem) -> float:
     Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism
     in fast motion would need steps without end.
     """
-    problem, n_u, x = integration.problem, integration.n_u, integration.state
-    kinetic = problem.value("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
+    problem, t, n_u, x = integration.problem, integration.span[0], integration.n_u, integration.state
+    first = problem.first_numbers(t, x)
+    kinetic = problem.value("kinetic_energy", t, x[n_u:], x[:n_u]) if first is None else first.kinetic_energy
     usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
     return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
 

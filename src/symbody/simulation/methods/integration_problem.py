@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.simulation.events.event_watch import EventFunctions, EventWatch
+from symbody.simulation.events.event_functions import EventFunctions
+from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
@@ -31,7 +32,7 @@ from symbody.simulation.native.description import Projector
 from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.segments import StepWatch
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import SingleFlight
 
@@ -157,12 +158,12 @@ class IntegrationProblem:
         """Return what looks for events, if there are any; states after actions are closed."""
         if not self.events:
             return None
-        functions = EventFunctions(
-            self.problem, self.events, None if closing is None else closing.projector.scales
-        )
-        return EventWatch(self.events, functions, abs(self.span[1] - self.span[0]))
+        functions = EventFunctions(self.problem, self.events, None if closing is None else closing.projector)
+        return EventWatch(functions, abs(self.span[1] - self.span[0]))
 
-    def course(self, watch: Watch | None, closed: Callable[[Floats, Floats], Floats] | None = None) -> Course:
+    def course(
+        self, watch: StepWatch | None, closed: Callable[[Floats, Floats], Floats] | None = None
+    ) -> Course:
         """Return the course to march; samples are brought onto the constraints by `closed`."""
         n_u, function = self.n_u, self.problem.compile_outputs("power")
 
@@ -203,17 +204,17 @@ class StateProjector:
     projector: Projector
     rtol: float
     atol: Floats
-    _block: Floats = field(init=False, repr=False)
+    _blocks: SingleFlight[None, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
-    def __post_init__(self) -> None:
+    def _make_block(self) -> Floats:
         goal = make_goal((0.0, 1.0), self.rtol, self.atol, None, NO_BREAKPOINTS)
         rhs = NO_FUNCTION._replace(n_u=self.projector.n_u)
-        block = make_block(rhs, self.projector, DORMAND_PRINCE_8, goal, np.zeros(self.atol.size), 0.0)
-        object.__setattr__(self, "_block", block)
+        return make_block(rhs, self.projector, DORMAND_PRINCE_8, goal, np.zeros(self.atol.size), 0.0)
 
     def _project(self, t: float, x: Floats) -> float:
         """Move a state onto the constraints; return how far over the tolerated error."""
-        return step_machine().project(self.projector.address, address(self._block), t, address(x))
+        block = self._blocks.get(None, self._make_block)
+        return step_machine().project(self.projector.address, address(block), t, address(x))
 
     def project_one(self, t: float, x: Floats) -> tuple[Floats, float]:
         """Return a closed state, and its distance from `x` over the tolerated error."""

@@ -58,7 +58,8 @@ class LoopConstraints:
     def __init__(self, problem: SimulationProblem) -> None:
         self.problem, eqs = problem, problem.eqs
         self.sizes, self.speed_sizes = problem.scales.coordinates(eqs), problem.scales.displacements(eqs)
-        self.places = slice(len(eqs.speed_names), len(eqs.state_names))  # of the coordinates in a state
+        n_u = len(eqs.speed_names)
+        self.places = slice(n_u, n_u + len(eqs.coordinate_names))  # of the coordinates in a state
         self.is_driven = any(not row.drift.is_zero for row in eqs.formed.rows)
         self._scales = problem.scales.constraints(eqs)
         names = eqs.coordinate_names
@@ -94,7 +95,7 @@ class LoopConstraints:
     def rates(self, t: float, x: Floats) -> Floats:
         """Return q' of a state, in sizes."""
         n_u = self.speed_sizes.size
-        found = self._call(self.problem.compile_outputs("qdot"), t, x[n_u:], x[:n_u])
+        found = self._call(self.problem.compile_outputs("qdot"), t, x[self.places], x[:n_u])
         return np.asarray(found / self.sizes, dtype=np.float64)
 
     def manifold(self, t: float | Floats) -> ConstraintManifold:
@@ -116,14 +117,14 @@ class LoopConstraints:
         if not t.size:
             return x
         n_u = self.speed_sizes.size
-        u, q = x[:, :n_u].copy(), x[:, n_u:].copy()
+        u, q = x[:, :n_u].copy(), x[:, self.places].copy()
         for _ in range(_ROUNDS):
             values, slopes = self.positions(t, q)
             q -= _least_moves(slopes, values, branch.positions, branch.reference) * self.sizes
         rows, drift = self.speeds(t, q)
         violation = (rows @ (u / self.speed_sizes)[..., np.newaxis])[..., 0] + drift
         u -= _least_moves(rows, violation, branch.speeds, branch.reference) * self.speed_sizes
-        result = np.concatenate([u, q], axis=1)
+        result = np.concatenate([u, q, x[:, self.places.stop :]], axis=1)
         return np.where(np.isfinite(result).all(axis=1, keepdims=True), result, x)
 
     def _scale(self, rows: Floats) -> Floats:
@@ -146,7 +147,7 @@ def motion_branch(loops: LoopConstraints, t: float, x: Floats) -> MotionBranch:
     It is looked at beside the start: along the velocity, by which motions pass change points, and where this
     shows no more independent constraints, along all directions that the constraints admit.
     """
-    q = x[loops.speed_sizes.size :]
+    q = x[loops.places]
     here = _regular(loops, [(t, q)])
     found = _regular(loops, [(t, q), *_neighbours_along_motion(loops, t, x)])
     if found.speeds > here.speeds or not loops.depends(t, q):
@@ -173,7 +174,6 @@ def _regular(loops: LoopConstraints, places: Iterable[tuple[float, Floats]]) -> 
 
 def _neighbours_along_motion(loops: LoopConstraints, t: float, x: Floats) -> Iterator[tuple[float, Floats]]:
     """Yield times and closed configurations shortly before and after a state, if it moves."""
-    n_u = loops.speed_sizes.size
     rate = loops.rates(t, x)
     speed = float(np.abs(rate).max(initial=0.0))
     if not (0.0 < speed < np.inf):
@@ -181,7 +181,7 @@ def _neighbours_along_motion(loops: LoopConstraints, t: float, x: Floats) -> Ite
     for length in _BESIDE:
         for time in (-length / speed, length / speed):
             at = t + time if loops.is_driven else t
-            found = loops.manifold(at).project(x[n_u:] + time * rate * loops.sizes)
+            found = loops.manifold(at).project(x[loops.places] + time * rate * loops.sizes)
             if found.is_closed:
                 yield at, found.q
 

@@ -53,6 +53,9 @@ def is_overconstrained(problem: SimulationProblem, t: float, x: Floats) -> bool:
     eqs = problem.eqs
     if not eqs.multiplier_names or not eqs.speed_names:
         return False
+    first = problem.first_numbers(t, x)
+    if first is not None and first.is_regular:
+        return False
     loops = LoopConstraints(problem)
     if not loops.depends(t, x[loops.places]):
         return False

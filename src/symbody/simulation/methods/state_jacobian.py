@@ -36,7 +36,7 @@ def _without_idle_rows(eqs: EquationSet) -> EquationSet:
 def with_state_jacobian(
     eqs: EquationSet, laws: Mapping[str, Value], callbacks: Iterable[str] = ()
 ) -> EquationSet:
-    """Return the equations with the outputs `STATE_RATES`, x' in the order (u, q), and `STATE_JACOBIAN`.
+    """Return the equations with the outputs `STATE_RATES`, x' in the order (u, q, s), and `STATE_JACOBIAN`.
 
     With them is `CALLBACK_JACOBIAN`, the derivatives of the same by the inputs in `callbacks`.
     """
@@ -50,7 +50,7 @@ def _with_state_jacobian(
     eqs: EquationSet, laws: Mapping[str, Value], callbacks: Iterable[str]
 ) -> EquationSet:
     rates = with_laws(eqs, eqs.roots("xdot").nodes, laws)
-    by = (*eqs.formed.u, *eqs.formed.q)
+    by = (*eqs.formed.u, *eqs.formed.q, *eqs.formed.signal_states)
     derivatives = partial_derivatives(eqs, STATE_JACOBIAN, rates, by)
     by_callbacks = partial_derivatives(eqs, CALLBACK_JACOBIAN, rates, input_symbols(eqs, callbacks))
     return with_outputs(eqs, [Roots(STATE_RATES, (len(rates),), tuple(rates)), derivatives, by_callbacks])

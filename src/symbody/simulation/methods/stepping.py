@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.native.run import SLICE_SECONDS, Progress, RawRun, Statistics, memory_limit
-from symbody.simulation.native.segments import Cut, Watch, steps_before
+from symbody.simulation.native.segments import Cut, StepWatch, steps_before
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -130,7 +130,7 @@ class Course:
         From times (N,) and states (N, n) to the power (N,) [W].
     closed : callable
         Brings states (N, n) at times (N,) back onto the constraints.
-    watch : Watch or None
+    watch : StepWatch or None
         Looks at the steps now and then, and may cut the run.
     before : RawRun or None
         A run that was broken off where this one starts; the result contains it.
@@ -144,7 +144,7 @@ class Course:
     progress: Progress | None
     power: Power
     closed: Callable[[Floats, Floats], Floats]
-    watch: Watch | None = None
+    watch: StepWatch | None = None
     before: RawRun | None = None
 
 
@@ -171,7 +171,7 @@ def _march(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure:
         elif log.taken >= course.max_steps:
             failure = Failure(Status.TOO_MANY_STEPS)
         else:
-            failure = _take_step(stepper, course, log)
+            failure = _take_step(stepper, log)
         if course.watch is not None and (failure or log.steps - seen >= course.watch.most_steps):
             cut = course.watch.look(log.breaks, log.pieces, log.steps, failure is not None)
             seen = log.steps
@@ -190,7 +190,7 @@ def _march(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure:
                 return Failure(Status.INTERRUPTED)
 
 
-def _take_step(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure | None:
+def _take_step(stepper: StepwiseIntegrator, log: _Log) -> Failure | None:
     """Take one step and write it down; return why there is none."""
     found = stepper.advance()
     if isinstance(found, Failure):

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from symbody.kernels import block as at
 from symbody.simulation.native.description import Floats, Goal, Projector, RightHandSide
 from symbody.simulation.native.runge_kutta import Tableau
+from symbody.single_flight import SingleFlight
+
+_METHODS: Final[SingleFlight[tuple[Tableau, int], Floats]] = SingleFlight(64)
 
 
 def make_block(
@@ -21,7 +26,7 @@ def make_block(
     """Return the block of a motion at its first time [s] and state x = (u, q)."""
     n = x.size
     size = at.VECTORS + (at.VECTOR_ROWS + len(tableau.A) + 4 + len(tableau.dense)) * n
-    breaks, function = goal.breaks.ravel(), _function(rhs)
+    breaks, function = goal.breaks.ravel(), function_numbers(rhs)
     projection = _projection(projector) if projector.address else np.zeros(0)
     block = np.concatenate([np.zeros(size), breaks, function, projection])
     block[at.METHOD : at.METHOD + at.METHOD_SIZE] = method_numbers(tableau, n)
@@ -45,7 +50,11 @@ def state_of(block: Floats) -> Floats:
 
 
 def method_numbers(tableau: Tableau, n: int) -> Floats:
-    """Return a method for n states."""
+    """Return a method for n states, not to be changed."""
+    return _METHODS.get((tableau, n), lambda: _method_numbers(tableau, n))
+
+
+def _method_numbers(tableau: Tableau, n: int) -> Floats:
     numbers = np.zeros(at.METHOD_SIZE)
     numbers[at.ORDER], numbers[at.STAGES] = tableau.order, tableau.stages
     numbers[at.STAGE_ROWS], numbers[at.DENSE_ROWS] = len(tableau.A), 4 + len(tableau.dense)
@@ -64,16 +73,20 @@ def method_numbers(tableau: Tableau, n: int) -> Floats:
     return numbers
 
 
-def _function(rhs: RightHandSide | Projector) -> Floats:
+def function_numbers(rhs: RightHandSide | Projector) -> Floats:
     """Return the numbers of a function and room for its scratch."""
     places = at.R_PLACE + np.cumsum([rhs.inputs.size, rhs.parameters.size, rhs.constants.size])
     head = np.zeros(at.R_PLACE)
     head[[at.P_PLACE, at.C_PLACE, at.WORK_PLACE]] = places
-    return np.concatenate([head, rhs.inputs, rhs.parameters, rhs.constants, np.zeros(rhs.work_size)])
+    parts = [head, rhs.inputs, rhs.parameters, rhs.constants, np.zeros(rhs.work_size)]
+    if isinstance(rhs, RightHandSide) and rhs.tables.size:
+        head[at.TABLES_PLACE] = places[-1] + rhs.work_size
+        parts.append(rhs.tables)
+    return np.concatenate(parts)
 
 
 def _projection(projector: Projector) -> Floats:
-    head, function = np.zeros(at.P_SCALES), _function(projector)
+    head, function = np.zeros(at.P_SCALES), function_numbers(projector)
     out = at.P_SCALES + projector.scales.size + projector.sizes.size
     head[[at.P_COORDINATES, at.P_RESIDUALS]] = projector.n_q, projector.scales.size
     head[[at.P_OUT, at.P_OUT_SIZE, at.P_FUNCTION]] = out, projector.out_size, out + projector.out_size

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,11 +73,17 @@ class DenseOutput:
 
 def shorten(piece: Floats, share: float) -> Floats:
     """Return the first `share` of a step's polynomial as the polynomial of a step of its own."""
-    rows = piece.shape[0]
-    nodes = (1.0 - np.cos(np.pi * np.arange(rows) / (rows - 1))) / 2.0
-    result = np.linalg.solve(_basis(nodes, rows), _basis(share * nodes, rows) @ piece)
+    nodes, to_rows = cut_matrix(piece.shape[0])
+    result = to_rows @ (_basis(share * nodes, piece.shape[0]) @ piece)
     result[0] = piece[0]
     return np.asarray(result, dtype=np.float64)
+
+
+@cache
+def cut_matrix(rows: int) -> tuple[Floats, Floats]:
+    """Return shares of a step (rows,), and the matrix from the states there to its piece."""
+    nodes = (1.0 - np.cos(np.pi * np.arange(rows) / (rows - 1))) / 2.0
+    return nodes, np.asarray(np.linalg.inv(_basis(nodes, rows)), dtype=np.float64)
 
 
 def _basis(s: Floats, rows: int) -> Floats:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+
+NO_TABLES: Final = np.zeros(0)
 
 
 class RightHandSide(NamedTuple):
@@ -23,6 +26,8 @@ class RightHandSide(NamedTuple):
         The groups r, p and c.
     work_size : int
         How many numbers of scratch it needs.
+    tables : array
+        The inputs that are tables, see `symbody.kernels.tables`; empty if there are none.
     """
 
     address: int
@@ -31,6 +36,7 @@ class RightHandSide(NamedTuple):
     parameters: Floats
     constants: Floats
     work_size: int
+    tables: Floats = NO_TABLES
 
 
 class Projector(NamedTuple):

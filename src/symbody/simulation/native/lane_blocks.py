@@ -28,13 +28,16 @@ def make_lane_block(single: Floats, rhs: RightHandSide, work_size: int, tableau:
     scratch = beside.LANE_VECTORS + rows * n * width
     function = _lines(scratch + 2 * n * width)
     numbers = beside.LANE_R + width * np.cumsum([rhs.inputs.size, rhs.parameters.size, rhs.constants.size])
-    first, size = _lines(function + int(numbers[-1]) + work_size), _lines(single.size)
+    tables = function + int(numbers[-1]) + work_size
+    first, size = _lines(tables + rhs.tables.size), _lines(single.size)
     block = _aligned_zeros(first + width * size)
     block[at.METHOD : at.METHOD + at.METHOD_SIZE] = method_numbers(tableau, n * width)
     block[[at.N, at.N_U, at.RTOL, at.PROJECTOR]] = single[[at.N, at.N_U, at.RTOL, at.PROJECTOR]]
     block[[at.FUNCTION, beside.SCRATCH]] = function, scratch
     block[[beside.LANE_BLOCKS, beside.LANE_SIZE]] = first, size
     block[[function + at.P_PLACE, function + at.C_PLACE, function + at.WORK_PLACE]] = numbers
+    block[tables : tables + rhs.tables.size] = rhs.tables
+    block[function + at.TABLES_PLACE] = tables - function if rhs.tables.size else 0
     block[beside.TRIAL + beside.ONE_ROW * width :][:width] = 1.0
     block[beside.LANE_VECTORS + at.TOLERANCES * n * width :][: n * width] = 1.0
     own = block[first:].reshape(width, size)

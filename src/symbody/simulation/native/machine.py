@@ -19,9 +19,15 @@ _RECORD: Final = [_POINTER] * 5  # times, t, x, breaks, pieces
 _CASES: Final = [_INTEGER, _INTEGER, *[_POINTER] * 5, _INTEGER]
 
 # Results and arguments, f and g and the block first.
+# Functions of events, the blocks of run and watch, the record, what happens.
+_WATCHED: Final = [*[_POINTER] * 7, *_RECORD, _POINTER, _INTEGER]
+
 _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "begin": (_INTEGER, [_POINTER, _POINTER, *_RECORD[:4]]),
     "advance": (_INTEGER, [_POINTER, _POINTER, _POINTER, *_RECORD, _INTEGER]),
+    "advance_watched": (_INTEGER, _WATCHED),
+    "break_off": (_INTEGER, [_POINTER] * 10),
+    "look": (_INTEGER, [*[_POINTER] * 7, _INTEGER, _INTEGER]),
     "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
     "longest_step": (None, [_POINTER, _REAL, _POINTER]),
     "run_cases": (_INTEGER, [*[_POINTER] * 3, *_CASES]),
@@ -41,10 +47,25 @@ class StepMachine(NamedTuple):
     longest_step: Callable[..., None]
 
 
+class WatchedMotion(NamedTuple):
+    """The kernels of one motion with events."""
+
+    advance_watched: Callable[..., int]
+    break_off: Callable[..., int]
+    look: Callable[..., int]
+
+
+@once
+def watched_motion() -> WatchedMotion:
+    """Return the integrator of one motion with events, ready to be called."""
+    return WatchedMotion(*_functions("watched_motion", *WatchedMotion._fields))
+
+
 @once
 def step_machine() -> StepMachine:
     """Return the integrator of one motion, ready to be called."""
-    return StepMachine(*_functions("step_machine", *StepMachine._fields))
+    # All of LLVM's passes would take three times as long, and save 0 to 5 % of a small motion.
+    return StepMachine(*_functions("step_machine", *StepMachine._fields, light=True))
 
 
 @once
@@ -59,8 +80,8 @@ def lane_motions() -> Callable[..., int]:
     return _functions("lane_motions", "run_lanes")[0]
 
 
-def _functions(module: str, *names: str) -> list[Callable[..., Any]]:
-    addresses = load_kernels(module, names)
+def _functions(module: str, *names: str, light: bool = False) -> list[Callable[..., Any]]:
+    addresses = load_kernels(module, names, light=light)
     kinds = [
         ctypes.CFUNCTYPE(result, *arguments) for result, arguments in map(_SIGNATURES.__getitem__, names)
     ]

@@ -6,7 +6,6 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Floats, Record
 from symbody.simulation.native.machine import address, step_machine
-from symbody.simulation.native.segments import Watch, cut_back, go_on
+from symbody.simulation.native.segments import Watch
 from symbody.simulation.status import Status
 
 Progress = Callable[[float], bool | None]
@@ -26,6 +25,8 @@ Progress = Callable[[float], bool | None]
 FIRST_SLICE: Final = 64
 SLICE_SECONDS: Final = 0.05
 FIRST_CAPACITY: Final = 256
+# Samples that an event may add to those of given times: the states before and after.
+EVENT_SAMPLES: Final = 2
 # Where the system does not tell its memory [bytes].
 ASSUMED_MEMORY: Final = 8 * 2**30
 
@@ -36,6 +37,8 @@ VERDICTS: Final[Mapping[int, Status]] = {
     at.SINGULAR: Status.SINGULAR,
     at.TOO_MANY: Status.TOO_MANY_STEPS,
     at.STIFF: Status.STIFF,
+    at.STOPPED: Status.STOPPED,
+    at.CHATTERING: Status.CHATTERING,
 }
 
 
@@ -124,9 +127,11 @@ class NativeRun(NamedTuple):
         places = (record.wanted, record.t, record.x, record.breaks)
         return step_machine().begin(self.rhs, address(self.block), *map(address, places))
 
-    def advance(self, record: Record, trials: int) -> int:
+    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         self._show_room(record)
+        if watch is not None:
+            return watch.advance(self.rhs, self.projector, self.block, record, trials)
         places = (record.wanted, record.t, record.x, record.breaks, record.pieces)
         return step_machine().advance(
             self.rhs, self.projector, address(self.block), *map(address, places), trials
@@ -139,8 +144,8 @@ class NativeRun(NamedTuple):
         block[at.STEP_ROOM] = record.pieces.shape[0]
 
 
-def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
-    """Return empty storage for the samples at `times`, or for every step.
+def fresh_record(run: NativeRun, times: Floats | None, dense: bool, more: int = 0) -> Record:
+    """Return empty storage for the samples at `times` and so many more, or for every step.
 
     Raises
     ------
@@ -150,7 +155,7 @@ def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
     n, rows = int(run.block[at.N]), int(run.block[at.METHOD + at.DENSE_ROWS])
     if times is not None:
         check_memory(times.size, n)
-    capacity = FIRST_CAPACITY if times is None else times.size
+    capacity = FIRST_CAPACITY if times is None else times.size + more
     pieces = FIRST_CAPACITY if dense else 0
     return Record(
         np.zeros(0) if times is None else times,
@@ -200,9 +205,7 @@ def drive(run: NativeRun, record: Record, progress: Progress | None, watch: Watc
             if code == at.FULL:
                 record = _grow(record, run.block)
             code, budget = _slice(run, record, budget, watch, clock)
-            if watch is not None:
-                record, code, status = _cut_at_event(run, record, watch, code)
-            if status is None and code in (at.RUNNING, at.FULL):
+            if code in (at.RUNNING, at.FULL):
                 status = None if _report_progress(run, start, progress) else Status.INTERRUPTED
             if status is not None:
                 break
@@ -211,7 +214,7 @@ def drive(run: NativeRun, record: Record, progress: Progress | None, watch: Watc
     except MemoryError:
         status = Status.OUT_OF_MEMORY
     if watch is not None and status in (Status.INTERRUPTED, Status.OUT_OF_MEMORY):
-        record = _cut_unseen_part(run, record, watch)
+        watch.break_off(run.block, record)
     return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
 
 
@@ -219,40 +222,11 @@ def _slice(
     run: NativeRun, record: Record, budget: int, watch: Watch | None, clock: list[float]
 ) -> tuple[int, int]:
     """Run one slice and add its time; return the loop's code and the budget of the next slice."""
-    most = budget if watch is None else min(budget, watch.most_steps)
     began = time.perf_counter()
-    code = run.advance(record, most)
+    code = run.advance(record, budget, watch)
     spent = time.perf_counter() - began
     clock[0] += spent
     return code, _next_budget(budget, spent)
-
-
-def _cut_at_event(
-    run: NativeRun, record: Record, watch: Watch, code: int
-) -> tuple[Record, int, Status | None]:
-    """Cut the run where something happened; return its record, the loop's code, and the verdict at an end."""
-    block = run.block
-    is_over = code not in (at.RUNNING, at.FULL)
-    cut = watch.look(record.breaks, record.pieces, int(block[at.STEPS]), is_over)
-    if cut is None:
-        return record, code, None
-    record = cut_back(block, record, cut)
-    block[at.TIME] = cut.t
-    state_of(block)[:] = cut.before if cut.after is None else cut.after
-    if cut.after is None:
-        return record, code, cut.status
-    # Steps of one length stay so; others begin with a short one, as at the start.
-    block[at.FIRST_STEP] = block[at.MAX_STEP] if block[at.METHOD + at.GROWTH] == 1.0 else 0.0
-    return record, go_on(partial(run.begin, record), block, record, cut), None
-
-
-def _cut_unseen_part(run: NativeRun, record: Record, watch: Watch) -> Record:
-    """End an interrupted run at the event that would have changed it, if one was computed."""
-    cut = watch.look(record.breaks, record.pieces, int(run.block[at.STEPS]), True)
-    if cut is None:
-        return record
-    run.block[at.TIME] = cut.t
-    return cut_back(run.block, record, cut._replace(after=None))
 
 
 def _next_budget(budget: int, spent: float) -> int:
@@ -278,7 +252,7 @@ def _grow(record: Record, block: Floats) -> Record:
     samples, steps = int(block[at.SAMPLES]), int(block[at.STEPS])
     if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
         raise MemoryError
-    if record.every_step and samples == record.t.size:
+    if record.every_step and samples + EVENT_SAMPLES >= record.t.size:
         record = record._replace(t=_double(record.t), x=_double(record.x))
     if record.keep_dense and steps == record.pieces.shape[0]:
         record = record._replace(breaks=_double(record.breaks), pieces=_double(record.pieces))

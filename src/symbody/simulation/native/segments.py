@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from symbody.kernels import block as at
-from symbody.simulation.native.dense_output import shorten
 from symbody.simulation.native.description import Floats, Record
 from symbody.simulation.status import Status
 
@@ -35,11 +32,23 @@ class Cut(NamedTuple):
 
 
 class Watch(Protocol):
-    """Looks at the steps of each slice."""
+    """Lets events happen in the compiled loop."""
+
+    def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        ...
+
+    def break_off(self, block: Floats, record: Record) -> None:
+        """End an interrupted run at the event that would have changed it, if one was computed."""
+        ...
+
+
+class StepWatch(Protocol):
+    """Looks at the steps of integrators that take theirs in Python."""
 
     @property
     def most_steps(self) -> int:
-        """How many steps a slice may have."""
+        """How many steps may be taken between two looks."""
         ...
 
     def look(self, breaks: Floats, pieces: Floats, steps: int, is_over: bool) -> Cut | None:
@@ -55,41 +64,3 @@ def steps_before(breaks: Floats, steps: int, t: float) -> int:
     """Return how many of the first `steps` steps begin before a time."""
     direction = 1.0 if breaks[steps] >= breaks[0] else -1.0
     return int(np.searchsorted(direction * breaks[: steps + 1], direction * t))
-
-
-def cut_back(block: Floats, record: Record, cut: Cut) -> Record:
-    """Forget what lies beyond a cut; its state is a sample if every step is one, or if it is the end."""
-    steps, count = int(block[at.STEPS]), int(block[at.SAMPLES])
-    direction = 1.0 if record.breaks[steps] >= record.breaks[0] else -1.0
-    end = steps_before(record.breaks, steps, cut.t)
-    start = record.breaks[end - 1]
-    if cut.t != record.breaks[end]:
-        share = (cut.t - start) / (record.breaks[end] - start)
-        record.pieces[end - 1] = shorten(record.pieces[end - 1], float(share))
-    sample = int(np.searchsorted(direction * record.t[:count], direction * cut.t))
-    record.breaks[end] = cut.t
-    block[at.STEPS], block[at.SAMPLES] = end, sample
-    if record.t.size < sample + 2:
-        record = record._replace(t=_longer(record.t), x=_longer(record.x))
-    if record.every_step or cut.after is None:
-        record.t[sample], record.x[sample] = cut.t, cut.before
-        block[at.SAMPLES] = sample + 1
-    return record
-
-
-def go_on(begin: Callable[[], int], block: Floats, record: Record, cut: Cut) -> int:
-    """Begin anew at a cut; return the code of `begin`, which stores the state if every step is a sample."""
-    for place in (at.KERNEL, at.AFTER_REJECTION, at.STIFF_VOTES, at.OTHER_VOTES):
-        block[place] = 0
-    first = float(record.breaks[0])
-    code = begin()
-    record.breaks[0] = first  # it belongs to the first segment
-    sample = int(block[at.SAMPLES])
-    if code == at.FINISHED and sample < record.wanted.size and cut.after is not None:
-        record.t[sample], record.x[sample] = cut.t, cut.after
-        block[at.SAMPLES] = sample + 1
-    return code
-
-
-def _longer(array: Floats) -> Floats:
-    return np.concatenate([array, np.empty((max(2, array.shape[0]), *array.shape[1:]))])

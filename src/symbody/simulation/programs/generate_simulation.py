@@ -7,19 +7,17 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symbody.analysis.assembly import assemble
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.simulation.inputs.input_laws import Law, input_laws
+from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.programs.main_texts import LANGUAGES, program_text
-from symbody.simulation.programs.prepared_motion import PreparedMotion, prepare_motion
-from symbody.simulation.simulate import pose_problem
+from symbody.simulation.programs.motion_request import MotionRequest, pose_motion
+from symbody.simulation.programs.prepared_motion import prepare_motion
 from symbody.simulation.sweeps.case_by_case import reason_for_simulate
 
 _SAMPLES = 101
@@ -65,32 +63,18 @@ def generate_simulation(
         fix = f"choose one of {', '.join(LANGUAGES)}"
         what = f"no program can be written in {language!r}"
         raise UsageError(Problem("simulation.language", "language", what, "", fix))
-    motion = _prepare(
-        eqs, t_end, initial, guess, parameters, inputs, times, integrator, constraints, rtol, atol, scales,
-        max_steps,
-    )  # fmt: skip
-    return program_text(motion, LANGUAGES[language], eqs.model.name)
-
-
-def _prepare(
-    eqs: EquationSet, t_end: float | tuple[float, float], initial: Mapping[str, Value] | None,
-    guess: Mapping[str, Value] | None, parameters: Mapping[str, Value] | None,
-    inputs: Mapping[str, Law] | None, times: ArrayLike | None, integrator: Explicit | FixedStep | None,
-    constraints: Projection | Baumgarte | None, rtol: float, atol: float | None,
-    scales: Mapping[str, float] | None, max_steps: int,
-) -> PreparedMotion:  # fmt: skip
-    """Return the motion as kernels and numbers."""
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    laws = input_laws(eqs.input_names, inputs or {}, span)
+    laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **(inputs or {})}, span)
     reason = reason_for_simulate(eqs, laws, integrator, constraints, has_events=False)
     if reason:
         fix = "give formulas as inputs, or take simulate"
         raise UsageError(
             Problem("simulation.program", "", f"this motion is no program of its own: {reason}", "", fix)
         )
-    first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
-    x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
-    samples = np.linspace(*span, _SAMPLES) if times is None else times
-    integration = IntegrationProblem(problem, x0, span, samples, rtol, atol, max_steps)
-    return prepare_motion(integration, integrator, constraints)
+    request = MotionRequest(
+        initial or {}, parameters or {}, inputs or {}, integrator=integrator, constraints=constraints,
+        rtol=rtol, atol=atol, span=span, last=span[1], is_pulled=False, guess=guess, scales=scales,
+        max_steps=max_steps, times=np.linspace(*span, _SAMPLES) if times is None else times,
+    )  # fmt: skip
+    motion = prepare_motion(pose_motion(eqs, request, laws))
+    return program_text(motion, LANGUAGES[language], eqs.model.name)

@@ -1,4 +1,4 @@
-"""What a program of a simulation is to compute, checked: nothing in it may need Python while it runs."""
+"""What a program of a simulation is to compute: nothing in it may need Python while it runs."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.assembly import assemble
-from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.model.model import resolve_parameters
+from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
-from symbody.simulation.inputs.breakpoints import Breakpoints
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables
 from symbody.simulation.methods.change_point import is_change_point
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
@@ -26,6 +26,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
+from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
@@ -33,6 +34,7 @@ Floats = NDArray[np.float64]
 # Ends of the motion that are tried [s]: what depends on time is cut into at most so many pieces up to there.
 _LAST: Final = (3600.0, 600.0, 60.0)
 _MOST_PIECES: Final = 2000
+ENDLESS: Final = 2**52  # more steps than any motion takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,7 @@ class MotionRequest:
 
     Attributes
     ----------
-    initial, parameters, inputs : mappings
+    initial, guess, parameters, inputs : mappings
         As `simulate` takes them.
     tunable : tuple of str
         Parameters that may change.
@@ -49,7 +51,7 @@ class MotionRequest:
         Inputs that have a value of their own instead of a law, 0 at first.
     integrator : Explicit or FixedStep, optional
     constraints : Projection or Baumgarte, optional
-    rtol, atol : float
+    rtol, atol, scales, max_steps
         As `simulate` takes them.
     span : (float, float)
         The first time, and the end of the motion whose scales the tolerances follow [s].
@@ -57,6 +59,8 @@ class MotionRequest:
         Where the motion ends at the latest [s]; by default after an hour, or less where inputs change often.
     is_pulled : bool
         Whether a pointer may pull bodies.
+    times : array, optional
+        Samples that are stored.
     """
 
     initial: Mapping[str, Value] = field(default_factory=dict)
@@ -71,6 +75,10 @@ class MotionRequest:
     span: tuple[float, float] = (0.0, 10.0)
     last: float | None = None
     is_pulled: bool = True
+    guess: Mapping[str, Value] | None = None
+    scales: Mapping[str, float] | None = None
+    max_steps: int = ENDLESS
+    times: ArrayLike | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,25 +88,31 @@ class PosedMotion:
     Attributes
     ----------
     integration : IntegrationProblem
-        With the equations that the pointer pulls, and inputs that are free at 0.
-    stabilized : EquationSet
-        The equations that are integrated.
+        With the equations that are integrated, which the pointer pulls, and inputs that are free at 0.
     wrench : PointerWrench or None
         Inputs of the pointer.
     first : State
         Where it starts.
     formulas : mapping of input to formula
         Laws of the inputs that are not arguments.
+    last : float
+        Where it ends [s].
+    breakpoints : Breakpoints
+        Where what depends on time alone changes; none where steps are all of one length.
     """
 
     request: MotionRequest
     integration: IntegrationProblem
-    stabilized: EquationSet
     wrench: PointerWrench | None
     first: State
     formulas: Mapping[str, Value]
     last: float
     breakpoints: Breakpoints
+
+    @property
+    def eqs(self) -> EquationSet:
+        """The equations that are integrated."""
+        return self.integration.eqs
 
     @property
     def tunable(self) -> tuple[str, ...]:
@@ -108,7 +122,7 @@ class PosedMotion:
     @property
     def tunable_values(self) -> tuple[float, ...]:
         """Their values at first."""
-        values = resolve_parameters(self.stabilized.model, self.request.parameters)
+        values = resolve_parameters(self.eqs.model, self.request.parameters)
         return tuple(float(values[name]) for name in self.tunable)
 
     @property
@@ -119,7 +133,7 @@ class PosedMotion:
     @property
     def input_names(self) -> tuple[str, ...]:
         """Inputs that are arguments, in order."""
-        return tuple(name for name in self.stabilized.input_names if name not in self.formulas)
+        return tuple(name for name in self.eqs.input_names if name not in self.formulas)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -154,44 +168,51 @@ class PosedMotion:
         return self.integration.x0
 
 
-def pose_motion(eqs: EquationSet, request: MotionRequest) -> PosedMotion:
-    """Return a motion ready to be written as a program.
+def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> PosedMotion:
+    """Return a motion ready to be written as a program; nothing in it may need Python."""
+    made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
+    if wrench is not None:
+        laws = input_laws(made.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
+    start, scales, constraints = request.span[0], request.scales, request.constraints
+    first = assemble(
+        made, request.initial, request.guess, request.parameters, laws.formulas, start, scales=scales
+    )
+    problem = pose_problem(made, request.span, request.parameters, laws, scales, constraints, first)
+    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
+    integration = IntegrationProblem(
+        problem, x0, request.span, request.times, request.rtol, request.atol, request.max_steps
+    )
+    names = (*request.free_inputs, *(() if wrench is None else wrench.names))
+    formulas = {name: law for name, law in laws.formulas.items() if name not in names}
+    last, pieces = _breakpoints(problem, request)
+    return PosedMotion(request, integration, wrench, first, formulas, last, pieces)
+
+
+def _breakpoints(problem: SimulationProblem, request: MotionRequest) -> tuple[float, Breakpoints]:
+    """Return where the motion ends, and the pieces of what depends on time up to there."""
+    start, pieces = request.span[0], NO_BREAKPOINTS
+    ends = [start + length for length in _LAST] if request.last is None else [request.last]
+    for end in ends:
+        if not isinstance(request.integrator, FixedStep):
+            pieces = problem.breakpoints((start, end))
+        if len(pieces.longest) <= _MOST_PIECES:
+            break
+    return end, pieces
+
+
+def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
+    """Return the laws of the inputs of a motion that a page computes.
 
     Raises
     ------
     UsageError
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
-    laws = input_laws(eqs.input_names, request.inputs, request.span)
+    laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
     problems = [*_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs)]
     if problems:
         raise UsageError(*problems)
-    made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
-    laws = input_laws(made.input_names, request.inputs, request.span)
-    start = request.span[0]
-    first = assemble(made, request.initial, None, request.parameters, laws.formulas, start)
-    scales = mechanism_scales(made, dict(request.parameters), None, first.q).fit_span(*request.span)
-    constraints = request.constraints
-    stabilized = constraints.applied(made) if isinstance(constraints, Baumgarte) else made
-    problem = SimulationProblem(stabilized, dict(request.parameters), laws, scales)
-    x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
-    _check_branch(problem, start, x0[:-1])
-    integration = IntegrationProblem(problem, x0, request.span, None, request.rtol, request.atol)
-    names = (*request.free_inputs, *(() if wrench is None else wrench.names))
-    formulas = {name: law for name, law in laws.formulas.items() if name not in names}
-    last, pieces = _breakpoints(problem, request)
-    return PosedMotion(request, integration, stabilized, wrench, first, formulas, last, pieces)
-
-
-def _breakpoints(problem: SimulationProblem, request: MotionRequest) -> tuple[float, Breakpoints]:
-    """Return where the motion ends, and the pieces of what depends on time up to there."""
-    start = request.span[0]
-    ends = _LAST if request.last is None else (request.last,)
-    for end in ends:
-        pieces = problem.breakpoints((start, max(end, start + end)))
-        if len(pieces.longest) <= _MOST_PIECES:
-            break
-    return max(end, start + end) if request.last is None else end, pieces
+    return laws
 
 
 def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
@@ -224,9 +245,17 @@ def branch_problem(name: str, what: str) -> Problem:
     )  # fmt: skip
 
 
-def _check_branch(problem: SimulationProblem, t: float, x: Floats) -> None:
-    """Refuse a start from which `simulate` would go on by `Partition`."""
+def check_branch(motion: PosedMotion) -> None:
+    """Refuse a start from which `simulate` would go on by `Partition`.
+
+    Raises
+    ------
+    UsageError
+        If constraints are dependent there.
+    """
+    problem, t = motion.integration.problem, motion.request.span[0]
     eqs = problem.eqs
+    x = motion.x0[: len(motion.first.u) + len(motion.first.q)]
     if not eqs.multiplier_names or not eqs.speed_names:
         return
     if is_overconstrained(problem, t, x):
@@ -250,10 +279,17 @@ def _pivot_problems(eqs: EquationSet) -> list[Problem]:
 
 
 def _switching_problems(eqs: EquationSet) -> list[Problem]:
-    if not switches(eqs.formed):
-        return []
-    return [
-        Problem("animation.live_switching", eqs.model.name, "joints stick, or ropes become slack",
-                "the equations change while it moves, which a page cannot do yet",
-                "animate a motion from simulate, or give the friction a smooth law")
-    ]  # fmt: skip
+    problems = []
+    if switches(eqs.formed):
+        problems.append(
+            Problem("animation.live_switching", eqs.model.name, "joints stick, or ropes become slack",
+                    "the equations change while it moves, which a page cannot do yet",
+                    "animate a motion from simulate, or give the friction a smooth law")
+        )  # fmt: skip
+    if may_jump(eqs):
+        problems.append(
+            Problem("animation.live_jumps", eqs.model.name, "prescribed rates may jump",
+                    "speeds jump with them, which a page cannot compute yet",
+                    "animate a motion from simulate, or prescribe a smooth motion")
+        )  # fmt: skip
+    return problems

@@ -31,7 +31,8 @@ About = dict[str, Any]  # what JSON can say
 FORMAT: Final = "symbody trajectory 1"
 _SUFFIX: Final = ".npy"
 _KINDS: Final[Mapping[str, object]] = {
-    "coordinate_names": list[str], "speed_names": list[str], "status": str, "stored": list[str],
+    "coordinate_names": list[str], "speed_names": list[str], "signal_state_names": list[str], "status": str,
+    "stored": list[str],
     "statistics": dict[str, int | float | None], "units": dict[str, str], "notes": list[str], "name": str,
     "events": list[list[Any]],
 }  # fmt: skip
@@ -104,6 +105,8 @@ def motion_fields(path: Path) -> dict[str, Any]:
             "u": arrays["u"],
             "coordinate_names": tuple(about["coordinate_names"]),
             "speed_names": tuple(about["speed_names"]),
+            "signal_state_names": tuple(about.get("signal_state_names", ())),
+            "s": arrays.get("s", np.zeros((0, 0))),
             "status": Status[about["status"]],
             "statistics": Statistics(**about["statistics"]),
             "dense_output": DenseOutput(arrays["breaks"], arrays["pieces"]) if "breaks" in arrays else None,
@@ -129,7 +132,7 @@ def check_motion(arrays: Mapping[str, Floats], about: About) -> None:
     for name, kind in _KINDS.items():
         if not fits(kind, about.get(name, [])):
             raise ValueError(f"{name} is of another kind")
-    names = [*about["coordinate_names"], *about["speed_names"]]
+    names = [*about["coordinate_names"], *about["speed_names"], *about.get("signal_state_names", ())]
     samples = arrays["t"].size
     events = about.get("events", [])
     stored = [arrays[f"stored_{k}"] for k in range(len(about["stored"]))]

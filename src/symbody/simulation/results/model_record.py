@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.arguments import fits
 from symbody.codegen.formation.names import Value
+from symbody.equations.outputs.input_formulas import input_formula
 from symbody.expr.parser import parse_angle
 from symbody.formats.native import model_from_toml, model_to_toml
 from symbody.graph.trees import Trees
@@ -35,12 +36,14 @@ _KINDS: Final[Mapping[str, object]] = {
 def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
     """Return what is written of it, and the points of its tables as arrays (2, N)."""
     record: Record = {
-        "text": model_to_toml(provenance.model),
+        "text": model_to_toml(provenance.model, is_alone=True),
         "parameters": _texts(provenance.given),
         "rotation_tree": provenance.trees.rotation,
         "translation_tree": provenance.trees.translation,
         "dependent_speeds": provenance.dependent_speeds,
-        "inputs": _texts(provenance.inputs),
+        "inputs": {
+            name: input_formula(plain_value(law), name).text for name, law in provenance.inputs.items()
+        },
         "tables": {name: (table.kind, table.outside) for name, table in provenance.tables.items()},
         "switches": provenance.switches,
     }
@@ -72,7 +75,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
         _formulas(given["parameters"], where),
         Trees(given["rotation_tree"], given["translation_tree"]),
         tuple(given["dependent_speeds"]),
-        _formulas(given["inputs"], where),
+        {name: input_formula(text, name) for name, text in given["inputs"].items()},
         tables,
         given["switches"],
     )

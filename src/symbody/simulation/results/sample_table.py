@@ -10,8 +10,8 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.io import savemat
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
@@ -42,6 +42,7 @@ class SampleTable(Displayed):
     t: Floats
     coordinate_names: tuple[str, ...]
     speed_names: tuple[str, ...]
+    signal_state_names: tuple[str, ...]
     units: Mapping[str, str]
     notes: tuple[str, ...]
     name: str
@@ -82,7 +83,7 @@ class SampleTable(Displayed):
         Parameters
         ----------
         *outputs : str
-            By default all coordinates and speeds.
+            By default all coordinates, speeds and states of signals.
         names : str
             ``"outputs"`` names the components of a reaction "reaction A Fx" to "reaction A Mz", as plots do;
             ``"places"``, the default until version 0.2, "reaction A [0]" to "reaction A [5]".
@@ -91,7 +92,7 @@ class SampleTable(Displayed):
             fix = f"give {' or '.join(map(repr, get_args(ColumnNames)))}"
             what = f"names = {names!r} means nothing"
             raise UsageError(Problem("trajectory.column_names", "names", what, fix=fix))
-        chosen = outputs or (*self.coordinate_names, *self.speed_names)
+        chosen = outputs or (*self.coordinate_names, *self.speed_names, *self.signal_state_names)
         columns: dict[str, Floats] = {}
         for name in chosen:
             columns.update(_split_columns(name, np.atleast_1d(self._over_time(name)), names))
@@ -129,7 +130,7 @@ class SampleTable(Displayed):
         Parameters
         ----------
         *outputs : str
-            By default all coordinates and speeds.
+            By default all coordinates, speeds and states of signals.
 
         Raises
         ------
@@ -144,7 +145,7 @@ class SampleTable(Displayed):
             raise EnvironmentFault(Problem("trajectory.xarray", "to_xarray", what, fix=fix)) from None
         variables: dict[str, object] = {}
         coordinates: dict[str, object] = {"t": ("t", np.atleast_1d(self.t), {"units": "s"})}
-        for name in outputs or (*self.coordinate_names, *self.speed_names):
+        for name in outputs or (*self.coordinate_names, *self.speed_names, *self.signal_state_names):
             values = self._over_time(name)
             axes = _axis_names(name, values.shape[:-1])
             variables[name] = ((*axes, "t"), values, {"units": self.units.get(name, "")})
@@ -179,7 +180,7 @@ class SampleTable(Displayed):
         Parameters
         ----------
         *outputs : str
-            By default all coordinates and speeds.
+            By default all coordinates, speeds and states of signals.
 
         Raises
         ------
@@ -196,7 +197,7 @@ class SampleTable(Displayed):
         data = {name: values[:, np.newaxis] for name, values in zip(variables, columns.values(), strict=True)}
         try:
             with open(path, "wb") as file:
-                savemat(file, {**data, **about}, long_field_names=True)
+                scipy.io.savemat(file, {**data, **about}, long_field_names=True)
         except OSError as error:
             raise unwritable(path, error) from error
 

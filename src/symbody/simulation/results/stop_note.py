@@ -113,7 +113,7 @@ def _singular_position(problem: SimulationProblem, raw: RawRun) -> _SingularPosi
 def _constraint_rows(problem: SimulationProblem, raw: RawRun) -> tuple[Floats, Floats]:
     """Return the constraints on velocities along the motion, without units, and what they demand."""
     eqs = problem.eqs
-    t, x = _samples(problem, raw)
+    t, x = _samples(raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     function = problem.compile_outputs(("jacobian", "velocity_constraints"))
     rows, drift = problem.evaluate(function, t, x[n_u:n], np.zeros((n_u, t.size)))
@@ -127,7 +127,7 @@ def _open_constraints(problem: SimulationProblem, raw: RawRun) -> str:
     rows, _ = _constraint_rows(problem, raw)
     if not (rows.size and eqs.formed.holonomic and np.isfinite(rows[-1]).all()):
         return ""
-    t, x = _samples(problem, raw)
+    t, x = _samples(raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     values = problem.evaluate(problem.compile_outputs("constraints"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0]
     note = nearly_redundant(problem, rows[-1], values)
@@ -137,7 +137,7 @@ def _open_constraints(problem: SimulationProblem, raw: RawRun) -> str:
 def _massless(problem: SimulationProblem, raw: RawRun) -> str:
     """Return which motion no mass resists at the last state, if that is why a run ended."""
     eqs = problem.eqs
-    t, x = _samples(problem, raw)
+    t, x = _samples(raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     function = problem.compile_outputs(("mass_matrix", "jacobian"))
     mass, rows = problem.evaluate(function, t[-1:], x[n_u:n, -1:], x[:n_u, -1:])
@@ -151,7 +151,7 @@ def _massless(problem: SimulationProblem, raw: RawRun) -> str:
 def _springs_of_no_length(problem: SimulationProblem, raw: RawRun) -> str:
     """Return which springs have the length zero, and so no direction, at the last state."""
     eqs = problem.eqs
-    t, x = _samples(problem, raw)
+    t, x = _samples(raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     springs = [spring.name for spring in eqs.model.elements if isinstance(spring, SpringDamper)]
     lengths = [
@@ -171,7 +171,7 @@ def _springs_of_no_length(problem: SimulationProblem, raw: RawRun) -> str:
     )
 
 
-def _samples(problem: SimulationProblem, raw: RawRun) -> tuple[Floats, Floats]:
+def _samples(raw: RawRun) -> tuple[Floats, Floats]:
     """Return times of the motion up to its last, and the states there."""
     if raw.dense_output is None:
         return raw.t[[0, -1]], raw.x[:, [0, -1]]

@@ -20,6 +20,7 @@ from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 from symbody.simulation.results.model_record import record_of
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
+from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
 from symbody.simulation.results.sample_table import SampleTable, refuse_table_ending
 from symbody.simulation.status import Status
 
@@ -47,7 +48,7 @@ class Trajectory(SampleTable):
     evaluate : callable, optional
         Computes outputs that are not stored, by name.
     dense_output : DenseOutput, optional
-        States x = (u, q) between the samples.
+        States x = (u, q, s) between the samples.
     stored : mapping of name to array
         Further arrays with time last.
     units : mapping of name to str
@@ -60,6 +61,10 @@ class Trajectory(SampleTable):
         (name, t, state) of what happened, in order.
     provenance : Provenance, optional
         What it was computed from; see `model` and `parameters`.
+    s : (n_s, N) array
+        States of signals.
+    signal_state_names : tuple of str
+        The names of its rows.
     """
 
     t: Floats
@@ -77,13 +82,21 @@ class Trajectory(SampleTable):
     name: str = ""
     events: tuple[Occurrence, ...] = ()
     provenance: Provenance | None = None
+    s: Floats = field(default_factory=lambda: np.zeros((0, 0)), kw_only=True)
+    signal_state_names: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
-        rows = (("q", self.q, self.coordinate_names), ("u", self.u, self.speed_names))
+        if not self.signal_state_names:
+            object.__setattr__(self, "s", np.zeros((0, *self.t.shape)))
+        rows = (
+            ("q", self.q, self.coordinate_names),
+            ("u", self.u, self.speed_names),
+            ("s", self.s, self.signal_state_names),
+        )
         for letter, array, names in rows:
             if array.shape != (len(names), *self.t.shape):
                 raise ValueError(f"{letter} has shape {array.shape}, not {(len(names), *self.t.shape)}")
-        for letter in ("t", "q", "u"):
+        for letter in ("t", "q", "u", "s"):
             object.__setattr__(self, letter, _read_only(getattr(self, letter)))
         kept = {name: _read_only(values) for name, values in self.stored.items()}
         object.__setattr__(self, "stored", kept)
@@ -106,7 +119,7 @@ class Trajectory(SampleTable):
     @property
     def names(self) -> tuple[str, ...]:
         """All names whose values are stored."""
-        return ("t", *self.coordinate_names, *self.speed_names, *self.stored)
+        return ("t", *self.coordinate_names, *self.speed_names, *self.signal_state_names, *self.stored)
 
     @checked_arguments
     def __getitem__(self, name: str) -> Floats:
@@ -120,9 +133,12 @@ class Trajectory(SampleTable):
         values = self._stored_values(name)
         if values is not None:
             return values
+        formula = formula_of_samples(name, self.stored)
+        if formula is not None:
+            return evaluate_samples(formula, self.__getitem__, self.t, self.t.shape)
         if self.evaluate is None:
             raise self._unknown(name)
-        values = self.evaluate(name, np.atleast_1d(self.t), self._with_time(self.q), self._with_time(self.u))
+        values = self.evaluate(name, np.atleast_1d(self.t), *self.state_arrays())
         return values if self.t.ndim else values[..., 0]
 
     @checked_arguments
@@ -135,23 +151,39 @@ class Trajectory(SampleTable):
             An unknown name.
         """
         values = {name: self._stored_values(name) for name in names}
-        missing = [name for name, array in values.items() if array is None]
+        of_samples = {name for name in names if formula_of_samples(name, self.stored) is not None}
+        missing = [name for name, array in values.items() if array is None and name not in of_samples]
         if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
             return {name: self[name] for name in names}
-        t, q, u = np.atleast_1d(self.t), self._with_time(self.q), self._with_time(self.u)
-        made = dict(zip(missing, self.evaluate.together(missing, t, q, u), strict=True))
+        made = dict(
+            zip(
+                missing,
+                self.evaluate.together(missing, np.atleast_1d(self.t), *self.state_arrays()),
+                strict=True,
+            )
+        )
         shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
+        shaped |= {name: self[name] for name in of_samples}
         return {name: shaped[name] if array is None else array for name, array in values.items()}
 
     def _stored_values(self, name: str) -> Floats | None:
         """Return what is stored under a name."""
         if name == "t":
             return self.t
-        for array, names in ((self.q, self.coordinate_names), (self.u, self.speed_names)):
+        for array, names in (
+            (self.q, self.coordinate_names),
+            (self.u, self.speed_names),
+            (self.s, self.signal_state_names),
+        ):
             if name in names:
                 row: Floats = array[names.index(name)]
                 return row
         return self.stored.get(name)
+
+    def state_arrays(self) -> tuple[Floats, Floats]:
+        """Return q with s behind, as compiled functions take them, and u; time last."""
+        positions = np.concatenate([self.q, self.s]) if self.signal_state_names else self.q
+        return self._with_time(positions), self._with_time(self.u)
 
     def _with_time(self, array: Floats) -> Floats:
         return array if self.t.ndim else array[..., np.newaxis]
@@ -190,7 +222,8 @@ class Trajectory(SampleTable):
             )
         x = self.dense_output(times)
         n_u = len(self.speed_names)
-        return replace(self, t=times, q=x[n_u:], u=x[:n_u], stored={})
+        n = n_u + len(self.coordinate_names)
+        return replace(self, t=times, q=x[n_u:n], u=x[:n_u], s=x[n:], stored={})
 
     @property
     def energy(self) -> Floats:
@@ -243,12 +276,14 @@ class Trajectory(SampleTable):
         refuse_table_ending(path)
         stored = {**self.stored, **{name: self[name] for name in names if name not in self.names}}
         arrays = {"t": self.t, "q": self.q, "u": self.u}
+        arrays |= {"s": self.s} if self.signal_state_names else {}
         arrays |= {f"stored_{k}": values for k, values in enumerate(stored.values())}
         if self.dense_output is not None:
             arrays |= {"breaks": self.dense_output.breaks, "pieces": self.dense_output.pieces}
         about: dict[str, Any] = {
             "coordinate_names": self.coordinate_names,
             "speed_names": self.speed_names,
+            "signal_state_names": self.signal_state_names,
             "status": self.status.name,
             "statistics": asdict(self.statistics),
             "stored": list(stored),

@@ -183,6 +183,8 @@ class CompiledSteps:
         """Return the shortest way to take a step."""
         if self._laws is not None:
             return self._go_on_with_laws
+        if self._problem.own_laws.tables:
+            return self._go_on_with_tables
         if self._depends_on_time:
             return self._go_on_in_window
         return self._call
@@ -200,6 +202,17 @@ class CompiledSteps:
         self._look_ahead()
         return self._call()
 
+    def _go_on_with_tables(self) -> int:
+        """Take a step whose inputs are tables, which it may not leave."""
+        self._check_tables()
+        if self._depends_on_time:
+            self._look_ahead()
+        return self._call()
+
+    def _check_tables(self) -> None:
+        start = self._numbers.t
+        self._problem.check_tables(start, start + float(self._numbers.array[stepping.DURATION]))
+
     def _look_ahead(self) -> None:
         array = self._numbers.array
         if array[stepping.NOW] + array[stepping.DURATION] > self._window_end:
@@ -211,7 +224,7 @@ class CompiledSteps:
         """Take a step whose inputs are computed by functions of Python."""
         laws, array = self._laws, self._numbers.array
         assert laws is not None
-        self._problem.check_tables(self._numbers.t, self._numbers.t + float(array[stepping.DURATION]))
+        self._check_tables()
         if not array[stepping.UNDER_WAY]:
             array[stepping.DERIVED] = 0.0
         with python_laws(laws):
@@ -237,7 +250,7 @@ class CompiledSteps:
         nothing = np.zeros(0)
         rhs = RightHandSide(
             self._right_hand_side, len(self._problem.settings.eqs.speed_names), np.zeros(numbers.inputs.size),
-            nothing, self._function.constants(), self._function.work_size,
+            nothing, self._function.constants(), self._function.work_size, self._problem.tables,
         )  # fmt: skip
         settings, span = self._problem.settings, (self._window, self._window_end)
         goal = make_goal(

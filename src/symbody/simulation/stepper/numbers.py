@@ -108,4 +108,4 @@ def read_only(array: Floats) -> Floats:
 
 def state_values(state: State) -> Floats:
     """Return (u, q) of a state."""
-    return np.array([*state.u.values(), *state.q.values()])
+    return np.array([*state.u.values(), *state.q.values(), *state.s.values()])

@@ -83,7 +83,7 @@ class SeparateMotions:
         self._last, self.occurrences = run, run.events
         arrived = run.status is Status.SUCCESS
         if run.t.size:
-            x = np.concatenate([run.u[:, -1], run.q[:, -1], numbers.x[-1:] + run["work"][-1]])
+            x = np.concatenate([run.u[:, -1], run.q[:, -1], run.s[:, -1], numbers.x[-1:] + run["work"][-1]])
             numbers.arrive(end if arrived else float(run.t[-1]), x, at_end=arrived)
         else:
             numbers.count_from(start)
@@ -119,7 +119,7 @@ class SeparateMotions:
         if self._posed is None or self._posed[0] != inputs:
             problem, laws = self._problem.problem, self._problem.own_laws
             formulas: Mapping[str, Value] = {**self._held_values(), **laws.formulas}
-            now = InputLaws(formulas, laws.callbacks, (), laws.tables)
+            now = InputLaws(formulas, laws.callbacks, (), laws.tables, coordinates=laws.coordinates)
             self._posed = inputs, SimulationProblem(problem.eqs, problem.parameters, now, problem.scales)
         return self._posed[1]
 

@@ -12,7 +12,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.events.events import Event
-from symbody.simulation.inputs.input_laws import Law
+from symbody.simulation.inputs.input_laws import Law, laws_of_tables
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -109,8 +109,10 @@ def split_inputs(
     if problems:
         raise UsageError(*problems)
     if isinstance(inputs, Mapping):
+        laws = {**laws_of_tables(eqs), **laws}
         return tuple(name for name in eqs.input_names if name not in laws), laws
-    return tuple(name for name in eqs.input_names if name in names), {}
+    tables = {name: law for name, law in laws_of_tables(eqs).items() if inputs is None or name not in names}
+    return tuple(name for name in eqs.input_names if name in names and name not in tables), tables
 
 
 def unknown_name(kind: str, name: str, names: Iterable[str], why: str = "") -> Problem:

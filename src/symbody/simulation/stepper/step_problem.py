@@ -13,6 +13,7 @@ from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.simulation.inputs.input_laws import Callback, InputLaws, input_laws
+from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.methods.integration import work_tolerance
 from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -54,11 +55,16 @@ class StepProblem:
     @property
     def calls_python(self) -> bool:
         """Whether laws of inputs are functions of Python."""
-        return bool(self.own_laws.callbacks)
+        return self.own_laws.need_python
+
+    @property
+    def tables(self) -> Floats:
+        """The inputs that compiled functions read from tables; none where Python is called anyway."""
+        return table_numbers({} if self.calls_python else self.problem.laws.tables)
 
     def inputs_now(self, numbers: StepNumbers) -> Floats:
         """Return the inputs that compiled functions take at present."""
-        if not self.calls_python:
+        if not self.own_laws.callbacks:
             return numbers.inputs
         n_u = len(self.settings.eqs.speed_names)
         values = self.problem.laws.evaluate(numbers.t, numbers.x[n_u:-1].copy(), numbers.x[:n_u].copy())
@@ -90,7 +96,7 @@ class StepProblem:
 def own_laws(settings: StepperSettings, t: float) -> InputLaws:
     """Return the laws of the inputs that are not held."""
     names = [name for name in settings.eqs.input_names if name not in settings.held]
-    return input_laws(names, settings.laws, (t, t))
+    return input_laws(names, settings.laws, (t, t), len(settings.eqs.coordinate_names))
 
 
 def step_problem(
@@ -141,10 +147,11 @@ def _all_laws(settings: StepperSettings, laws: InputLaws, numbers: StepNumbers) 
     }
     own = tuple(laws.callbacks)
     tables = {names.index(own[place]): table for place, table in laws.tables.items()}
-    return InputLaws(laws.formulas, callbacks, laws.notes, tables)
+    return InputLaws(laws.formulas, callbacks, laws.notes, tables, coordinates=laws.coordinates)
 
 
 def _scales(settings: StepperSettings, parameters: Mapping[str, Value], x: Floats) -> Scales:
-    q = dict(zip(settings.eqs.coordinate_names, x[len(settings.eqs.speed_names) : -1].tolist(), strict=True))
+    names = settings.eqs.coordinate_names
+    q = dict(zip(names, x[len(settings.eqs.speed_names) :][: len(names)].tolist(), strict=True))
     scales = mechanism_scales(settings.eqs, dict(parameters), settings.scales, q)
     return scales.fit_span(0.0, WINDOW * settings.dt)

@@ -112,14 +112,12 @@ class Stepper:
             integrator, constraints, check_events(events, eqs), rtol, atol, scales, max_steps,
         )  # fmt: skip
         own = own_laws(settings, start)
-        silent = [f"input {name} has no law and is 0" for name in settings.silent]
-        self._input_notes = (*silent, *own.notes)
+        self._input_notes = (*(f"input {name} has no law and is 0" for name in settings.silent), *own.notes)
         self._settings, self._names = settings, inputs_read(settings, own)
         self._lay_out(StepNumbers.fresh(len(eqs.state_names) + 1, len(self._names)))
-        given = dict(parameters or {})
-        self._numbers.begin(start, duration, state_values(first_state(settings, given)))
+        self._numbers.begin(start, duration, state_values(first_state(settings, dict(parameters or {}))))
         self._status = Status.SUCCESS
-        self._use(given, None)
+        self._use(dict(parameters or {}), None)
 
     def step(self, duration: float | None = None, /, **inputs: float) -> Self:
         """Go on by `dt`, or by another duration [s] once; `inputs` keep their values for later steps.
@@ -165,6 +163,11 @@ class Stepper:
         return self._u
 
     @property
+    def s(self) -> Floats:
+        """The states of signals (n_s,), a view that steps renew."""
+        return self._s
+
+    @property
     def dt(self) -> float:
         """How long each step is [s]."""
         return self._settings.dt
@@ -187,8 +190,8 @@ class Stepper:
     @property
     def inputs(self) -> dict[str, float]:
         """The inputs that steps give, with their values at present; those without a value are missing."""
-        values = self._numbers.array
-        return {name: values.item(k) for name, k in self._places.items() if name not in self._missing}
+        item = self._numbers.array.item
+        return {name: item(k) for name, k in self._places.items() if name not in self._missing}
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -197,7 +200,7 @@ class Stepper:
 
     @checked_arguments
     def __getitem__(self, name: str) -> float | Floats:
-        """Return a coordinate, a speed, or any output or expression at present.
+        """Return a coordinate, a speed, a signal, or any output or expression at present.
 
         Raises
         ------
@@ -209,9 +212,9 @@ class Stepper:
         place = self._state_places.get(name)
         if place is not None:
             return self._numbers.array.item(place)
-        problem = self._problem.problem
-        function = problem.compile_outputs(name, quick=True)
-        value = np.asarray(function(self.t, self._q, self._u, self._problem.inputs_now(self._numbers)))
+        function = self._problem.problem.compile_outputs(name, quick=True)
+        inputs = self._problem.inputs_now(self._numbers)
+        value = np.asarray(function.of_state(self.t, self._numbers.x[:-1], inputs))
         if self._missing and not np.isfinite(value).all():
             raise missing_values(self._missing)
         return float(value) if value.ndim == 0 else value
@@ -240,13 +243,12 @@ class Stepper:
         UsageError, CompileError, FormulationError, AssemblyError
             If a name is unknown, a value impossible, or the loops do not close; nothing has changed then.
         """
-        settings = self._settings
         inputs = {name: value for name, value in values.items() if name in self._places}
         chosen = {name: value for name, value in values.items() if name not in inputs}
-        unknown = [name for name in chosen if name not in settings.eqs.parameter_names]
+        unknown = [name for name in chosen if name not in self._settings.eqs.parameter_names]
         if unknown:
-            names = (*settings.eqs.parameter_names, *self._places)
-            raise UsageError(*(unknown_name("parameter or input", name, names) for name in unknown))
+            words = (*self._settings.eqs.parameter_names, *self._places)
+            raise UsageError(*(unknown_name("parameter or input", name, words) for name in unknown))
         checked_inputs(inputs, self._places)
         if chosen:
             parameters = {**self._problem.parameters, **chosen}
@@ -333,7 +335,8 @@ class Stepper:
         """Use these numbers for as long as the stepper lives, and name their places."""
         n_u = len(self._settings.eqs.speed_names)
         self._numbers = numbers
-        self._u, self._q = (read_only(part) for part in (numbers.x[:n_u], numbers.x[n_u:-1]))
+        n, x = n_u + len(self._settings.eqs.coordinate_names), numbers.x
+        self._u, self._q, self._s = map(read_only, (x[:n_u], x[n_u:n], x[n:-1]))
         names = (*self._settings.eqs.state_names, "work")
         self._state_places = dict(zip(names, count(stepping.STATE_AT), strict=False), t=stepping.NOW)
         first = stepping.STATE_AT + len(names)

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 
 from symbody.kernels import block as at
-from symbody.kernels import stepping
-from symbody.simulation.events.event_watch import EventFunctions, EventWatch
+from symbody.simulation.events.event_functions import EventFunctions
+from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.native.blocks import state_of
-from symbody.simulation.native.run import NativeRun, RawRun, drive, fresh_record
+from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, RawRun, drive, fresh_record
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, python_laws
 from symbody.simulation.stepper.numbers import StepNumbers
@@ -33,8 +33,8 @@ class WatchedSteps(CompiledSteps):
 
     def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
         super().__init__(problem, numbers)
-        scales = None if self._closing is None else self._closing.projector.scales
-        self._functions = EventFunctions(problem.problem, problem.settings.events, scales)
+        closing = None if self._closing is None else self._closing.projector
+        self._functions = EventFunctions(problem.problem, problem.settings.events, closing)
         self._last: RawRun | None = None
         self._chattering = ""
 
@@ -57,16 +57,14 @@ class WatchedSteps(CompiledSteps):
         """Take a step; return `OTHERWISE` where it did not come to its end."""
         numbers = self._numbers
         start = numbers.t
-        self._problem.check_tables(start, start + float(numbers.array[stepping.DURATION]))
+        self._check_tables()
         self._look_ahead()
         end = numbers.next_end()
         events = self._problem.settings.events
-        watch = EventWatch(
-            events, self._functions, end - start, just_happened(events, self.occurrences, start)
-        )
+        watch = EventWatch(self._functions, end - start, just_happened(events, self.occurrences, start))
         with python_laws(self._laws):
             raw = self._last = self._run(end, watch)
-        self.occurrences, self._chattering = tuple(watch.occurrences), watch.chattering
+        self.occurrences, self._chattering = watch.occurrences, watch.chattering
         arrived = raw.status is Status.SUCCESS
         numbers.arrive(raw.reached, state_of(self._block), at_end=arrived)
         return at.FINISHED if arrived else OTHERWISE
@@ -80,7 +78,8 @@ class WatchedSteps(CompiledSteps):
         *_, inputs = self._kept_vectors(block)
         inputs[:] = self._numbers.inputs
         run = NativeRun(self._right_hand_side, self._projector.address, block)
-        raw = drive(run, fresh_record(run, np.array([end]), dense=True), None, watch)
+        record = fresh_record(run, np.array([end]), dense=True, more=EVENT_SAMPLES)
+        raw = drive(run, record, None, watch)
         was_cut = block[at.ACCEPTED] > 1.0 or block[at.REJECTED] > 0.0 or raw.status is not Status.SUCCESS
         if was_cut:  # the longer step of before is no guide any more
             block[at.FIRST_STEP] = 0.0

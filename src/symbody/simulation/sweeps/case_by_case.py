@@ -31,7 +31,7 @@ def reason_for_simulate(
     """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
     reasons = {
         "events are watched": has_events,
-        f"inputs {', '.join(laws.callbacks)} are computed in Python": bool(laws.callbacks),
+        f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
         f"{type(integrator).__name__} takes its steps in Python": not isinstance(
             integrator, Explicit | FixedStep | None
         ),
@@ -58,7 +58,7 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         return
     samples = run.t.size
     records.x[row] = np.nan
-    records.x[row, :samples] = np.concatenate([run.u, run.q]).T
+    records.x[row, :samples] = np.concatenate([run.u, run.q, run.s]).T
     records.codes[row] = OTHERS + list(Status).index(run.status)
     statistics = run.statistics
     counts = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,14 @@ from symbody.analysis.scales import (
     Scales,
     are_lengths,
     checked_scales,
+    checked_sizes,
     geometry,
     number_formulas,
     own_equations,
     pose_share,
     state_tolerances,
 )
+from symbody.analysis.signal_values import without_signals
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.values import formula_function
@@ -41,17 +43,20 @@ class CaseScales:
         As in `Scales` [m, s].
     equations : mapping of name to (cases,) array
         As in `Scales`.
+    signals : mapping of name to float
+        As in `Scales`.
     """
 
     eqs: EquationSet
     lengths: Floats
     times: Floats
     equations: Mapping[str, Floats]
+    signals: Mapping[str, float] = field(default_factory=dict)
 
     def of_case(self, k: int) -> Scales:
         """Return the scales of one case."""
         own = {name: float(sizes[k]) for name, sizes in self.equations.items()}
-        return Scales(float(self.lengths[k]), float(self.times[k]), equations=own)
+        return Scales(float(self.lengths[k]), float(self.times[k]), equations=own, signals=self.signals)
 
     def constraints(self) -> Floats:
         """Return what each constraint on positions is measured by, (cases, n_h)."""
@@ -72,7 +77,8 @@ class CaseScales:
         """Return the absolute tolerance of each speed and coordinate, (cases, n)."""
         if atol is not None:
             return np.full_like(states, atol)
-        return state_tolerances(self.eqs, self.lengths, self.times, np.nan_to_num(states))
+        first = np.nan_to_num(states)
+        return state_tolerances(self.eqs, self.lengths, self.times, first, self.signals)
 
 
 def case_scales(
@@ -89,7 +95,8 @@ def case_scales(
     near : mapping of name to (cases,) array
         Configurations, whose displacements count where the model has no other length.
     """
-    checked, units = checked_scales(given), eqs.units
+    signals, units = checked_sizes(eqs, given), eqs.units
+    checked = checked_scales(without_signals(eqs, given or {}))
     lengths = _largest(case_values(eqs, table, geometry(eqs)), table.count)
     near_ones = {name: np.abs(values) for name, values in near.items() if units.get(name) == "m"}
     lengths = np.where(lengths > 0.0, lengths, _largest(near_ones, table.count))
@@ -103,7 +110,7 @@ def case_scales(
     times = np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), usual)
     if "time" in checked:
         times = np.full(table.count, checked["time"])
-    return CaseScales(eqs, lengths, times, _equations(eqs, table, lengths))
+    return CaseScales(eqs, lengths, times, _equations(eqs, table, lengths), signals)
 
 
 def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value]) -> dict[str, Floats]:

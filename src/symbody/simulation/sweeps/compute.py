@@ -15,6 +15,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
+from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.native.blocks import make_block
@@ -22,7 +23,7 @@ from symbody.simulation.native.description import Floats, Projector, RightHandSi
 from symbody.simulation.native.lane_blocks import make_lane_block
 from symbody.simulation.native.machine import address, lane_motions, many_motions
 from symbody.simulation.sweeps.case_by_case import compute_case
-from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, Signal, blocks
+from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, StopSignal, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.single_flight import SingleFlight
 
@@ -41,6 +42,7 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     breaks = _break_rows(_breakpoints(job, chunk), direction)
     numbers, closing = (_numbers(function, chunk.parameters) for function in (job.function, job.closing))
     rhs = _right_hand_side(job.function, numbers)
+    rhs = rhs._replace(inputs=np.zeros(len(job.tables)), tables=table_numbers(job.tables))
     block = _block(job, rhs, _projector(job, chunk, closing), breaks[0])
     every = np.broadcast_to(breaks, (chunk.count, breaks.shape[1]))
     parts = [chunk.states, chunk.atol, every, *numbers, *closing]
@@ -92,7 +94,7 @@ def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:
     """Return the breakpoints of all cases, or one for all."""
     if job.breakpoints is not None:
         return job.breakpoints
-    functions = time_functions(job.function.sequence, {}, with_parameters=True)
+    functions = time_functions(job.function.sequence, job.tables, with_parameters=True)
     if functions is None:
         return [NO_BREAKPOINTS]
     result: list[Breakpoints] = []
@@ -130,7 +132,7 @@ def _projector(job: LoopJob, chunk: Chunk, numbers: tuple[Floats, Floats]) -> Pr
     if closing is None:
         return NOTHING_TO_PROJECT
     return Projector(
-        *_right_hand_side(closing, numbers),
+        *_right_hand_side(closing, numbers)[:-1],
         len(closing.signature.q),
         np.zeros(chunk.scales.shape[1]),
         job.limit,
@@ -161,7 +163,7 @@ def compute_chunk(payload: bytes, chunk: Chunk, threads: int) -> Records | str:
 
 
 def _compute_in_threads(job: LoopJob, chunk: Chunk, records: Records, threads: int) -> None:
-    signal = Signal.new()
+    signal = StopSignal.new()
     ends = list(blocks(chunk.count, -(-chunk.count // max(threads, 1))))
     if len(ends) == 1:
         compute_in_loop(job, chunk, records, signal.stop, signal.done)
@@ -169,7 +171,7 @@ def _compute_in_threads(job: LoopJob, chunk: Chunk, records: Records, threads: i
     with ThreadPoolExecutor(len(ends)) as pool:
         futures = [
             pool.submit(
-                compute_in_loop, job, chunk.cut(*both), records.cut(*both), signal.stop, Signal.new().done
+                compute_in_loop, job, chunk.cut(*both), records.cut(*both), signal.stop, StopSignal.new().done
             )
             for both in ends
         ]

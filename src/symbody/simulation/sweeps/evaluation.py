@@ -159,7 +159,7 @@ class Evaluation:
     def _violation(self, case: int, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         parameters, near = self.table.values(case)[0], dict.fromkeys(self.eqs.coordinate_names, 0.0)
         if t.size:
-            near = dict(zip(self.eqs.coordinate_names, q[:, 0].tolist(), strict=True))
+            near = dict(zip(self.eqs.coordinate_names, q[:, 0].tolist(), strict=False))
         scales = mechanism_scales(self.eqs, parameters, self.scales, near).fit_span(*self.span)
         problem = SimulationProblem(self.eqs, parameters, self.laws, scales)
         if not self._has_modes(case):

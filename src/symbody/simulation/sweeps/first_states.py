@@ -9,21 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import consistent_start
-from symbody.analysis.constraint_evaluator import ConstraintEvaluator
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_function
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
-from symbody.codegen.formation.bound_function import bound_function
+from symbody.analysis.plain_assembly import is_plain, plain_assembly, plain_function
+from symbody.analysis.scales import Scales
+from symbody.analysis.signal_values import without_signals
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
+from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model, value_problems
 from symbody.simulation.sweeps.case_scales import CaseScales, case_scales, case_values
 from symbody.simulation.sweeps.case_table import CaseTable
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
-
-_CLOSING = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +130,9 @@ def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) 
     parameter_set(eqs, table.fixed_parameters, table.parameter_names)
     refuse_unknown(eqs, (*table.initial_names, *table.fixed_initial, *guess))
     legal = positions_and_rates(eqs)
-    ordered = {**guess, **{name: value for name, value in eqs.model.initial.items() if name not in guess}}
+    of_model: dict[str, Value] = {**eqs.model.initial}
+    of_model |= {signal.name: signal.initial for signal in eqs.model.signals if signal.is_state}
+    ordered = {**guess, **{name: value for name, value in of_model.items() if name not in guess}}
     return {name: value for name, value in ordered.items() if name in legal}
 
 
@@ -156,9 +160,10 @@ class _Assembler:
         self._inputs = inputs
         self._t = t
         self._angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
-        given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
-        values = table.fixed_parameters, table.parameter_names, given
-        self._function = bound_function(eqs, _CLOSING, *values, quick=True)
+        self._functions: SingleFlight[None, CompiledFunction] = SingleFlight()
+        values = table.fixed_parameters, table.parameter_names, inputs
+        self._plain = plain_function(eqs, *values)
+        self._assembly = plain_assembly(eqs, self._plain)
 
     def all(
         self,
@@ -173,25 +178,38 @@ class _Assembler:
         for k in range(table.count):
             if k in impossible:
                 continue
-            sizes = scales.of_case(k)
-            closure = ConstraintEvaluator(
-                eqs,
-                table.values(k)[0],
-                self._inputs,
-                self._t,
-                sizes.coordinates(eqs),
-                sizes.displacements(eqs),
-                sizes.constraints(eqs)[: len(eqs.formed.holonomic)],
-                self._function.bind(table.parameters[k]),
-                self._angles,
-                sizes,
-            )
             try:
-                q, u = consistent_start(closure, _row(fixed, k), _row(guessed, k))
-                states[k] = np.concatenate([u, q])
+                states[k] = self._state(k, _row(fixed, k), _row(guessed, k), scales.of_case(k))
             except SymbodyError as error:
                 notes[k] = str(error)
         return states, notes
+
+    def _state(self, k: int, fixed: Mapping[str, float], near: Mapping[str, float], sizes: Scales) -> Floats:
+        eqs, table = self._eqs, self._table
+        if is_plain(eqs, fixed, near) and not self._plain.signature.r:
+            constants = self._plain.constants(table.parameters[k])
+            plain = self._assembly.solve(constants, sizes, fixed, near, self._t)
+            if plain is not None:
+                return np.concatenate([plain.u, plain.q])
+        closure = ConstraintEvaluator(
+            eqs,
+            table.values(k)[0],
+            self._inputs,
+            self._t,
+            sizes.coordinates(eqs),
+            sizes.displacements(eqs),
+            sizes.constraints(eqs)[: len(eqs.formed.holonomic)],
+            self._functions.get(None, self._compile).bind(table.parameters[k]),
+            self._angles,
+            sizes,
+        )
+        q, u = consistent_start(closure, without_signals(eqs, fixed), without_signals(eqs, near))
+        signals = [fixed.get(name, near[name]) for name in eqs.signal_state_names]
+        return np.array([*u, *q, *signals])
+
+    def _compile(self) -> CompiledFunction:
+        table = self._table
+        return constraint_function(self._eqs, table.fixed_parameters, self._inputs, table.parameter_names)
 
 
 def _row(columns: Mapping[str, Floats], k: int) -> dict[str, float]:

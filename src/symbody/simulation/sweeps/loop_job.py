@@ -17,6 +17,7 @@ from symbody.equations.solving.parameter_constraints import check_parameter_cons
 from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.constraints import (
     PROJECTED,
@@ -78,9 +79,10 @@ def prepare_loop(
         options.max_steps,
         stop_when_stiff=options.integrator is None,
         lanes=table.count >= CASES_THAT_PAY if options.lanes is None else options.lanes,
-        breakpoints=_breakpoints(function, method, options.span),
+        breakpoints=_breakpoints(function, method, options.span, laws.tables),
         rounding=rounding,
         limit=limit,
+        tables=laws.tables,
     )
     tolerances = first.scales.tolerances(first.states, options.atol)
     chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances)
@@ -88,15 +90,18 @@ def prepare_loop(
 
 
 def _breakpoints(
-    function: CompiledFunction, method: Explicit | FixedStep, span: tuple[float, float]
+    function: CompiledFunction,
+    method: Explicit | FixedStep,
+    span: tuple[float, float],
+    tables: Mapping[int, Table],
 ) -> tuple[Breakpoints, ...] | None:
     """Return the breakpoints of all cases, None if they follow from what varies; see `LoopJob`."""
     if isinstance(method, FixedStep):
         return (NO_BREAKPOINTS,)
-    varied = time_functions(function.sequence, {}, with_parameters=True)
+    varied = time_functions(function.sequence, tables, with_parameters=True)
     if varied is not None and varied.needs_parameters():
         return None
-    functions = time_functions(function.sequence, {})
+    functions = time_functions(function.sequence, tables)
     return (NO_BREAKPOINTS,) if functions is None else tuple(find_breakpoints(functions, span))
 
 

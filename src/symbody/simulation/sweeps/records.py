@@ -7,7 +7,7 @@ into parts, nor on who computes them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -18,6 +18,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.breakpoints import Breakpoints
+from symbody.simulation.inputs.tables import Table
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 
@@ -48,6 +49,8 @@ class LoopJob:
         Of all cases the same, or to be found for each from its parameters.
     rounding, limit : float
         As in `Projector`.
+    tables : mapping of place to Table
+        The inputs r of the derivative, all of them tables.
     """
 
     function: CompiledFunction
@@ -62,11 +65,12 @@ class LoopJob:
     breakpoints: tuple[Breakpoints, ...] | None = None
     rounding: float = 0.0
     limit: float = math.inf
+    tables: Mapping[int, Table] = field(default_factory=dict)
 
     @property
     def state_size(self) -> int:
-        """Number of speeds and coordinates."""
-        return len(self.function.signature.u) + len(self.function.signature.q)
+        """Number of speeds, coordinates and states of signals."""
+        return len(self.function.signature.states)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -215,7 +219,7 @@ class Records:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Signal:
+class StopSignal:
     """Numbers that the compiled loop shares with the thread that waits for it.
 
     Attributes
@@ -230,7 +234,7 @@ class Signal:
     done: Integers
 
     @classmethod
-    def new(cls) -> Signal:
+    def new(cls) -> StopSignal:
         """Return a signal for a loop that has not begun."""
         return cls(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
 

@@ -14,6 +14,7 @@ from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.kernels import block as at
 from symbody.notebook import Displayed
 from symbody.simulation.native.run import VERDICTS, Statistics
+from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.case_by_case import OTHERS
@@ -78,8 +79,8 @@ class Sweep(Displayed):
 
     @property
     def state_names(self) -> tuple[str, ...]:
-        """Names of the rows of `x`: speeds, then coordinates."""
-        return (*self.speed_names, *self.coordinate_names)
+        """Names of the rows of `x`: speeds, coordinates, states of signals."""
+        return (*self.speed_names, *self.coordinate_names, *self.evaluation.eqs.signal_state_names)
 
     @property
     def succeeded(self) -> NDArray[np.bool_]:
@@ -107,7 +108,14 @@ class Sweep(Displayed):
             return row
         if name in self.cases:
             return self.cases[name]
+        formula = formula_of_samples(name, ())
+        if formula is not None:
+            return evaluate_samples(formula, self._samples, self.t, (len(self), self.t.size))
         return self.evaluation.evaluate(name, self.t, self.x)
+
+    def _samples(self, name: str) -> Floats:
+        """Return a name over all cases and times; what varied is the same at all times."""
+        return self.cases[name][:, np.newaxis] if name in self.cases else self[name]
 
     @checked_arguments
     def trajectory(self, case: int) -> Trajectory:
@@ -125,12 +133,13 @@ class Sweep(Displayed):
         case %= count
         samples = int(self.counts[case, _SAMPLES])
         n_u = len(self.speed_names)
+        n = n_u + len(self.coordinate_names)
         accepted, rejected, evaluations = self.counts[case, :3].tolist()
         values = ", ".join(f"{name} = {column[case]:g}" for name, column in self.cases.items())
         note, details = self.case_notes.get(case, ""), self.evaluation.details.get(case)
         return Trajectory(
             self.t[:samples],
-            self.x[case, n_u:, :samples],
+            self.x[case, n_u:n, :samples],
             self.x[case, :n_u, :samples],
             self.coordinate_names,
             self.speed_names,
@@ -142,6 +151,8 @@ class Sweep(Displayed):
             name=self.name,
             provenance=self.evaluation.provenance(case),
             events=() if details is None else details.events,
+            s=self.x[case, n:, :samples],
+            signal_state_names=self.evaluation.eqs.signal_state_names,
             stored={} if details is None or details.work is None else {"work": details.work},
         )
 

@@ -20,7 +20,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
 from symbody.kernels import block as at
 from symbody.simulation.events.events import Event, check_events
-from symbody.simulation.inputs.input_laws import Law, input_laws, silent_input_note
+from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.methods.overconstrained import is_overconstrained
@@ -102,14 +102,14 @@ def sweep(
         used.
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
-    laws = input_laws(eqs.input_names, inputs or {}, span)
-    tolerances = rtol, atol
-    options = MotionOptions.check(span, times, integrator, constraints, tolerances, max_steps, lanes, scales)
+    inputs = {**laws_of_tables(eqs), **(inputs or {})}
+    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
+    limits = (rtol, atol), max_steps, lanes, scales
+    options = MotionOptions.check(span, times, integrator, constraints, *limits)
     workers = check_workers(executor, threads, part, patience)
     check = partial(check_memory, samples=options.times.size, states=len(eqs.state_names))
     table = case_table(parameters or {}, initial or {}, combine, samples, seed, check)
-    watched = check_events(events, eqs)
-    job = SweepJob(eqs, table, dict(guess or {}), dict(inputs or {}), laws, options, watched)
+    job = SweepJob(eqs, table, dict(guess or {}), dict(inputs), laws, options, check_events(events, eqs))
     with show_progress(progress, "sweep") as report:
         return _run_sweep(job, workers, store, report)
 
@@ -232,7 +232,7 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
         return ""
     case, x = started[0], chunk.states[started[0]]
     values = job.table.values(case)[0]
-    q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=True))
+    q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=False))
     scales = mechanism_scales(eqs, values, options.scales, q).fit_span(*options.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
     try:

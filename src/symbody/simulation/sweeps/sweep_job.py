@@ -20,6 +20,7 @@ from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels.block import COUNTS
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.input_laws import InputLaws, Law
+from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.methods.explicit import check_rtol, check_single_atol, check_times
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.native.run import memory_limit
@@ -161,6 +162,7 @@ class SweepJob:
         about.update(repr((table.parameter_names, table.initial_names, *choices, *fixed)).encode())
         about.update(repr(sorted(self.laws.formulas.items())).encode())
         about.update(repr(sorted(self.laws.callbacks)).encode())
+        about.update(table_numbers(self.laws.tables).tobytes())
         return about.hexdigest()
 
 

@@ -31,7 +31,7 @@ from symbody.simulation.sweeps.records import (
     Chunk,
     LoopJob,
     Records,
-    Signal,
+    StopSignal,
     blocks,
 )
 from symbody.simulation.sweeps.sweep_job import SweepJob
@@ -146,7 +146,7 @@ def compute_here(
     job: LoopJob, chunks: Sequence[Chunk], records: Records, threads: int, listener: Listener
 ) -> SweepOutcome:
     """Compute chunks in threads of this process; Ctrl-C ends it between two steps."""
-    signal, total = Signal.new(), max(1, sum(chunk.count for chunk in chunks))
+    signal, total = StopSignal.new(), max(1, sum(chunk.count for chunk in chunks))
     ended = [np.zeros(1, dtype=np.int64) for _ in chunks]
     interrupted = False
     if job.lanes:

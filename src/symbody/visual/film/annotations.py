@@ -8,9 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from symbody.visual.film.arrows import arrow
 from symbody.visual.film.camera import Camera
-from symbody.visual.film.drawing import Caption, Mark, Stroke
+from symbody.visual.film.drawing import Caption, Filled, Mark, Stroke
 from symbody.visual.film.facets import Floats
 from symbody.visual.film.palette import AXES, FORCE, TORQUE, Paper
 from symbody.visual.film.solid_facets import rotation_of
@@ -27,6 +26,9 @@ _AXIS: Final = 24.0  # points: lengths of arrows in the corners
 _FRAME: Final = 0.075  # of the scene's size: lengths of axes of frames
 _LONGEST: Final = 0.28  # of the scene's size: the longest force
 _SHORT: Final = 0.12  # shares of an axis below this are seen as a point
+
+_HEAD: Final = 4.6  # lengths of a head, in widths of its line
+_SLENDER: Final = 0.38  # half the width of a head, in lengths
 
 
 def frame_marks(scene: Scene, camera: Camera, pose: BodyPlaces) -> list[Mark]:
@@ -175,3 +177,23 @@ def _gravity(scene: Scene, camera: Camera, size: Size, paper: Paper) -> list[Mar
     x, y = middle + 9.0 * np.array([-abs(seen[1]), abs(seen[0])])
     letter = Caption((float(x), float(y) + 0.3 * SMALL), "g", SMALL, paper.faint, "middle")
     return [*chain(arrow(start, end, paper.faint, 1.3)), letter]
+
+
+def arrow(start: Floats, end: Floats, color: str, width: float, heads: int = 1) -> tuple[Mark, ...]:
+    """Return an arrow [pt]; of what is shorter than its head, the head alone in that length."""
+    along = end - start
+    length = float(np.hypot(*along))
+    if length < 0.5:
+        return ()
+    unit = along / length
+    head = min(_HEAD * width, length / heads)
+    across = _SLENDER * head * np.array([-unit[1], unit[0]])
+    marks: list[Mark] = []
+    shaft = end - unit * (0.8 * head + (heads - 1) * 0.75 * head)
+    if length > head:
+        marks.append(Stroke((np.stack([start, shaft]),), color, width))
+    for k in range(heads):
+        tip = end - k * 0.75 * head * unit
+        base = tip - head * unit
+        marks.append(Filled(np.stack([tip, base + across, base + 0.2 * head * unit, base - across]), color))
+    return tuple(marks)

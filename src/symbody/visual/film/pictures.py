@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
@@ -11,13 +14,13 @@ from matplotlib.axes import Axes
 from PIL import Image
 
 from symbody.arguments import checked_arguments
-from symbody.errors import Problem, UsageError
+from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.storage import new_file_mode
 from symbody.visual.film.animated_images import frame_delays, shared_palette, write_gif
 from symbody.visual.film.axes_drawing import draw_on_axes, figure_of
 from symbody.visual.film.drawing import Bytes, Drawing
 from symbody.visual.film.ffmpeg import ffmpeg_program, write_video
 from symbody.visual.film.labels import Offsets
-from symbody.visual.film.new_files import file_replacement
 from symbody.visual.film.raster import pixels_of
 from symbody.visual.film.studio import Look, Studio, make_studio
 from symbody.visual.film.svg import svg_text
@@ -99,7 +102,7 @@ def write_still(
         If the file cannot be written.
     """
     samples = range(len(motion.times))
-    with file_replacement(path) as draft:
+    with _file_replacement(path) as draft:
         if path.suffix.lower() == ".png":
             fine = next(
                 n for n in (4, 3, 2, 1) if n == 1 or n * n * np.prod(look.size) <= _MOST_PIXEL_SAMPLES
@@ -143,7 +146,7 @@ def write_film(
     studio = make_studio(scene, motion, look, 2.0, track=track)
     frames = film_frames(studio, report)
     try:
-        with file_replacement(path) as draft:
+        with _file_replacement(path) as draft:
             if suffix == ".gif":
                 palette = shared_palette(_typical_frames(studio))
                 delays = frame_delays(len(motion.times), fps)
@@ -176,3 +179,35 @@ def _typical_frames(studio: Studio) -> list[Bytes]:
     chosen = np.unique(np.linspace(0, count - 1, min(count, _PALETTE_FRAMES)).astype(int))
     times = studio.motion.times
     return [pixels_of(studio.draw([int(k)], float(times[k]))[0], studio.look.size) for k in chosen]
+
+
+@contextmanager
+def _file_replacement(path: Path) -> Iterator[Path]:
+    """Yield the path of a new file beside `path`, with the same suffix, that takes its place at the end.
+
+    Raises
+    ------
+    EnvironmentFault
+        If there can be no file.
+    """
+    try:
+        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+        os.close(handle)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    draft = Path(name)
+    try:
+        yield draft
+        draft.chmod(new_file_mode())
+        draft.replace(path)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _unwritable(path: Path, error: OSError) -> EnvironmentFault:
+    return EnvironmentFault(
+        Problem("film.unwritable", str(path), f"the picture cannot be written: {error.strerror or error}",
+                fix="choose a folder that exists, is yours and has room")
+    )  # fmt: skip

@@ -82,7 +82,7 @@ def curves_of(run: Trajectory, expression: str) -> list[PlottedCurve]:
     columns = run.columns(expression)
     wrench = len(columns) == len(_WRENCH) and expression.startswith("reaction ")
     names = [f"{expression} {word}" for word in _WRENCH] if wrench else list(columns)
-    states = (*run.coordinate_names, *run.speed_names)
+    states = (*run.coordinate_names, *run.speed_names, *run.signal_state_names)
     return [
         PlottedCurve(_short(name), _unit(run, expression, name), values, readable(_short(name), states))
         for name, values in zip(names, columns.values(), strict=True)

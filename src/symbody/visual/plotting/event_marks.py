@@ -114,7 +114,7 @@ def _write(axes: Axes, place: tuple[float, float], text: str) -> None:
 
 def _event_text(name: str, run: Trajectory) -> str:
     """Return the name of an event as it is written: expressions as formulas, words as they are, all cut."""
-    states = (*run.coordinate_names, *run.speed_names)
+    states = (*run.coordinate_names, *run.speed_names, *run.signal_state_names)
     is_word = name.replace(" ", "").isidentifier() and name not in states
     text = plain(name) if is_word else readable(name, states)
     return text if printed_length(text) <= _LONGEST else plain(f"{name[: _LONGEST - 1].rstrip()}\u2026")

@@ -128,8 +128,8 @@ class _Source:
         order = np.argsort(t, kind="stable")
         places = order[np.searchsorted(t[order], times, side="right") - 1]
         stored = {name: np.atleast_1d(values)[..., places] for name, values in run.stored.items()}
-        q, u = (array.reshape(-1, t.size)[:, places] for array in (run.q, run.u))
-        return replace(run, t=t[places], q=q, u=u, stored=stored)
+        q, u, s = (array.reshape(-1, t.size)[:, places] for array in (run.q, run.u, run.s))
+        return replace(run, t=t[places], q=q, u=u, s=s, stored=stored)
 
     def sample(self, times: Floats) -> Sampled:
         """Return poses and curves at times."""

@@ -17,7 +17,7 @@ from symbody.simulation.status import Status
 def run_of_state(state: State) -> Trajectory:
     """Return a motion that is at one configuration, with everything that can be computed there."""
     eqs = state.eqs
-    laws = input_laws(eqs.input_names, state.inputs, (state.t, state.t))
+    laws = input_laws(eqs.input_names, state.inputs, (state.t, state.t), len(eqs.coordinate_names))
     scales = mechanism_scales(eqs, state.parameters, near=state.q)
     return Trajectory(
         t=np.array([state.t]),
@@ -25,6 +25,8 @@ def run_of_state(state: State) -> Trajectory:
         u=np.array([list(state.u.values())]).reshape(1, -1).T,
         coordinate_names=eqs.coordinate_names,
         speed_names=eqs.speed_names,
+        s=np.array([list(state.s.values())]).reshape(1, -1).T,
+        signal_state_names=eqs.signal_state_names,
         status=Status.SUCCESS,
         statistics=Statistics(0, None, 0, 0.0),
         evaluate=Evaluator(SimulationProblem(eqs, state.parameters, laws, scales), None),

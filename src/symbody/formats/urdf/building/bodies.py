@@ -20,7 +20,7 @@ ENTRIES = ("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 
 @dataclass(frozen=True, slots=True)
 class BodyPlan:
-    """A body before its frames are known.
+    """A body before its frames are placed.
 
     Attributes
     ----------

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from symbody.errors import Problem, UsageError, nearest
+from symbody.expr.graph import Constant
 from symbody.formats.urdf.building.bodies import BodyPlan, ground_frame, plan_body, possible, symbol_names
-from symbody.formats.urdf.building.leaders import follow_leader, leader_law
 from symbody.formats.urdf.building.lumping import Lump, lump_links
 from symbody.formats.urdf.building.movable import (
     Moving,
@@ -18,15 +18,19 @@ from symbody.formats.urdf.building.movable import (
 )
 from symbody.formats.urdf.building.naming import Naming
 from symbody.formats.urdf.building.visuals import visual_shape
-from symbody.formats.urdf.building.weights import weight_notes
-from symbody.formats.urdf.file.placement import FramePlacement
+from symbody.formats.urdf.file.placement import FramePlacement, numeral
 from symbody.formats.urdf.file.robot import Robot, UrdfJoint, UrdfLink
+from symbody.formats.urdf.file.structure import outward
+from symbody.model.constraint import ConstraintElement
+from symbody.model.constraints import Constraint, Gear, RackPinion
 from symbody.model.element import Element, FrameRef
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.shapes import BodyShape
 
 BASE = "base"
+
+_SHOWN = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,10 +157,10 @@ class _Draft:
         for moving in self.moving:
             if moving.joint.mimic is None or moving.fixed is not None:
                 continue
-            leader, factor, offset = leader_law(moving.joint, self.robot.joints)
+            leader, factor, offset = _leader_law(moving.joint, self.robot.joints)
             name = self.naming.element(f"{moving.joint.name} mimic", "_2", "the coupling")
             pair = (moving.symbol, self.symbols[leader.name])
-            found.append(follow_leader(name, moving.joint, leader, pair, factor, offset))
+            found.append(_follow_leader(name, moving.joint, leader, pair, factor, offset))
         return found
 
     def _movable_joint(self, joint: UrdfJoint) -> Moving:
@@ -170,7 +174,7 @@ class _Draft:
             end = self._stand(self.homes[joint.child][0], own, turn)
         fixed = None
         if joint.mimic is not None:
-            _, factor, offset = leader_law(joint, self.robot.joints)
+            _, factor, offset = _leader_law(joint, self.robot.joints)
             fixed = None if factor else offset
         return Moving(joint, name, self.symbols[joint.name], self.inputs(joint), start, end, fixed)
 
@@ -232,4 +236,62 @@ def _heavy(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterable[str]:
             link = robot.links[name]
             if not possible(link.inertia):
                 yield f"line {link.line}: link {name}: no body has this inertia; it is taken as it is"
-    yield from weight_notes(robot, lumps, floats)
+    yield from _weight_notes(robot, lumps, floats)
+
+
+def _weight_notes(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterator[str]:
+    """Return notes on links without mass, and on mass without influence."""
+    base = lumps[0]
+    if not floats and base.mass:
+        yield f"the base {base.root} is fixed: its mass of {float(base.mass):g} kg has no influence"
+    for lump in lumps if floats else lumps[1:]:
+        if not lump.mass and not any(lump.inertia):
+            yield f"body {lump.root} is massless: no link of it has mass"
+    idle = _idle_joints(robot)
+    if idle:
+        yield f"nothing that has mass resists the efforts of joints {_list_names(idle)}"
+
+
+def _idle_joints(robot: Robot) -> list[str]:
+    """Return the joints that move whose links, down to the last, have neither mass nor inertia."""
+    below = {name: bool(link.mass or any(link.inertia)) for name, link in robot.links.items()}
+    joints = outward(robot.joints.values(), robot.root)
+    for joint in reversed(joints):
+        below[joint.parent] = below[joint.parent] or below[joint.child]
+    return [joint.name for joint in joints if joint.moves and not below[joint.child]]
+
+
+def _list_names(names: Sequence[str]) -> str:
+    return ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
+
+
+def _leader_law(joint: UrdfJoint, joints: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, Constant, Constant]:
+    """Return (leader, k, o) with ``q = k leader + o``, where the leader follows no other joint.
+
+    In a chain ``q = k1 p + o1``, ``p = k2 r + o2`` gives ``q = k1 k2 r + k1 o2 + o1``.
+    """
+    factor: Constant = 1
+    offset: Constant = 0
+    while joint.mimic is not None:
+        offset += factor * joint.mimic.offset
+        factor *= joint.mimic.multiplier
+        joint = joints[joint.mimic.leader]
+    return joint, factor, offset
+
+
+def _follow_leader(
+    name: str,
+    joint: UrdfJoint,
+    leader: UrdfJoint,
+    symbols: tuple[str, str],
+    factor: Constant,
+    offset: Constant,
+) -> ConstraintElement:
+    """Return what ties a joint to its leader; `symbols` are their coordinates."""
+    slides, led_slides = joint.kind == "prismatic", leader.kind == "prismatic"
+    if not slides and not led_slides:
+        return Gear(name, symbols, ratio=numeral(factor), offset=numeral(offset))
+    if slides and not led_slides:
+        return RackPinion(name, symbols, radius=numeral(factor), offset=numeral(offset))
+    own, other = symbols
+    return Constraint(name, f"{own} - ({numeral(factor)})*{other} - ({numeral(offset)})")

@@ -128,7 +128,7 @@ class _LoopPoints:
         self.frames: dict[str, dict[str, Frame]] = {}
 
     def read_bodies(self, entries: Sequence[Mapping[str, Any]]) -> None:
-        """Take the frames of links; an entry may say nothing else."""
+        """Take the frames of links; an entry holds nothing else."""
         for k, entry in enumerate(entries):
             link = entry["name"]
             place = f"{self._locate(('body', k))}, body {link}"

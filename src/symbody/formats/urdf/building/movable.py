@@ -70,7 +70,7 @@ def joint_coordinates(kind: str, symbol: str) -> tuple[str, ...]:
 
 
 def joint_speeds(kind: str, symbol: str) -> tuple[str, ...]:
-    """Return the speeds of a joint that are no rates of its coordinates."""
+    """Return the speeds of a joint that are not rates of its coordinates."""
     return tuple(f"{symbol}_{part}" for part in _TWIST) if kind == "floating" else ()
 
 

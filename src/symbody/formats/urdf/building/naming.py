@@ -21,7 +21,7 @@ class Naming:
         self.notes: list[str] = []
 
     def element(self, name: str, suffix: str, what: str) -> str:
-        """Return the name of a body, joint or frame; `suffix` tells it from one that has the name already."""
+        """Return the name of a body, joint or frame; `suffix` distinguishes it from a namesake."""
         plain = " ".join(normalize(name).translate(_MARKS).split())[:_LONGEST]
         if plain.isdigit() or plain.lower() == GROUND or plain == CENTRE:
             plain = f"{plain}{suffix}" if not plain.isdigit() else f"_{plain}"

@@ -59,7 +59,7 @@ def read_colors(read: Attributes, robot: XmlNode) -> dict[str, Color]:
 
 
 def _shapes(read: Attributes, node: XmlNode, label: str, colors: Mapping[str, Color]) -> list[Shape]:
-    """Return the shape of a visual or collision, or none if it is of a kind that is not known."""
+    """Return the shape of a visual or collision, or none if its kind is unknown."""
     geometry = node.all("geometry")
     if not geometry or not geometry[0].children:
         read.remark(node, f"{label}: <{node.tag}> without geometry is ignored")

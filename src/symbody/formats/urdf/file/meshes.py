@@ -19,7 +19,7 @@ _PACKAGES: Final = ("package", "model")
 def find_mesh(
     robot: Robot, shape: Shape, packages: Mapping[str, str | os.PathLike[str]] = MappingProxyType({})
 ) -> Path | None:
-    """Return the file of a mesh, or None if the shape is no mesh or there is no such file.
+    """Return the file of a mesh, or None if the shape is not a mesh or the file is missing.
 
     A package is looked for in `packages`, in the directories that environment variables of ROS and Gazebo
     list, then in each directory above the robot's file. Addresses on the network lead nowhere.

@@ -1,4 +1,4 @@
-"""What a URDF file says, as data: `Robot` with its links, joints and shapes."""
+"""The content of a URDF file, as data: `Robot` with its links, joints and shapes."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Robot:
     where : str
         The path of the file.
     root : str
-        The link that is no child.
+        The link that is not a child.
     links, joints : mapping of name
         In the order of the file.
     notes : tuple of str

@@ -1,4 +1,4 @@
-"""A URDF file to a `Robot`: everything it says, and everything that is wrong with it, with lines."""
+"""A URDF file to a `Robot`: its whole content, and all its faults with their lines."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SNAP_LIMIT: Final = 0.1
 
 
 def read_urdf(path: str | os.PathLike[str], snap_angles: float = 0) -> Robot:
-    """Return what a URDF file says, shapes and limits included.
+    """Return the content of a URDF file, shapes and limits included.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def read_urdf(path: str | os.PathLike[str], snap_angles: float = 0) -> Robot:
 
 
 def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> Robot:
-    """Return what a URDF text says; `where` is what messages call it.
+    """Return the content of a URDF text; messages call it `where`.
 
     Raises
     ------

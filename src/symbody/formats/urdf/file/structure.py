@@ -29,7 +29,7 @@ def tree_problems(where: str, links: Sequence[UrdfLink], joints: Sequence[UrdfJo
 
 
 def find_root(links: Sequence[UrdfLink], joints: Iterable[UrdfJoint]) -> str:
-    """Return the link of a tree that is no child."""
+    """Return the link of a tree that is not a child."""
     children = {joint.child for joint in joints}
     return next(link.name for link in links if link.name not in children)
 

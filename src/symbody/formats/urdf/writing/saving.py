@@ -12,13 +12,13 @@ from symbody.errors import FormatError
 from symbody.formats.urdf.writing.poses import UrdfPose, frame_pose
 from symbody.formats.urdf.writing.tree_joints import Hung, hang_joints, unsupported_problems
 from symbody.formats.urdf.writing.values import Values
-from symbody.formats.urdf.writing.visual_lines import visual_lines
 from symbody.formats.writing import write_text
 from symbody.model.arguments import Value
 from symbody.model.body import Body
 from symbody.model.element import FrameRef
 from symbody.model.model import Model
-from symbody.model.shapes import BodyShape
+from symbody.model.shapes import BodyShape, Box, Cone, Mesh, Sphere
+from symbody.model.shapes.colors import hex_color
 
 _GROUND = "world"
 
@@ -43,7 +43,7 @@ def save_urdf(
     Raises
     ------
     FormatError
-        If the mechanism is no tree, has parts that URDF cannot say, all named, or the file cannot be written.
+        If the mechanism is not a tree, has parts that URDF lacks, all named, or the file cannot be written.
     ModelError
         If parameters have no value.
     """
@@ -127,7 +127,7 @@ class _Links:
         return frame_pose(frames[address.frame], self._values)
 
     def _visual(self, body: str, shape: BodyShape, folder: str) -> Iterator[str]:
-        return visual_lines(shape, self.place(FrameRef(body)), self._values, folder)
+        return _visual_lines(shape, self.place(FrameRef(body)), self._values, folder)
 
     def _body_lines(self, body: Body, folder: str) -> Iterator[str]:
         centre = self.place(FrameRef(body.name))
@@ -160,3 +160,40 @@ def _free_name(name: str, taken: set[str]) -> str:
         number += 1
         found = f"{name}_{number}"
     return found
+
+
+def _visual_lines(shape: BodyShape, centre: UrdfPose, values: Values, folder: str) -> Iterator[str]:
+    """Return the element of a shape; none of a cone, which URDF has no word for.
+
+    Parameters
+    ----------
+    centre : UrdfPose
+        Of the body's centre of mass, from the frame of its link.
+    folder : str
+        Where the file stands: paths of meshes lead from there.
+    """
+    if isinstance(shape, Cone):
+        return
+    yield "    <visual>"
+    yield f"      {centre.then(frame_pose(shape.frame, values)).origin()}"
+    yield f"      <geometry>{_geometry(shape, values, folder)}</geometry>"
+    opacity = values.text(shape.opacity)
+    if shape.color or opacity != "1":
+        color = hex_color(shape.color) or "#b4b4b4"
+        shares = [f"{int(color[k : k + 2], 16) / 255:.6g}" for k in (1, 3, 5)]
+        rgba = " ".join([*shares, opacity])
+        yield f'      <material name="{color} {opacity}"><color rgba="{rgba}"/></material>'
+    yield "    </visual>"
+
+
+def _geometry(shape: BodyShape, values: Values, folder: str) -> str:
+    """Return the form of a shape."""
+    if isinstance(shape, Mesh):
+        scale = " ".join(values.text(factor) for factor in shape.scale)
+        return f'<mesh filename={quoteattr(shape.path_from(folder))} scale="{scale}"/>'
+    sizes = [values.text(formula) for _, formula in shape.lengths]
+    if isinstance(shape, Box):
+        return f'<box size="{" ".join(sizes)}"/>'
+    if isinstance(shape, Sphere):
+        return f'<sphere radius="{sizes[0]}"/>'
+    return f'<{type(shape).__name__.lower()} radius="{sizes[0]}" length="{sizes[1]}"/>'

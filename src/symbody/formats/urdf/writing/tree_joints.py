@@ -1,4 +1,4 @@
-"""Which joints of a model URDF can say, and how; everything else is refused by name."""
+"""Joints of a model as those of URDF; all that URDF lacks is refused by name."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ _KINDS: Final[Mapping[type[Joint], str]] = MappingProxyType(
     {Revolute: "continuous", Prismatic: "prismatic", Weld: "fixed", Planar: "planar", Free: "floating"}
 )
 _AXES: Final = MappingProxyType({"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"})
-# URDF wants limits of a slide; these limit nothing.
+# URDF requires limits of a slide; these limit nothing.
 _LIMIT: Final = '<limit lower="-1e6" upper="1e6" effort="1e9" velocity="1e6"/>'
 
 
 @dataclass(frozen=True, slots=True)
 class Hung:
-    """A joint as URDF says it.
+    """A joint as URDF describes it.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Hung:
 
 
 def hang_joints(model: Model, values: Values) -> tuple[list[Hung], list[Problem]]:
-    """Return the joints of a tree, and what URDF cannot say of them."""
+    """Return the joints of a tree, and what URDF has no word for."""
     problems: list[Problem] = []
     mimics = _mimics(model, values, problems)
     written_joints = []

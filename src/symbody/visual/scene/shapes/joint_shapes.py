@@ -106,7 +106,7 @@ def _guide(site: JointSite) -> list[FixedShape]:
         return _pin_in_slot(site)
     slide = freedoms.slides[0]
     low, high = site.range_of(0)
-    sideways = _direction_across(site, slide)
+    sideways = _direction_across(slide)
     rail = shift_frame(site.on_start(slide, sideways), z=0.5 * (low + high))
     block = site.on_end(slide, sideways)
     start, end = site.joint.start.body, site.joint.end.body
@@ -228,7 +228,7 @@ def _screw(site: JointSite) -> list[FixedShape]:
     ]
 
 
-def _direction_across(site: JointSite, slide: Floats) -> Floats:
+def _direction_across(slide: Floats) -> Floats:
     """Return the direction of the start frame across a guide that is nearest to a main axis."""
     return np.asarray(np.eye(3)[int(np.argmin(np.abs(slide)))])
 

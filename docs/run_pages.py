@@ -1,0 +1,124 @@
+"""Run the scripts of pages, renew what they print and draw: ``python docs/run_pages.py docs/tutorial/*.md``.
+
+The Python blocks of a page are one script, run from top to bottom in an empty folder, and so are the commands
+of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what it prints. A block in
+``toml`` or ``xml`` whose first line is a comment with the name of a file is written to that file. A picture
+that the script writes takes the place of the one in ``docs/pictures/tutorial``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+import shlex
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from symbody.cli import run as run_command
+
+PICTURES = Path(__file__).parent / "pictures" / "tutorial"
+BLOCK = re.compile(
+    r"^```(?P<language>python|sh|toml|xml|text)\n(?P<text>.*?)^```\n", re.MULTILINE | re.DOTALL
+)
+FILE = re.compile(r"(?:#|<!--) (?P<name>\w+\.(?:toml|urdf|csv))\b")
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One block of code in a page.
+
+    Attributes
+    ----------
+    language : str
+        Its language.
+    text : str
+        What stands in it.
+    start, end : int
+        Where ``text`` begins and ends in the page [characters].
+    follows : bool
+        Whether nothing but blank lines stands between it and the block before.
+    """
+
+    language: str
+    text: str
+    start: int
+    end: int
+    follows: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """What one block printed, and the block of the page that shows it, if any."""
+
+    code: Block
+    printed: str
+    shown: Block | None
+
+
+def blocks(page: str) -> Iterator[Block]:
+    """Yield the blocks of code of a page in their order."""
+    end = 0
+    for match in BLOCK.finditer(page):
+        between = page[end : match.start()]
+        yield Block(
+            match["language"],
+            match["text"],
+            match.start("text"),
+            match.end("text"),
+            end > 0 and not between.strip(),
+        )
+        end = match.end()
+
+
+def run_page(page: str, folder: Path) -> list[Output]:
+    """Run the script of a page in a folder; return what each of its blocks printed."""
+    listed = list(blocks(page))
+    outputs: list[Output] = []
+    names: dict[str, Any] = {"__name__": "__page__"}
+    with contextlib.chdir(folder):
+        for block, below in zip(listed, [*listed[1:], None], strict=False):
+            if block.language in ("python", "sh"):
+                printed = io.StringIO()
+                with contextlib.redirect_stdout(printed):
+                    _run_block(block, names)
+                shown = below if below and below.language == "text" and below.follows else None
+                outputs.append(Output(block, printed.getvalue(), shown))
+            elif named := FILE.match(block.text):
+                Path(named["name"]).write_text(block.text, encoding="utf-8")
+    return outputs
+
+
+def _run_block(block: Block, names: dict[str, Any]) -> None:
+    if block.language == "python":
+        exec(compile(block.text, "page", "exec"), names)
+        return
+    for line in block.text.splitlines():
+        command, *arguments = shlex.split(line)
+        if command != "symbody" or run_command(arguments):
+            raise ValueError(f"{line} does not run")
+
+
+def renew(path: Path) -> None:
+    """Run one page, write what it prints into it, and its pictures beside the others."""
+    text = path.read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        for output in reversed(run_page(text, Path(folder))):
+            if output.shown:
+                text = text[: output.shown.start] + output.printed + text[output.shown.end :]
+        for picture in [*Path(folder).glob("*.svg"), *Path(folder).glob("*.png")]:
+            shutil.copy(picture, PICTURES / picture.name)
+    path.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("MPLBACKEND", "agg")
+    for argument in sys.argv[1:]:
+        renew(Path(argument))
+        print(argument)

@@ -1,0 +1,50 @@
+"""Settings of the documentation site: ``python -m sphinx -W -b html -c docs/site docs docs/_build``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import symbody
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+project = "symbody"
+author = "The symbody authors"
+copyright = author  # noqa: A001, the name Sphinx reads
+release = version = symbody.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "mathml",
+    "generated_pages",
+]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+exclude_patterns = ["site", "_build"]
+nitpicky = False
+
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
+myst_heading_anchors = 4
+
+napoleon_google_docstring = False
+napoleon_numpy_docstring = True
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+napoleon_use_param = False  # types of arguments are sentences; they are no references
+autodoc_typehints = "none"  # the docstrings give types, shapes and units
+autodoc_member_order = "bysource"
+
+html_theme = "furo"
+html_title = "symbody"
+html_static_path = ["static"]
+html_css_files = ["symbody.css"]
+html_show_sphinx = False
+html_copy_source = False
+html_theme_options = {"navigation_with_keys": True}
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+suppress_warnings = ["ref.python"]  # an attribute "name" of one class is no reference to that of another

@@ -1,0 +1,54 @@
+"""``symbody fmu``: a model file as a functional mock-up unit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, cast
+
+import typer
+
+from symbody.cli.options import Force, Initials, ModelFile, Pairs, Settings, Tree, option
+from symbody.cli.overwriting import refuse_overwriting
+from symbody.cli.settings import Settled, read_pairs
+from symbody.equations.form import form_equations
+from symbody.fmu.export import save_fmu
+from symbody.fmu.versions import Version
+from symbody.formats.model_files import load_model
+
+
+def fmu(
+    model: ModelFile,
+    out: Annotated[Path | None, option("--out", "-o", text="Archive; by default beside the model.")] = None,
+    version: Annotated[str, option("--version", text="Of the standard: 3.0 or 2.0.")] = "3.0",
+    outputs: Annotated[
+        Pairs, option("--output", metavar="OUTPUT", text="What is shown beside states; repeatable.")
+    ] = None,
+    platforms: Annotated[
+        Pairs,
+        option(
+            "--platform", metavar="NAME", text="x86_64-windows, ..., or all; repeatable. Default: this one."
+        ),
+    ] = None,
+    parameters: Settings = None,
+    initial: Initials = None,
+    fixed: Annotated[
+        Pairs, option("--fixed", metavar="NAME", text="A parameter set before the motion only; repeatable.")
+    ] = None,
+    no_sources: Annotated[bool, typer.Option("--no-sources", help="Leave the C out.")] = False,
+    tree: Tree = None,
+    force: Force = False,
+) -> None:
+    """Write an FMU, which simulation tools import, for model exchange and co-simulation."""
+    target = model.with_suffix(".fmu") if out is None else out
+    refuse_overwriting(target, force)
+    eqs = form_equations(load_model(model), tree=None if tree is None else tree.value)
+    given = Settled.resolve(eqs, read_pairs(parameters, "--set"), {}, read_pairs(initial, "--initial"))
+    chosen: str | list[str] | None = "all" if "all" in (platforms or ()) else platforms
+    made = save_fmu(
+        eqs, target, cast(Version, version), outputs or (), given.initial, given.parameters, fixed or (),
+        platforms=chosen, sources=not no_sources,
+    )  # fmt: skip
+    where = ", ".join(made.platforms) or "sources only"
+    typer.echo(f"{made.path}: FMI {made.version}, {len(made.variables)} variables, {where}")
+    for note in made.notes:
+        typer.echo(f"note: {note}")

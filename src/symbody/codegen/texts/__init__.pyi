@@ -1,0 +1,9 @@
+from . import c as c
+from . import casadi as casadi
+from . import fortran as fortran
+from . import javascript as javascript
+from . import jax as jax
+from . import julia as julia
+from . import matlab as matlab
+from . import python as python
+from . import rust as rust

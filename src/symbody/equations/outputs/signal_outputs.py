@@ -1,0 +1,153 @@
+"""Signals that need the equations of motion: outputs, what depends on them, and the rates of states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from graphlib import CycleError
+
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.signals import Path, signal_symbol
+from symbody.errors import FormulationError, Problem, SymbodyError
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Symbol, SymbolKind
+from symbody.expr.rewrite import substitute, symbols_of
+from symbody.model.checks.signals import dependence_order, loop_problem
+from symbody.model.signals.signal import Signal
+
+# Takes equations and the name of an output; returns its shape and entries in u', multipliers and signals.
+RawOutput = Callable[[EquationsOfMotion, str], tuple[tuple[int, ...], Sequence[Expr]]]
+
+
+def signal_rates(formed: EquationsOfMotion) -> list[Expr]:
+    """Return the rates of the states of signals, as symbols that `substitute_signals` replaces."""
+    return list(formed.expressions([state.derivative for state in formed.signal_states]))
+
+
+def substitute_signals(
+    formed: EquationsOfMotion, values: Sequence[Expr], raw_output: RawOutput
+) -> list[Expr]:
+    """Return expressions with signals replaced by what they stand for, in u' and the multipliers.
+
+    Raises
+    ------
+    FormulationError
+        If signals need each other in a ring, or one of an output that does not exist or is no number.
+    """
+    signals = {signal.name: signal for signal in formed.topology.model.signals}
+    if not signals:
+        return list(values)
+    graph, states = formed.graph, frozenset(formed.signal_states)
+
+    def open_symbols(expression: Expr) -> list[Symbol]:
+        symbols = [graph.symbols[graph.left[node]] for node in symbols_of(graph, [expression.index])]
+        return [s for s in symbols if s.kind is SymbolKind.SIGNAL and s not in states]
+
+    definitions: dict[Symbol, Expr] = {}
+    waiting = [symbol for value in values for symbol in open_symbols(value)]
+    while waiting:
+        symbol = waiting.pop()
+        if symbol not in definitions:
+            definitions[symbol] = _definition(formed, signals[symbol.name], raw_output)
+            waiting += open_symbols(definitions[symbol])
+    if not definitions:
+        return list(values)
+    made = _in_order(formed, definitions, {symbol: open_symbols(x) for symbol, x in definitions.items()})
+    return [Expr(graph, node) for node in substitute(graph, [value.index for value in values], made)]
+
+
+def signal_equations(formed: EquationsOfMotion) -> list[tuple[Symbol, Expr]]:
+    """Return what the model says of signals: rates of states, values of others, each in other signals."""
+    names = formed.readable_names
+    own = {signal.name for signal in formed.topology.model.signals}
+    plain = replace(names, values={name: x for name, x in names.values.items() if name not in own})
+    equations = []
+    for signal in formed.topology.model.signals:
+        symbol = signal_symbol(signal.name)
+        if signal.rate is not None:
+            equations.append((symbol.derivative, plain.expression(signal.rate)))
+        elif signal.value is not None:
+            equations.append((symbol, plain.expression(signal.value)))
+    return equations
+
+
+def explicit_outputs(
+    formed: EquationsOfMotion, ways: Mapping[str, Path], raw_output: RawOutput
+) -> dict[str, Expr]:
+    """Return signals of outputs that loads read, in t, q, u and s.
+
+    Parameters
+    ----------
+    formed : EquationsOfMotion
+        With these signals as symbols.
+    ways : mapping of signal to texts
+        By which loads read each.
+
+    Raises
+    ------
+    FormulationError
+        If one needs accelerations or reactions, or if they need each other in a ring.
+    """
+    graph = formed.graph
+    signals = {signal.name: signal for signal in formed.topology.model.signals}
+    definitions, needed = {}, {}
+    for name, way in ways.items():
+        entry = _definition(formed, signals[name], raw_output)
+        symbols = [graph.symbols[graph.left[node]] for node in symbols_of(graph, [entry.index])]
+        accelerations = {u.derivative for u in formed.u}
+        if any(s in accelerations or s.kind is SymbolKind.MULTIPLIER for s in symbols):
+            raise FormulationError(_algebraic_problem(signals[name], way))
+        symbol = signal_symbol(name)
+        definitions[symbol] = entry
+        needed[symbol] = [s for s in symbols if s.name in ways and s.kind is SymbolKind.SIGNAL]
+    made = _in_order(formed, definitions, needed)
+    return {symbol.name: Expr(graph, made[graph.symbol(symbol)]) for symbol in definitions}
+
+
+def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput) -> Expr:
+    """Return what a signal stands for; of a state, its rate."""
+    if signal.rate is not None:
+        return formed.readable_names.expression(signal.rate, f"signal {signal.name}, rate")
+    if signal.value is not None:
+        return formed.readable_names.expression(signal.value, f"signal {signal.name}, value")
+    where, text = f"signal {signal.name}, output", str(signal.output)
+    try:
+        shape, values = raw_output(formed, text)
+    except SymbodyError as error:
+        first = error.problems[0]
+        raise FormulationError(Problem(first.code, where, first.what, first.why, first.fix)) from error
+    if shape:
+        raise FormulationError(
+            Problem("signal.no_number", where, f"{text!r} is no number: its shape is {shape}",
+                    "a signal is one number at each time",
+                    "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'")
+        )  # fmt: skip
+    return values[0]
+
+
+def _in_order(
+    formed: EquationsOfMotion, definitions: Mapping[Symbol, Expr], needed: Mapping[Symbol, Sequence[Symbol]]
+) -> dict[int, int]:
+    """Return nodes by which to replace symbols, each with those it needs put in."""
+    graph = formed.graph
+    by_label = {symbol.label: symbol for symbol in definitions}
+    try:
+        order = dependence_order({s.label: [other.label for other in needed[s]] for s in definitions})
+    except CycleError as error:
+        raise FormulationError(loop_problem(error.args[1])) from error
+    made: dict[int, int] = {}
+    for label in order:
+        symbol = by_label[label]
+        made[graph.symbol(symbol)] = substitute(graph, [definitions[symbol].index], made)[0]
+    return made
+
+
+def _algebraic_problem(signal: Signal, way: Path) -> Problem:
+    name = signal.name
+    return Problem(
+        "signal.algebraic", f"signal {name}, output",
+        f"{signal.output!r} needs accelerations or reactions, and a load reads it: {' -> '.join(way)}",
+        "accelerations and reactions follow from the loads, which would follow from them at the same instant",
+        f'put a first-order filter between: [[signal]] name = "{name}_filtered", '
+        f'rate = "({name} - {name}_filtered)/T", and let the load read {name}_filtered',
+    )  # fmt: skip

@@ -1,0 +1,3 @@
+from .export import Fmu as Fmu
+from .export import save_fmu as save_fmu
+from .variables import FmuVariable as FmuVariable

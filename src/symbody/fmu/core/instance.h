@@ -1,0 +1,374 @@
+/* An instance: its variables by value reference, the modes of the standard, messages. */
+
+#include <stdio.h>
+
+enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL };
+enum { MODEL_EXCHANGE, CO_SIMULATION };
+
+/* Where the groups of variables begin. */
+enum {
+    AT_X = 1,
+    AT_SLOPE = AT_X + SB_X,
+    AT_R = AT_SLOPE + SB_X,
+    AT_P = AT_R + SB_R,
+    AT_CALCULATED = AT_P + SB_P,
+    AT_OUTPUTS = AT_CALCULATED + SB_CALCULATED,
+    AT_INDICATORS = AT_OUTPUTS + SB_SHOWN,
+    AT_END = AT_INDICATORS + SB_EVENTS
+};
+
+typedef struct {
+    Motion motion;
+    int kind, logs_events;
+    void *environment;
+    void (*logger)(void);
+    const void *callbacks;
+    char *name;
+} Instance;
+
+static void deliver(Instance *instance, int status, const char *category, const char *text);
+
+static int fail(Instance *instance, int status, const char *function, const char *what)
+{
+    char text[1024];
+    snprintf(text, sizeof text, "%s: %s", function, what);
+    deliver(instance, status, "logStatusError", text);
+    return status;
+}
+
+static int fail_about(Instance *instance, const char *function, unsigned reference, const char *what)
+{
+    char text[1024];
+    if (reference < AT_END)
+        snprintf(text, sizeof text, "%s: variable %s %s", function, sb_names[reference], what);
+    else
+        snprintf(text, sizeof text, "%s: there is no variable with value reference %u", function, reference);
+    deliver(instance, STATUS_ERROR, "logStatusError", text);
+    return STATUS_ERROR;
+}
+
+static const char *mode_name(int mode)
+{
+    switch (mode) {
+    case INSTANTIATED: return "just after instantiation; enter initialization mode first";
+    case INITIALIZATION: return "in initialization mode; exit it first";
+    case EVENT: return "in event mode; enter continuous-time mode first";
+    case CONTINUOUS: return "in continuous-time mode; enter event mode first";
+    case STEP: return "in step mode, which this call does not belong to";
+    default: return "after the simulation was terminated; reset the instance or free it";
+    }
+}
+
+/* Whether a function may be called now; if not, the message says what to do. */
+static int is_legal(Instance *instance, const char *function, int modes)
+{
+    char text[512];
+    if (instance == NULL) return 0;
+    if (instance->motion.mode & modes) return 1;
+    snprintf(text, sizeof text, "%s was called %s", function, mode_name(instance->motion.mode));
+    deliver(instance, STATUS_ERROR, "logStatusError", text);
+    return 0;
+}
+
+static Instance *new_instance(const char *name, int kind, const char *token)
+{
+    Instance *instance;
+    if (token == NULL || strcmp(token, SB_TOKEN) != 0) return NULL;
+    instance = (Instance *)calloc(1, sizeof(Instance));
+    if (instance == NULL) return NULL;
+    if (name == NULL) name = "";
+    instance->name = (char *)malloc(strlen(name) + 1);
+    if (instance->name == NULL) {
+        free(instance);
+        return NULL;
+    }
+    strcpy(instance->name, name);
+    instance->kind = kind;
+    begin_motion(&instance->motion);
+    instance->motion.mode = INSTANTIATED;
+    return instance;
+}
+
+static void free_instance(Instance *instance)
+{
+    if (instance == NULL) return;
+    free(instance->name);
+    free(instance);
+}
+
+/* Values that were set before and in initialization mode hold, the others follow from them. */
+static int prepare(Instance *instance, const char *function)
+{
+    Motion *m = &instance->motion;
+    if (m->is_settled || !(m->mode & (INSTANTIATED | INITIALIZATION))) return STATUS_OK;
+    if (settle(m, sb_is_given) == SOLVED) return STATUS_OK;
+    return fail(instance, STATUS_ERROR, function,
+        "no configuration near the one before fulfils the constraints with the values that were set");
+}
+
+static int enter_initialization(Instance *instance, double start, int has_stop, double stop, double tolerance)
+{
+    Motion *m = &instance->motion;
+    double *B = m->pool + SB_BLOCK;
+    m->time = start;
+    if (has_stop && stop > start) m->stop = stop;
+    if (tolerance > 0.0) B[SB_RTOL] = tolerance > 1e-13 ? tolerance : 1e-13;
+    B[SB_T_END] = isfinite(m->stop) ? m->stop : start + SB_SPAN;
+    B[SB_T_START] = start;
+    if (start != 0.0) m->is_settled = !SB_IS_CLOSED; /* constraints may depend on time */
+    m->valid = 0;
+    m->mode = INITIALIZATION;
+    return STATUS_OK;
+}
+
+static int exit_initialization(Instance *instance, const char *function)
+{
+    Motion *m = &instance->motion;
+    int status;
+    status = prepare(instance, function);
+    if (status != STATUS_OK) return status;
+    look_at_sides(m);
+    m->is_fresh = 1;
+    if (instance->kind == MODEL_EXCHANGE) look_for_jump(m);
+    m->mode = instance->kind == MODEL_EXCHANGE ? EVENT : STEP;
+    return STATUS_OK;
+}
+
+/* Values of variables. */
+
+static int get_value(Instance *instance, const char *function, unsigned reference, double *value)
+{
+    Motion *m = &instance->motion;
+    int what = reference < AT_SLOPE ? 0 : reference < AT_R ? HAS_SLOPE : reference < AT_CALCULATED ? 0
+        : reference < AT_OUTPUTS ? HAS_CALCULATED : reference < AT_INDICATORS ? HAS_OUTPUTS : HAS_INDICATORS;
+    if (reference >= AT_END) return fail_about(instance, function, reference, "");
+    if (reference < AT_R || reference >= AT_CALCULATED) {
+        int status = prepare(instance, function);
+        if (status != STATUS_OK) return status;
+    }
+    if (what && need(m, what) != SOLVED)
+        return fail(instance, STATUS_DISCARD, function, "the accelerations have no solution in this state");
+    if (reference == 0) *value = m->time;
+    else if (reference < AT_SLOPE) *value = m->x[reference - AT_X];
+    else if (reference < AT_R) *value = m->slope[reference - AT_SLOPE];
+    else if (reference < AT_P) *value = m->r[reference - AT_R];
+    else if (reference < AT_CALCULATED) *value = m->p[reference - AT_P];
+    else if (reference < AT_OUTPUTS) *value = m->calculated[reference - AT_CALCULATED];
+    else if (reference == AT_OUTPUTS) *value = violation(m->outputs);
+    else if (reference < AT_INDICATORS) *value = m->outputs[SB_CONSTRAINTS + reference - AT_OUTPUTS - 1];
+    else *value = m->indicators[reference - AT_INDICATORS];
+    return STATUS_OK;
+}
+
+static int set_parameter(Instance *instance, const char *function, unsigned reference, double value)
+{
+    Motion *m = &instance->motion;
+    unsigned k = reference - AT_P;
+    int early = INSTANTIATED | INITIALIZATION;
+    if (!(m->mode & (sb_is_fixed[k] ? early : early | EVENT | STEP)))
+        return fail_about(instance, function, reference,
+            sb_is_fixed[k] ? "is fixed: set it before initialization mode ends"
+                           : "is tunable: set it in event mode, or between steps of co-simulation");
+    if (m->p[k] == value) return STATUS_OK;
+    m->p[k] = value;
+    m->has_arguments = 0;
+    m->valid = 0;
+    m->is_fresh = 1;
+    if (sb_closes[k]) m->is_settled = 0;
+    return STATUS_OK;
+}
+
+static int set_value(Instance *instance, const char *function, unsigned reference, double value)
+{
+    Motion *m = &instance->motion;
+    if (!isfinite(value)) return fail_about(instance, function, reference, "was given no finite number");
+    if (reference >= AT_P && reference < AT_CALCULATED) return set_parameter(instance, function, reference, value);
+    if (reference >= AT_R && reference < AT_P) {
+        if (m->r[reference - AT_R] == value) return STATUS_OK;
+        m->r[reference - AT_R] = value;
+        m->has_arguments = 0;
+        m->valid = 0;
+        m->is_fresh = 1;
+        return STATUS_OK;
+    }
+    if (reference >= AT_X && reference < AT_SLOPE) {
+        unsigned k = reference - AT_X;
+        if (!sb_is_given[k])
+            return fail_about(instance, function, reference, "follows from the constraints: set others instead");
+        if (!(m->mode & (INSTANTIATED | INITIALIZATION)))
+            return fail_about(instance, function, reference, "can be set before initialization mode ends only");
+        m->x[k] = value;
+        m->is_settled = 0;
+        m->valid = 0;
+        return STATUS_OK;
+    }
+    return fail_about(instance, function, reference, "is computed and cannot be set");
+}
+
+static int get_values(Instance *instance, const char *function, const unsigned *references, size_t count, double *values)
+{
+    size_t k;
+    int worst = STATUS_OK;
+    for (k = 0; k < count; k++) {
+        int status = get_value(instance, function, references[k], &values[k]);
+        if (status > worst) worst = status;
+    }
+    return worst;
+}
+
+static int set_values(
+    Instance *instance, const char *function, const unsigned *references, size_t count, const double *values)
+{
+    size_t k;
+    int worst = STATUS_OK;
+    for (k = 0; k < count; k++) {
+        int status = set_value(instance, function, references[k], values[k]);
+        if (status > worst) worst = status;
+    }
+    return worst;
+}
+
+/* Event mode. */
+
+static void log_event(Instance *instance, int k)
+{
+    char text[512];
+    if (!instance->logs_events) return;
+    snprintf(text, sizeof text, "%s at t = %.17g", sb_names[AT_INDICATORS + k], instance->motion.time);
+    deliver(instance, STATUS_OK, "logEvents", text);
+}
+
+/* One update of discrete states; `next` becomes the time of the next event, infinite without one. */
+static int update(Instance *instance, const char *function, int *has_changed, int *must_stop, double *next)
+{
+    Motion *m = &instance->motion;
+    int k, acted;
+    *has_changed = *must_stop = 0;
+    if (!m->is_settled) {
+        if (settle_anew(m) != SOLVED)
+            return fail(instance, STATUS_ERROR, function, "the constraints cannot be fulfilled with these parameters");
+        *has_changed = 1;
+    }
+    if (m->must_project) {
+        if (project_state(m) != SOLVED)
+            return fail(instance, STATUS_ERROR, function, "the constraints are out of reach");
+        m->must_project = 0;
+        *has_changed = 1;
+    }
+    for (k = 0; k < SB_EVENTS; k++)
+        if (m->pending[k]) log_event(instance, k);
+    acted = act(m, must_stop);
+    if (acted < 0) return fail(instance, STATUS_ERROR, function, "the state after an event has no solution");
+    *has_changed |= acted;
+    look_for_jump(m);
+    *next = m->jump;
+    keep_settled(m);
+    return STATUS_OK;
+}
+
+static void completed_step(Instance *instance, int *enters_events)
+{
+    Motion *m = &instance->motion;
+    *enters_events = note_events(m);
+    if (is_open(m)) *enters_events = m->must_project = 1;
+}
+
+/* One communication step. */
+static int do_step(Instance *instance, const char *function, double start, double length, int *must_stop)
+{
+    Motion *m = &instance->motion;
+    char text[256];
+    double gap = fabs(start - m->time);
+    int code;
+    *must_stop = 0;
+    if (!(length > 0.0)) return fail(instance, STATUS_ERROR, function, "the step is not positive");
+    if (gap > 1e-6 * length + 1e-9 * fabs(start))
+        return fail(instance, STATUS_ERROR, function, "the step does not begin where the last one ended");
+    if (settle_anew(m) != SOLVED)
+        return fail(instance, STATUS_ERROR, function, "the constraints cannot be fulfilled with these parameters");
+    code = go_to(m, start + length, must_stop);
+    if (code == SB_RUNNING) return STATUS_OK;
+    snprintf(text, sizeof text, "the motion cannot go on from t = %.17g: %s", m->time,
+        code == SB_SINGULAR ? "the accelerations have no solution"
+        : code == SB_TOO_MANY ? "too many events or steps"
+        : code == SB_COLLAPSED ? "steps become too short" : "values are not finite");
+    return fail(instance, STATUS_DISCARD, function, text);
+}
+
+/* Derivatives of slopes and outputs by states and inputs. */
+
+static int column_of(unsigned reference)
+{
+    if (reference >= AT_X && reference < AT_X + SB_X) {
+        int k = (int)(reference - AT_X); /* columns are q, s, u, r; states are u, q, s */
+        return k < SB_U ? SB_X - SB_U + k : k - SB_U;
+    }
+    if (reference >= AT_R && reference < AT_P) return SB_X + (int)(reference - AT_R);
+    return -1;
+}
+
+static double slope_of_violation(const Motion *m, int column)
+{
+    int k, place = -1;
+    double worst = 0.0;
+    for (k = 0; k < SB_CONSTRAINTS; k++) {
+        double size = fabs(m->outputs[k]) / sb_scales[k];
+        if (size > worst) {
+            worst = size;
+            place = k;
+        }
+    }
+    if (place < 0) return 0.0;
+    return (m->outputs[place] < 0.0 ? -1.0 : 1.0) / sb_scales[place] * m->slopes[(SB_X + place) * (SB_X + SB_R) + column];
+}
+
+static int derivative(Instance *instance, const char *function, unsigned unknown, unsigned known, double *value)
+{
+    Motion *m = &instance->motion;
+    int column = column_of(known), row;
+    if (unknown >= AT_X && unknown < AT_SLOPE) { /* states, while they are set, follow each other */
+        *value = unknown == known ? 1.0 : 0.0;
+        return STATUS_OK;
+    }
+    if (column < 0) return fail_about(instance, function, known, "is neither a state nor an input");
+    if (unknown == AT_OUTPUTS) {
+        *value = slope_of_violation(m, column);
+        return STATUS_OK;
+    }
+    if (unknown >= AT_SLOPE && unknown < AT_R) row = (int)(unknown - AT_SLOPE);
+    else if (unknown > AT_OUTPUTS && unknown < AT_INDICATORS) row = SB_X + SB_CONSTRAINTS + (int)(unknown - AT_OUTPUTS) - 1;
+    else return fail_about(instance, function, unknown, "is neither an output nor the derivative of a state");
+    *value = m->slopes[row * (SB_X + SB_R) + column];
+    return STATUS_OK;
+}
+
+static int directional_derivative(
+    Instance *instance, const char *function, const unsigned *unknowns, size_t rows, const unsigned *knowns,
+    size_t columns, const double *seed, double *result)
+{
+    size_t i, k;
+    int status = prepare(instance, function);
+    if (status != STATUS_OK) return status;
+    if (!SB_HAS_DERIVATIVES) return fail(instance, STATUS_ERROR, function, "there are no derivatives in this FMU");
+    if (need(&instance->motion, HAS_SLOPES) != SOLVED || need(&instance->motion, HAS_OUTPUTS) != SOLVED)
+        return fail(instance, STATUS_DISCARD, function, "the accelerations have no solution in this state");
+    for (i = 0; i < rows; i++) {
+        result[i] = 0.0;
+        for (k = 0; k < columns; k++) {
+            double value = 0.0;
+            status = derivative(instance, function, unknowns[i], knowns[k], &value);
+            if (status != STATUS_OK) return status;
+            result[i] += value * seed[k];
+        }
+    }
+    return STATUS_OK;
+}
+
+/* Copies of the motion are copies of the instance. */
+
+static Motion *copy_motion(const Instance *instance, Motion *old)
+{
+    if (old == NULL) old = (Motion *)malloc(sizeof(Motion));
+    if (old != NULL) memcpy(old, &instance->motion, sizeof(Motion));
+    return old;
+}

@@ -1,0 +1,168 @@
+"""`model.h`: the kernels, functions, sizes and tables of one mechanism, which `core` computes with."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from symbody.codegen.kernels.c_kernels import PREAMBLE, C
+from symbody.codegen.kernels.reader import read_kernels
+from symbody.codegen.kernels.text_writer import kernel_text
+from symbody.codegen.kernels.tree import KernelTree, Type
+from symbody.fmu.functions import Floats
+from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
+from symbody.fmu.variables import FmuVariable, held_states, independent_states
+from symbody.kernels import assembly as assembly_block
+from symbody.kernels import block
+from symbody.simulation.methods.fixed_step import FixedStep
+
+# Constraints open by more than this share of their size are closed at the end of an importer's step.
+OPEN: Final = 2e-7
+_LOOKS: Final = 8  # places in a step of co-simulation where events are looked for
+_MOST_EVENTS: Final = 10_000  # in one communication step
+_KERNELS: Final = (
+    ("step_machine", ("begin", "advance")),
+    ("dense_output", ("interpolate",)),
+    ("projection", ("project",)),
+    ("assembly", ("assemble",)),
+    ("runge_kutta", ("call",)),
+)
+_BLOCK_PLACES: Final = (
+    "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",
+    "RTOL",
+    "VECTORS", "STATE_OLD", "KERNEL", "STEPS", "SAMPLES", "AFTER_REJECTION", "STIFF_VOTES", "OTHER_VOTES",
+    "UNJUDGED", "NEXT_BREAK", "FIRST_BREAK", "BREAK_TIME", "BREAK_JUMPS", "BREAK_MARGIN", "BREAK_SIZE",
+    "PROJECTOR", "P_FUNCTION", "P_OUT", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED", "COLLAPSED",
+    "NOT_FINITE", "SINGULAR", "TOO_MANY",
+)  # fmt: skip
+# What `sb_functions` holds in this order, by the name of its index.
+_PURPOSES: Final = {
+    "motion": "SB_MOTION", "slope": "SB_SLOPE", "output": "SB_OUTPUT", "derivatives": "SB_DERIVATIVES",
+    "sensitivities": "SB_SENSITIVITIES", "indicators": "SB_INDICATORS", "action": "SB_ACTION",
+    "parameters": "SB_PARAMETERS", "projection": "SB_PROJECTING", "assembly": "SB_ASSEMBLING",
+}  # fmt: skip
+_FUNCTION: Final = """
+typedef struct {
+    symbody_function call, values; /* values: what depends on parameters alone, or NULL */
+    int numbers;                   /* where its numbers begin in the pool of an instance */
+} SbFunction;
+"""
+
+
+def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str) -> str:
+    """Return the header of a mechanism."""
+    kernels: dict[str, KernelTree] = {}
+    for file, roots in _KERNELS:
+        kernels |= read_kernels(file, *roots)
+    pool, places = _pool(program)
+    filled = np.flatnonzero(pool)
+    eqs, given = program.eqs, program.parameters
+    tables = [
+        _table("int", "sb_places", map(str, filled)),
+        _numbers("sb_values", pool[filled]),
+        _numbers("sb_x", program.x0),
+        _numbers("sb_nominal", program.nominal),
+        _numbers("sb_p", given.values),
+        _numbers("sb_scales", program.constraint_scales),
+        _flags("sb_is_given", independent_states(program)),
+        _flags("sb_is_held", held_states(program)),
+        _flags("sb_is_fixed", [name in given.fixed for name in given.arguments]),
+        _flags("sb_closes", program.closing_parameters),
+        _table("int", "sb_directions", (str(event.direction) for event in program.events)),
+        _flags("sb_stops", [event.action == "stop" for event in program.events]),
+        _table("int", "sb_action_events", (str(event) for event, _ in program.actions)),
+        _table("int", "sb_action_states", (str(state) for _, state in program.actions)),
+        _table("char *const", "sb_names", (_string(variable.name) for variable in variables), "const "),
+        _functions(program, places),
+    ]
+    texts = [function.text for function in program.functions.values()]
+    sizes = _sizes(program, pool, places) | {"SB_TOKEN": _string(token)}
+    title = f"/* {_plain(eqs.model.name)}, written by symbody: what the C of the FMU computes with. */\n"
+    head = "".join(f"#define {name} {value}\n" for name, value in sizes.items())
+    return "\n".join([title, PREAMBLE, head, kernel_text(kernels, C), *texts, _FUNCTION, *tables])
+
+
+def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
+    """Return the numbers of an instance at first, and where those of each function begin."""
+    motion, assembly = program.block(), program.assembly()
+    parts, places = [motion, assembly], {"motion": int(motion[block.FUNCTION])}
+    size = motion.size + assembly.size
+    for name, function in program.functions.items():
+        if name == "projection":
+            projector = int(motion[block.PROJECTOR])
+            places[name] = projector + int(motion[projector + block.P_FUNCTION])
+        elif name == "assembly":
+            places[name] = motion.size + int(assembly[assembly_block.NUMBERS])
+        elif name != "motion":
+            places[name] = size
+            parts.append(function.numbers)
+            size += function.numbers.size
+    scratch = max(function.values_work for function in program.functions.values())
+    return np.concatenate([*parts, np.zeros(scratch + 1)]), places | {"scratch": size}
+
+
+def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict[str, str]:
+    eqs, functions = program.eqs, program.functions
+    n, n_r = len(eqs.state_names), len(eqs.input_names)
+    output = functions["output"]
+    rows = output.size + n if "derivatives" in functions else 0
+    dense = int(program.block()[block.METHOD + block.DENSE_ROWS])
+    numbers = {
+        "SB_X": n, "SB_U": len(eqs.speed_names), "SB_Q": len(eqs.coordinate_names),
+        "SB_R": n_r, "SB_P": len(program.parameters.arguments),
+        "SB_CALCULATED": len(program.parameters.calculated), "SB_CONSTRAINTS": output.sizes[0],
+        "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
+        "SB_EVENTS": len(program.events), "SB_ACTIONS": len(program.actions), "SB_SLOPES": rows * (n + n_r),
+        "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
+        "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
+        "SB_HELD": assembly_block.HELD, "SB_IS_CLOSED": int("assembly" in functions),
+        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(isinstance(program.method, FixedStep)),
+        "SB_DENSE_ROWS": dense, "SB_PIECES": dense * n, "SB_LOOKS": _LOOKS, "SB_MOST_EVENTS": _MOST_EVENTS,
+    }  # fmt: skip
+    indices = {
+        word: list(functions).index(name) if name in functions else 0 for name, word in _PURPOSES.items()
+    }
+    numbers |= {"SB_FUNCTIONS": len(functions)} | indices
+    numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
+    texts = {
+        "SB_SPAN": repr(SPAN), "SB_CLOSED": repr(program.closing_share), "SB_OPEN": repr(OPEN),
+        "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
+        "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
+    }  # fmt: skip
+    return {name: str(value) for name, value in numbers.items()} | texts
+
+
+def _functions(program: FmuProgram, places: Mapping[str, int]) -> str:
+    rows = []
+    for name, function in program.functions.items():
+        values = f"{function.name}_values" if function.values_work else "NULL"
+        rows.append(f"{{{function.name}, {values}, {places[name]}}}")
+    return _table("SbFunction", "sb_functions", rows)
+
+
+def _numbers(name: str, values: Iterable[float]) -> str:
+    return _table("double", name, (C.literal(float(value), Type.REAL) for value in values))
+
+
+def _flags(name: str, values: Iterable[bool]) -> str:
+    return _table("int", name, (str(int(value)) for value in values))
+
+
+def _table(kind: str, name: str, items: Iterable[str], before: str = "") -> str:
+    """Return a constant array; where there are no items one entry stands for them."""
+    words = list(items) or ["0"]
+    lines = (", ".join(words[k : k + 8]) for k in range(0, len(words), 8))
+    constant = "" if kind.endswith("const") else "const "
+    return f"static {before}{constant}{kind} {name}[] = {{\n    " + ",\n    ".join(lines) + "\n};\n"
+
+
+def _string(text: str) -> str:
+    """Return a literal of C in ASCII."""
+    return json.dumps("".join(letter if letter.isascii() else "?" for letter in text))
+
+
+def _plain(name: str) -> str:
+    return "".join(letter if letter.isalnum() or letter in " _-.,:()" else "?" for letter in name)

@@ -1,0 +1,241 @@
+"""`FmuProgram`: everything that the C of an FMU computes with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from symbody.codegen.formation.names import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, UsageError
+from symbody.fmu.functions import Floats, ModelFunction, dependencies, make_function
+from symbody.fmu.parameters import FmuParameters
+from symbody.kernels import assembly as at
+from symbody.kernels import block
+from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.input_laws import InputLaws, input_laws
+from symbody.simulation.methods.constraints import (
+    PROJECTED,
+    Baumgarte,
+    Projection,
+    make_projector,
+    residual_share,
+)
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.description import Projector
+from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
+from symbody.simulation.sweeps.case_by_case import reason_for_simulate
+
+ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
+MOST_TRIALS: Final = 2**52
+FUNCTION: Final = "mechanism_"  # begins the names of functions in C
+SPAN: Final = 10.0  # seconds of the default experiment
+RTOL: Final = 1e-8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FmuProgram:
+    """A mechanism as functions and numbers.
+
+    Attributes
+    ----------
+    eqs : EquationSet
+        The equations, without stabilizing terms.
+    motion : PosedMotion
+        The motion that co-simulation integrates.
+    parameters : FmuParameters
+        Which are arguments, and their values.
+    outputs : tuple of str
+        What is shown beside energy and violation.
+    events : tuple of Event
+        What is watched.
+    functions : mapping of str to ModelFunction
+        By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
+        sensitivities, indicators, action, parameters.
+    """
+
+    eqs: EquationSet
+    motion: PosedMotion
+    parameters: FmuParameters
+    outputs: tuple[str, ...]
+    events: tuple[Event, ...]
+    functions: Mapping[str, ModelFunction]
+
+    @property
+    def x0(self) -> Floats:
+        """The assembled state (u, q)."""
+        return self.motion.integration.state
+
+    @property
+    def constraint_scales(self) -> Floats:
+        """The sizes of the position constraints."""
+        scales = self.motion.integration.problem.scales
+        return scales.constraints(self.eqs)[: len(self.eqs.formed.holonomic)]
+
+    @property
+    def nominal(self) -> Floats:
+        """What counts as large of each state (u, q, s)."""
+        scales = self.motion.integration.problem.scales
+        speeds = scales.displacements(self.eqs) / scales.time
+        signals = np.ones(len(self.eqs.signal_state_names))
+        return np.concatenate([speeds, scales.coordinates(self.eqs), signals])
+
+    @property
+    def is_projected(self) -> bool:
+        """Whether states fulfil constraints, norms of quaternions among them."""
+        return "projection" in self.functions
+
+    @property
+    def method(self) -> Explicit | FixedStep:
+        """The integrator of co-simulation."""
+        return self.motion.method
+
+    @property
+    def closing_share(self) -> float:
+        """By which share of its scale a constraint may be open."""
+        return residual_share(self.motion.projection, None)
+
+    @property
+    def actions(self) -> tuple[tuple[int, int], ...]:
+        """Event and state of each new value that an event sets."""
+        places = {name: k for k, name in enumerate(self.eqs.state_names)}
+        return tuple((k, places[name]) for k, event in enumerate(self.events) for name in event.mapping)
+
+    def block(self) -> Floats:
+        """Return the block of the integrator at the first state."""
+        integration, method = self.motion.integration, self.method
+        goal = make_goal(
+            (0.0, SPAN), integration.rtol, integration.tolerances, method.max_step, self.motion.breakpoints
+        )
+        goal = goal._replace(max_trials=MOST_TRIALS, stop_when_stiff=False)
+        made = make_block(
+            self.functions["motion"].arguments, self._projector(), method.tableau, goal, self.x0, 0.0,
+            method.first_step or 0.0,
+        )  # fmt: skip
+        made[block.KEEP_DENSE] = made[block.STEP_ROOM] = 1.0
+        return made
+
+    def _projector(self) -> Projector:
+        if not self.is_projected:
+            return NOTHING_TO_PROJECT
+        compiled = self.motion.integration.problem.compile_outputs(PROJECTED, quick=True)
+        scales = self.motion.integration.problem.scales
+        made = make_projector(compiled, self.eqs, scales, self.motion.projection, None)
+        ours = self.functions["projection"].arguments
+        limit = math.inf if isinstance(self.method, FixedStep) else made.limit
+        return made._replace(
+            address=1, inputs=ours.inputs, parameters=ours.parameters, constants=ours.constants,
+            work_size=ours.work_size, limit=limit,
+        )  # fmt: skip
+
+    def assembly(self) -> Floats:
+        """Return the block of `symbody.kernels.assembly`; empty for open mechanisms."""
+        if "assembly" not in self.functions:
+            return np.zeros(0)
+        eqs, function = self.eqs, self.functions["assembly"]
+        scales = self.motion.integration.problem.scales
+        n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
+        count, rows = function.sizes[0], function.sizes[2]
+        four = [float(eqs.coordinate_names.index(name)) for names in eqs.quaternions for name in names]
+        parts = [
+            np.zeros(at.HEADER), np.zeros(n_u + n_q), scales.displacements(eqs), scales.coordinates(eqs),
+            scales.constraints(eqs)[:count], np.zeros(function.size),
+            np.zeros(at.matrices_size(max(n_q, n_u))), function.numbers, np.zeros(n_q), np.array(four),
+        ]  # fmt: skip
+        begins = np.cumsum([part.size for part in parts])
+        head = parts[0]
+        head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, rows
+        head[[at.HELD, at.SIZES]] = begins[:2]
+        order = (at.SCALES, at.OUT, at.MATRICES, at.NUMBERS, at.OLD, at.QUATERNION_PLACES)
+        head[[*order]] = begins[3:-1]
+        head[at.QUATERNIONS], head[at.OUT_SIZE] = len(eqs.quaternions), function.size
+        head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * self.closing_share
+        return np.concatenate(parts)
+
+    @property
+    def closing_parameters(self) -> tuple[bool, ...]:
+        """Which of the parameters that are arguments enter the constraints."""
+        names = self.parameters.arguments
+        if "assembly" not in self.functions:
+            return (False,) * len(names)
+        read = frozenset().union(*dependencies(self.functions["assembly"].sequence))
+        return tuple(("p", k) in read for k in range(len(names)))
+
+
+def make_program(
+    eqs: EquationSet, outputs: Sequence[str], initial: Mapping[str, Value], parameters: FmuParameters,
+    events: tuple[Event, ...], constraints: Projection | Baumgarte | None,
+    integrator: Explicit | FixedStep | None,
+) -> FmuProgram:  # fmt: skip
+    """Return a mechanism as functions and numbers.
+
+    Raises
+    ------
+    UsageError
+        If the motion needs Python.
+    """
+    _check_motion(eqs, integrator, constraints)
+    request = MotionRequest(
+        initial=initial, parameters=parameters.given, tunable=parameters.arguments,
+        free_inputs=eqs.input_names, integrator=integrator,
+        constraints=constraints if isinstance(constraints, Projection) else None, rtol=RTOL,
+        span=(0.0, SPAN), is_pulled=False,
+    )  # fmt: skip
+    motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
+    stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
+    stabilized = stabilizing.applied(eqs) if eqs.multiplier_names else eqs
+    functions = _Functions(parameters)
+    made = {
+        "motion": functions.make(eqs, "motion", ["xdot"]),
+        "slope": functions.make(stabilized, "slope", ["xdot"]),
+        "output": functions.make(eqs, "output", ["constraints", "energy", *outputs]),
+    }
+    if motion.is_closed:
+        made["projection"] = functions.make(eqs, "projection", PROJECTED)
+        made["assembly"] = functions.make(eqs, "assembly", ASSEMBLED)
+    if eqs.state_names:
+        by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
+        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"])
+        shown = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
+        made["sensitivities"] = functions.make(eqs, "sensitivities", shown)
+    if events:
+        made["indicators"] = functions.make(eqs, "indicators", [str(event.expression) for event in events])
+    actions = [str(value) for event in events for value in event.mapping.values()]
+    if actions:
+        made["action"] = functions.make(eqs, "action", actions)
+    if parameters.calculated:
+        made["parameters"] = functions.make(
+            eqs, "parameters", [f"({name})" for name in parameters.calculated]
+        )
+    return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made)
+
+
+@dataclass(frozen=True, slots=True)
+class _Functions:
+    """Makes functions of the same parameters."""
+
+    parameters: FmuParameters
+
+    def make(self, eqs: EquationSet, name: str, outputs: Sequence[str]) -> ModelFunction:
+        given = self.parameters
+        return make_function(
+            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, given.values
+        )
+
+
+def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:
+    laws = InputLaws({}, {}, (), {})
+    reason = reason_for_simulate(eqs, laws, integrator, constraints, has_events=False)
+    if reason:
+        raise UsageError(
+            Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
+                    "an FMU computes without Python and without a change of its equations",
+                    "give friction a smooth law, springs in the place of ropes, sb.Explicit() or "
+                    "sb.FixedStep(..), sb.Projection() or sb.Baumgarte()")
+        )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Parts: models that stand in other models, once or several times."""

@@ -1,0 +1,245 @@
+"""Parts put into a model, and taken out of it again before it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeVar
+
+from symbody.errors import Problem
+from symbody.expr.language.formula import Formula
+from symbody.expr.language.tokens import is_name
+from symbody.model.body import Body
+from symbody.model.checks.validation import Draft
+from symbody.model.element import Element, FrameRef
+from symbody.model.frame import Frame
+from symbody.model.frame_index import frame_index
+from symbody.model.frozen_mapping import FrozenMapping
+from symbody.model.naming import GROUND
+from symbody.model.parts.include import Include
+from symbody.model.parts.placing import place_frame, place_shape
+from symbody.model.parts.renaming import Renaming, rename_element, rename_part
+from symbody.model.shapes.shape import BodyShape
+from symbody.model.signals.signal import Signal
+
+if TYPE_CHECKING:
+    from symbody.model.model import Model
+
+
+V = TypeVar("V")
+
+
+@dataclass(frozen=True, slots=True)
+class PartContent:
+    """What a part brings into a model.
+
+    Attributes
+    ----------
+    parameters, inputs, initial
+        Those that the model gets; of shared ones the model's own come first.
+    frames, shapes
+        On the body that is the ground of the part.
+    """
+
+    elements: tuple[Element, ...]
+    parameters: Mapping[str, Formula | None]
+    inputs: tuple[str, ...]
+    initial: Mapping[str, Formula]
+    at: FrameRef
+    frames: Mapping[str, Frame]
+    shapes: tuple[BodyShape, ...]
+
+
+def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]) -> Draft:
+    """Return the parts of a model with what is included; faults are added to `problems`."""
+    for include in includes:
+        content = part_content(include, draft.bodies, draft.ground, problems)
+        if content is None:
+            continue
+        clashes = _clashes(draft, content, include)
+        problems += clashes
+        if clashes:
+            continue
+        draft = replace(
+            draft,
+            elements=(*_with_frames(draft.elements, content), *content.elements),
+            parameters=_extend_values(draft.parameters, content.parameters),
+            inputs=tuple(dict.fromkeys((*draft.inputs, *content.inputs))),
+            initial=_extend_values(draft.initial, content.initial),
+            ground=_ground_frames(draft, content),
+            ground_shapes=(*draft.ground_shapes, *(content.shapes if content.at.body == GROUND else ())),
+        )
+    return draft
+
+
+def _extend_values(values: Mapping[str, V], further: Mapping[str, V]) -> FrozenMapping[V]:
+    """Return values with further ones behind them; those that stand there already stay."""
+    return FrozenMapping({**values, **{name: value for name, value in further.items() if name not in values}})
+
+
+def part_content(
+    include: Include, bodies: Sequence[Body], ground: Mapping[str, Frame], problems: list[Problem]
+) -> PartContent | None:
+    """Return what a part brings, under its new names; None, with a fault, where it has no place."""
+    part, label = include.part, f"include {include.prefix}"
+    at = frame_index(bodies, ground).find(include.at)
+    if not isinstance(at, FrameRef):
+        problems.append(Problem("model.unknown_place", f"{label}, at", at[0], "", at[1]))
+        return None
+    renaming = _make_renaming(include, at)
+    base = _frame_of(at, bodies, ground)
+    elements = [rename_element(element, renaming) for element in part.elements]
+    new = {renaming.symbol(name): formula for name, formula in part.parameters.items()}
+    parameters = {name: None if value is None else renaming.formula(value) for name, value in new.items()}
+    parameters |= {renaming.symbol(name): value for name, value in include.parameters.items()}
+    open_inputs = [name for name in part.inputs if name not in include.connect]
+    frames: dict[str, Frame] = {}
+    try:
+        for name, frame in part.ground.items():
+            frames[renaming.element_name(name)] = place_frame(base, rename_part(frame, renaming))
+        shapes = [place_shape(base, rename_part(shape, renaming)) for shape in part.ground_shapes]
+    except NotImplementedError as error:
+        what = f"the ground of the part stands at {at.full_name}, which is turned by {error}"
+        fix = "turn this frame about x, y and z, one after the other"
+        problems.append(Problem("include.ground", f"{label}, at", what, "", fix))
+        return None
+    signals = [
+        Signal(renaming.symbol(name), formula)
+        for name, formula in include.connect.items()
+        if name in part.inputs and not is_name(formula.text)
+    ]
+    return PartContent(
+        (*elements, *signals),
+        parameters,
+        tuple(renaming.symbol(name) for name in open_inputs),
+        {renaming.symbol(name): renaming.formula(value) for name, value in part.initial.items()},
+        at,
+        frames,
+        tuple(shapes),
+    )
+
+
+def _make_renaming(include: Include, at: FrameRef) -> Renaming:
+    part = include.part
+    joints = (*part.joints, *part.free_joints)
+    speeds = [name for joint in joints for name in joint.quasi_speed_names]
+    coordinates = [*part.coordinates, *(name for joint in part.free_joints for name in joint.coordinates)]
+    names = [*part.parameters, *part.inputs, *(element.name for element in (*part.signals, *part.tables))]
+    symbols = {
+        f"{name}{suffix}": f"{include.prefix}_{name}{suffix}"
+        for name in (*names, *coordinates, *speeds)
+        for suffix in ("", "_dot", "_ddot")
+    }
+    symbols |= {name: name for name in include.share}
+    symbols |= {name: outer.text for name, outer in include.connect.items() if is_name(outer.text)}
+    return Renaming(include.prefix, symbols, tuple(element.name for element in part.elements), at)
+
+
+def _frame_of(at: FrameRef, bodies: Iterable[Body], ground: Mapping[str, Frame]) -> Frame:
+    frames = {GROUND: ground, **{body.name: body.frames for body in bodies}}[at.body]
+    return frames[at.frame] if at.frame else Frame()
+
+
+def _clashes(draft: Draft, content: PartContent, include: Include) -> list[Problem]:
+    """Return a problem for each name of a part that the model has already."""
+    here = {element.name for element in draft.elements}
+    names = [element.name for element in content.elements if element.name in here]
+    shared = {*include.share}
+    symbols = [name for name in content.parameters if name in draft.parameters and name not in shared]
+    symbols += [name for name in content.inputs if name in draft.inputs and name not in shared]
+    return [
+        Problem("include.collision", f"include {include.prefix}",
+                f"{name!r} is a name of the part {include.part.name!r}, and one of the model",
+                "names of a part are made of its prefix and the names in its file", "choose another prefix")
+        for name in (*names, *symbols)
+    ]  # fmt: skip
+
+
+def _with_frames(elements: Sequence[Element], content: PartContent) -> list[Element]:
+    """Return elements, the body that is the ground of a part with the frames and shapes of that ground."""
+    if not content.frames and not content.shapes:
+        return list(elements)
+    return [
+        replace(
+            element,
+            frames=FrozenMapping({**element.frames, **content.frames}),
+            shapes=(*element.shapes, *content.shapes),
+        )
+        if isinstance(element, Body) and element.name == content.at.body
+        else element
+        for element in elements
+    ]
+
+
+def _ground_frames(draft: Draft, content: PartContent) -> FrozenMapping[Frame]:
+    added = content.frames if content.at.body == GROUND else {}
+    return FrozenMapping({**draft.ground, **added})
+
+
+@dataclass(frozen=True, slots=True)
+class OwnContent:
+    """What a model says itself, beside the parts that it includes."""
+
+    elements: tuple[Element, ...]
+    parameters: Mapping[str, Formula | None]
+    inputs: tuple[str, ...]
+    initial: Mapping[str, Formula]
+    ground: Mapping[str, Frame]
+    ground_shapes: tuple[BodyShape, ...]
+    includes: tuple[Include, ...]
+
+
+def whole_content(model: Model) -> OwnContent:
+    """Return all that a model consists of, its parts among it."""
+    return OwnContent(
+        model.elements, model.parameters, model.inputs, model.initial, model.ground, model.ground_shapes, ()
+    )
+
+
+def own_content(model: Model) -> OwnContent:
+    """Return what a file of a model says: parts from files that are unchanged stay includes."""
+    own = whole_content(model)
+    for include in reversed(model.includes):
+        content = part_content(include, model.bodies, model.ground, [])
+        if include.file and content is not None and _is_unchanged(own, content, {*include.share}):
+            own = _remove_part(own, content, include)
+    return own
+
+
+def _is_unchanged(own: OwnContent, content: PartContent, shared: AbstractSet[str]) -> bool:
+    holds = all(element in own.elements for element in content.elements)
+    holds &= all(
+        own.parameters.get(name) == value for name, value in content.parameters.items() if name not in shared
+    )
+    return holds and all(own.initial.get(name) is not None for name in content.initial)
+
+
+def _remove_part(whole: OwnContent, content: PartContent, include: Include) -> OwnContent:
+    at, shared = content.at.body, {*include.share}
+    elements = [
+        _remove_frames(element, content) if isinstance(element, Body) and element.name == at else element
+        for element in whole.elements
+        if element not in content.elements
+    ]
+    ground = {
+        name: frame for name, frame in whole.ground.items() if at != GROUND or name not in content.frames
+    }
+    count = len(content.shapes) if at == GROUND else 0
+    shapes = whole.ground_shapes[: len(whole.ground_shapes) - count]
+    gone = {name for name in content.parameters if name not in shared}
+    return OwnContent(
+        tuple(elements),
+        {name: value for name, value in whole.parameters.items() if name not in gone},
+        tuple(name for name in whole.inputs if name not in content.inputs or name in shared),
+        {name: value for name, value in whole.initial.items() if content.initial.get(name) != value},
+        ground,
+        shapes,
+        (include, *whole.includes),
+    )
+
+
+def _remove_frames(body: Body, content: PartContent) -> Body:
+    frames = {name: frame for name, frame in body.frames.items() if name not in content.frames}
+    count = len(body.shapes) - len(content.shapes)
+    return replace(body, frames=FrozenMapping(frames), shapes=body.shapes[:count])

@@ -1,0 +1,116 @@
+"""`Include`: a model that is a part of another, under names with a prefix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+from symbody.arguments import checked_arguments
+from symbody.errors import nearest
+from symbody.expr.language.formula import Formula
+from symbody.model.arguments import Arguments, Value
+from symbody.model.body import FrameLike, read_frame_ref
+from symbody.model.element import FrameRef
+from symbody.model.frozen_mapping import FrozenMapping
+
+if TYPE_CHECKING:
+    from symbody.model.model import Model
+
+
+@final
+@dataclass(frozen=True, slots=True, init=False)
+class Include:
+    """A model as a part of another: its elements and symbols under names with a prefix.
+
+    Parameters
+    ----------
+    part : Model
+        The part; its gravity is that of the whole.
+    prefix : str
+        ``"FL"`` makes ``FL_knee`` of the joint or parameter ``knee``.
+    at : Body, ``body["frame"]`` or text
+        What is the ground of the part.
+    connect : mapping of str to str
+        Inputs of the part to symbols or formulas of the whole; signals of the part to the names they get.
+    share : iterable of str
+        Parameters and inputs that keep their names, so that several parts and the whole have them together.
+    parameters : mapping of name to number or formula
+        Take the place of the values of the part, in symbols of the whole.
+    file : str
+        The part's file by its path from `folder`, where it was read from one: `save_model` writes this.
+    folder : str
+        Where the path starts.
+
+    Raises
+    ------
+    ModelError
+        With every port, parameter or shared name that the part does not have.
+    """
+
+    part: Model
+    prefix: str
+    at: FrameRef
+    connect: FrozenMapping[Formula]
+    share: tuple[str, ...]
+    parameters: FrozenMapping[Formula]
+    file: str
+    folder: str
+
+    @checked_arguments
+    def __init__(
+        self,
+        part: Model,
+        prefix: str,
+        at: FrameLike = "ground",
+        connect: Mapping[str, Value] | None = None,
+        share: Iterable[str] = (),
+        parameters: Mapping[str, Value] | None = None,
+        file: str = "",
+        folder: str = "",
+    ) -> None:
+        arguments = Arguments(f"include {prefix}")
+        at_frame = read_frame_ref(arguments, at, "at")
+        values = {
+            "part": part,
+            "prefix": arguments.symbol_name(prefix, "prefix"),
+            "at": FrameRef(at_frame.body, at_frame.frame),
+            "connect": arguments.table(connect or {}, "connect", arguments.formula),
+            "share": tuple(map(str, arguments.items(share, "share"))),
+            "parameters": arguments.table(parameters or {}, "parameters", arguments.angle),
+            "file": file,
+            "folder": folder,
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        self._check(arguments)
+        arguments.raise_all()
+
+    @property
+    def ports(self) -> tuple[str, ...]:
+        """What may be connected: inputs and signals of the part."""
+        return (*self.part.inputs, *(signal.name for signal in self.part.signals))
+
+    def _check(self, arguments: Arguments) -> None:
+        shared = (*self.part.parameters, *self.part.inputs)
+        kinds = (
+            ("connect", self.connect, self.ports, "port", "inputs and signals of a part are its ports"),
+            ("parameters", self.parameters, tuple(self.part.parameters), "parameter", ""),
+            ("share", self.share, shared, "parameter or input", "what is shared are parameters and inputs"),
+        )
+        for key, names, known, word, why in kinds:
+            for name in names:
+                if name not in known:
+                    what = f"the part {self.part.name!r} has no {word} {name!r}"
+                    arguments.add(f"include.{key}", f"{key}.{name}", what, why, nearest(name, known))
+        for name, formula in self.connect.items():
+            if name not in self.part.inputs and formula.names != (formula.text,):
+                what = f"the signal {name} cannot become {formula.text!r}"
+                why = "a signal of the part goes out: what is connected is the name that it gets in the whole"
+                arguments.add(
+                    "include.connect", f"connect.{name}", what, why, f'write {name} = "another_name"'
+                )
+        for name in self.share:
+            if name in self.connect or name in self.parameters:
+                what = f"{name} is shared and has a value of its own"
+                arguments.add("include.share", "share", what, "", "leave one of them out")

@@ -1,0 +1,1 @@
+"""Signals: names for formulas, for outputs of the mechanism, and for states with a rate."""

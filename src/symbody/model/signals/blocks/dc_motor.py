@@ -1,0 +1,45 @@
+"""`DCMotor`: the torque of a motor with brushes, from voltage and speed."""
+
+from __future__ import annotations
+
+from typing import ClassVar, final
+
+from symbody.model.fields import Quantity
+from symbody.model.formula_site import Scope
+from symbody.model.signals.block import SignalBlock, in_brackets
+from symbody.model.signals.block_fields import block
+from symbody.model.signals.signal import Signal
+
+
+@final
+@block
+class DCMotor(SignalBlock):
+    """The torque of a direct-current motor; its current is a state.
+
+    The output is the torque: apply it at the joint whose rate is `speed`.
+    """
+
+    equation: ClassVar[str] = "y = constant i, inductance i' = voltage - resistance i - constant speed"
+    states: ClassVar[str] = "`y_current`"
+    word: ClassVar[str] = "dc_motor"
+
+    voltage: Quantity = Quantity("Voltage at its terminals.", unit="V", scope=Scope.LOAD)
+    speed: Quantity = Quantity("Speed of the rotor.", unit="rad/s", scope=Scope.LOAD)
+    resistance: Quantity = Quantity("Of the winding.", unit="Ohm", scope=Scope.LOAD)
+    inductance: Quantity = Quantity("Of the winding.", unit="H", scope=Scope.LOAD)
+    constant: Quantity = Quantity(
+        "Torque over current, and voltage over speed.", unit="N m/A, V s/rad", scope=Scope.LOAD
+    )
+    initial: Quantity = Quantity("Current at the start.", unit="A", default=0)
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The current, and the torque."""
+        parts = self.voltage, self.speed, self.resistance, self.inductance, self.constant
+        voltage, speed, resistance, inductance, constant = (in_brackets(part) for part in parts)
+        current = f"{self.name}_current"
+        rate = f"({voltage} - {resistance}*{current} - {constant}*{speed})/{inductance}"
+        return (
+            Signal(current, rate=rate, initial=self.initial),
+            Signal(self.name, f"{constant}*{current}"),
+        )

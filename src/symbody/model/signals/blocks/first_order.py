@@ -1,0 +1,32 @@
+"""`FirstOrder`: a lag."""
+
+from __future__ import annotations
+
+from typing import ClassVar, final
+
+from symbody.model.fields import Quantity
+from symbody.model.formula_site import Scope
+from symbody.model.signals.block import SignalBlock, in_brackets
+from symbody.model.signals.block_fields import block
+from symbody.model.signals.signal import Signal
+
+
+@final
+@block
+class FirstOrder(SignalBlock):
+    """A first-order lag: the output is a state that follows the input."""
+
+    equation: ClassVar[str] = "time y' = gain input - y"
+    states: ClassVar[str] = "`y`, the output itself"
+
+    input: Quantity = Quantity("What it follows.", scope=Scope.LOAD)
+    time: Quantity = Quantity("Time constant.", unit="s", scope=Scope.LOAD)
+    gain: Quantity = Quantity("Output over input at rest.", default=1, scope=Scope.LOAD)
+    initial: Quantity = Quantity("Output at the start.", default=0)
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The state."""
+        given, time, gain = (in_brackets(part) for part in (self.input, self.time, self.gain))
+        rate = f"({gain}*{given} - {self.name})/{time}"
+        return (Signal(self.name, rate=rate, initial=self.initial),)

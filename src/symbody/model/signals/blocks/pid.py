@@ -1,0 +1,91 @@
+"""`PID`: a controller with proportional, integral and filtered derivative part."""
+
+from __future__ import annotations
+
+from typing import ClassVar, final
+
+from symbody.model.arguments import Arguments
+from symbody.model.fields import OptionalQuantity, Quantity
+from symbody.model.formula_site import Scope
+from symbody.model.signals.block import SignalBlock, in_brackets
+from symbody.model.signals.block_fields import NamedGains, OutputLimits, block
+from symbody.model.signals.signal import Signal
+
+
+@final
+@block
+class PID(SignalBlock):
+    """A controller with proportional, integral and filtered derivative part; parts without gain are left out.
+
+    Where the output is limited, the integral is led back: by what the limits cut off, over `tracking`.
+
+    Examples
+    --------
+    >>> [signal.name for signal in PID("servo", "error", {"p": 2, "i": 1}, limits=(-1, 1)).signals]
+    ['servo_integral', 'servo_unlimited', 'servo']
+    """
+
+    equation: ClassVar[str] = (
+        "y = p e + integral of i e + d (e - filtered)/filter, filter filtered' = e - filtered"
+    )
+    states: ClassVar[str] = "`y_integral`, `y_filtered`"
+
+    input: Quantity = Quantity("The error e.", scope=Scope.LOAD)
+    gains: NamedGains = NamedGains(
+        "p, i, d, and filter, the time constant [s] of the derivative.", words=("p", "i", "d", "filter")
+    )
+    limits: OutputLimits = OutputLimits("Lowest and highest output.")
+    tracking: OptionalQuantity = OptionalQuantity(
+        "Time in which the integral is led back at limits; by default p/i.", unit="s", scope=Scope.LOAD
+    )
+    initial: Quantity = Quantity("Integral part at the start.", default=0)
+
+    def check(self, arguments: Arguments) -> None:
+        """Note a derivative without filter, and limits without a time in which to lead the integral back."""
+        if self._has("d") and not self._has("filter"):
+            arguments.add(
+                "block.derivative", "gains.d", "there is no filter for the derivative",
+                "the derivative of an error in rates is an acceleration, which follows from the output",
+                'give gains = { .., d = "kd", filter = "Tf" } with a time Tf of about a tenth of d/p',
+            )  # fmt: skip
+        if self.limits is not None and self._has("i") and self.tracking is None and not self._has("p"):
+            arguments.add(
+                "block.tracking", "limits", "nothing says how fast the integral is led back at limits",
+                "the usual time is p/i, and p is 0", "give tracking, a time in seconds",
+            )  # fmt: skip
+
+    def _has(self, gain: str) -> bool:
+        formula = self.gains.get(gain)
+        return formula is not None and formula.constant() != 0
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """Integral and filter as far as there are any, and the output."""
+        name, error = self.name, in_brackets(self.input)
+        gains = {word: in_brackets(gain) for word, gain in self.gains.items()}
+        states, terms = [], []
+        if self._has("p"):
+            terms.append(f"{gains['p']}*{error}")
+        if self._has("i"):
+            rate = f"{gains['i']}*{error}{self._lead_back(gains)}"
+            states.append(Signal(f"{name}_integral", rate=rate, initial=self.initial))
+            terms.append(f"{name}_integral")
+        if self._has("d"):
+            change = f"({error} - {name}_filtered)/{gains['filter']}"
+            states.append(Signal(f"{name}_filtered", rate=change))
+            terms.append(f"{gains['d']}*{change}")
+        total = " + ".join(terms) or "0"
+        if self.limits is None:
+            return (*states, Signal(name, total))
+        low, high = (in_brackets(limit) for limit in self.limits)
+        limited = Signal(name, f"min({high}, max({low}, {name}_unlimited))")
+        return (*states, Signal(f"{name}_unlimited", total), limited)
+
+    def _lead_back(self, gains: dict[str, str]) -> str:
+        """Return what leads the integral back."""
+        if self.limits is None:
+            return ""
+        cut = f"({self.name} - {self.name}_unlimited)"
+        if self.tracking is not None:
+            return f" + {cut}/{in_brackets(self.tracking)}"
+        return f" + {cut}*{gains['i']}/{gains['p']}"

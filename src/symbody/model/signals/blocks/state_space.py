@@ -1,0 +1,70 @@
+"""`StateSpace`: a linear block given by matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, final
+
+from symbody.expr.language.formula import Formula
+from symbody.model.arguments import Arguments
+from symbody.model.formula_site import Scope
+from symbody.model.signals.block import SignalBlock, in_brackets
+from symbody.model.signals.block_fields import Coefficients, MatrixRows, Rows, block
+from symbody.model.signals.signal import Signal
+
+
+@final
+@block
+class StateSpace(SignalBlock):
+    """A linear block ``x' = A x + B u``, ``y = C x + D u`` with any numbers of inputs and outputs.
+
+    Its output bears its name; several outputs are ``name_1``, ``name_2``, and so on.
+    """
+
+    equation: ClassVar[str] = "x' = A x + B u, y = C x + D u"
+    states: ClassVar[str] = "`y_x1`, `y_x2`, .."
+
+    inputs: Coefficients = Coefficients("The inputs u.", scope=Scope.LOAD)
+    A: MatrixRows = MatrixRows("(n, n), row by row.")
+    B: MatrixRows = MatrixRows("(n, inputs), row by row.")
+    C: MatrixRows = MatrixRows("(outputs, n), row by row.")
+    D: MatrixRows = MatrixRows("(outputs, inputs), row by row; by default 0.", default=())
+    initial: Coefficients = Coefficients("States at the start, by default 0.", default=())
+
+    def check(self, arguments: Arguments) -> None:
+        """Note matrices that do not fit each other."""
+        n, m, p = len(self.A), len(self.inputs), len(self.C)
+        for name, rows, height, width in (
+            ("A", self.A, n, n), ("B", self.B, n, m), ("C", self.C, p, n), ("D", self.D or ((),) * p, p, m),
+        ):  # fmt: skip
+            fits = len(rows) == height and all(len(row) == width for row in rows)
+            if not fits and not (name == "D" and not self.D):
+                why = f"A is {n} by {n}, and there are {m} inputs and {p} outputs"
+                cure = f"give {height} rows of {width}"
+                arguments.add("block.matrix", name, f"{name} is not {height} by {width}", why, cure)
+        if self.initial and len(self.initial) != n:
+            what = f"there are {len(self.initial)} initial values"
+            arguments.add("block.matrix", "initial", what, f"there are {n} states", f"give {n}")
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The states, and the outputs."""
+        states = [f"{self.name}_x{k + 1}" for k in range(len(self.A))]
+        given = [in_brackets(formula) for formula in self.inputs]
+        starts: Sequence[Formula | int] = self.initial or (0,) * len(states)
+        rates = [_row_sum(a, states, b, given) for a, b in zip(self.A, self.B, strict=True)]
+        chain = [Signal(x, rate=rate, initial=x0) for x, rate, x0 in zip(states, rates, starts, strict=True)]
+        direct: Rows = self.D or ((),) * len(self.C)
+        values = [_row_sum(c, states, d, given if d else ()) for c, d in zip(self.C, direct, strict=True)]
+        alone = len(values) == 1
+        names = [self.name if alone else f"{self.name}_{k + 1}" for k in range(len(values))]
+        return (*chain, *(Signal(name, value) for name, value in zip(names, values, strict=True)))
+
+
+def _row_sum(
+    first: Sequence[Formula], states: Sequence[str], second: Sequence[Formula], given: Sequence[str]
+) -> str:
+    """Return a row of ``first x + second u``."""
+    factors = [*zip(first, states, strict=True), *zip(second, given, strict=True)]
+    terms = [f"{in_brackets(factor)}*{x}" for factor, x in factors if factor.constant() != 0]
+    return " + ".join(terms) or "0"

@@ -1,0 +1,1 @@
+"""Tables: functions of one variable by points, in the model or in files beside it."""

@@ -1,0 +1,70 @@
+"""Paths that model files contain: relative, and inside the folder of the model file."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import PurePosixPath
+from typing import Final
+
+from symbody.errors import ModelError, Problem, nearest
+
+_DRIVE: Final = re.compile(r"[A-Za-z]:")
+_WHY: Final = "a model file names files of its own folder alone, so that it can be copied and sent with them"
+
+
+def inner_path(path: str, folder: str, where: str) -> str:
+    """Return where a file is that a model file names.
+
+    Parameters
+    ----------
+    path : str
+        As it is written, with slashes.
+    folder : str
+        Of the model file; "" is the working directory.
+    where : str
+        What messages call the place of the path.
+
+    Raises
+    ------
+    ModelError
+        If the path is absolute, leaves the folder, also by a link, or if there is no such file.
+    """
+    _check_words(path, where)
+    root = os.path.realpath(folder or os.curdir)
+    place = os.path.realpath(os.path.join(root, path))
+    if os.path.commonpath([root, place]) != root:
+        what = f"{path!r} is a link that leaves the folder of the model file"
+        raise _refusal("file.outside", where, what, _WHY, "copy the file into the folder")
+    if not os.path.exists(place):
+        why = "paths begin in the folder of the model file"
+        raise _refusal("file.missing", where, f"there is no file {path!r}", why, _similar(place, root))
+    if not os.path.isfile(place):
+        raise _refusal("file.not_a_file", where, f"{path!r} is no regular file", "", "name a regular file")
+    return place
+
+
+def _check_words(path: str, where: str) -> None:
+    if not path.strip() or not path.isprintable() or "\\" in path:
+        fix = 'write for instance "data/road.csv", with slashes'
+        raise _refusal("file.bad_path", where, f"{path!r} is not the path of a file", "", fix)
+    if os.path.isabs(path) or path.startswith(("/", "~")) or _DRIVE.match(path) or "://" in path:
+        fix = f"put the file beside the model and write {os.path.basename(path)!r}"
+        what = f"{path!r} does not begin in the folder of the model file"
+        raise _refusal("file.outside", where, what, _WHY, fix)
+    if ".." in PurePosixPath(path).parts:
+        fix = "put the file into the folder of the model file or one below it"
+        raise _refusal("file.outside", where, f"{path!r} leaves the folder of the model file", _WHY, fix)
+
+
+def _similar(place: str, root: str) -> str:
+    try:
+        names = sorted(os.listdir(os.path.dirname(place)))[:1000]
+    except OSError:
+        return f"there is no folder {os.path.relpath(os.path.dirname(place), root)!r} either"
+    ending = os.path.splitext(place)[1]
+    return nearest(os.path.basename(place), [name for name in names if name.endswith(ending)] or names)
+
+
+def _refusal(code: str, where: str, what: str, why: str, fix: str) -> ModelError:
+    return ModelError(Problem(code, where, what, why, fix))

@@ -1,0 +1,191 @@
+"""`Lookup`: a name for a function of one variable given by points, of a file or in the model."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Mapping
+from numbers import Integral
+from pathlib import Path
+from typing import ClassVar, Literal, dataclass_transform, final
+
+from symbody.errors import ModelError
+from symbody.model.arguments import Arguments
+from symbody.model.declaration import Field, declare
+from symbody.model.element import Element
+from symbody.model.fields import ElementName, Quantity, SymbolElementName, Text, WordChoice
+from symbody.model.formula_site import Scope
+from symbody.model.loads.curve import KINDS, OUTSIDE, segment_pieces
+from symbody.model.tables.csv_columns import Column, Point, order_problems, read_points
+from symbody.model.tables.inner_path import inner_path
+
+
+class ColumnChoice(Field[Iterable[str | int], tuple[Column, ...]]):
+    """Two columns of a file, by name or number."""
+
+    role: ClassVar[str] = "columns"
+    takes: ClassVar[str] = "(2,) str or int"
+    annotation: ClassVar[str] = "Iterable[str | int]"
+
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Column, ...]:
+        """Return two names or numbers."""
+        items = arguments.items(value, path)
+        kept = tuple(
+            x if isinstance(x, str) else int(x)
+            for x in items
+            if isinstance(x, str | Integral) and not isinstance(x, bool)
+        )
+        if len(items) == 2 == len(kept):
+            return kept
+        arguments.add("table.columns", path, f"{value!r} does not name two columns", "",
+                      'write for instance columns = ["t", "z"], or columns = [1, 3]')  # fmt: skip
+        return (1, 2)
+
+
+class UnitPair(Field[Iterable[str], tuple[str, ...]]):
+    """Units of two columns."""
+
+    role: ClassVar[str] = "units"
+    takes: ClassVar[str] = "(2,) str"
+    annotation: ClassVar[str] = "Iterable[str]"
+
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[str, ...]:
+        """Return two units; whether they are known is seen where the file is read."""
+        items = arguments.items(value, path)
+        texts = tuple(x.strip() for x in items if isinstance(x, str))
+        if len(items) == 2 == len(texts):
+            return texts
+        fix = 'write for instance units = ["s", "mm"]; "" is SI'
+        arguments.add("table.units", path, f"{value!r} are not two units", "", fix)
+        return ("", "")
+
+
+class TablePoints(Field[Iterable[Iterable[float]] | None, tuple[Point, ...]]):
+    """Points, given or read from the file of the owner."""
+
+    role: ClassVar[str] = "points"
+    takes: ClassVar[str] = "(N, 2) numbers"
+    annotation: ClassVar[str] = "Iterable[Iterable[float]] | None"
+
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Point, ...]:
+        """Return the points, those of the file where none are given."""
+        assert isinstance(owner, Lookup)
+        if value is None:
+            return _points_of_file(owner, arguments)
+        points = []
+        for k, item in enumerate(arguments.items(value, path)):
+            point = _point(item)
+            if point is None:
+                fix = "write points = [[x1, y1], [x2, y2], ..], all of them finite numbers"
+                arguments.add("table.point", f"{path}[{k}]", f"{item!r} is not a point", "", fix)
+                return ()
+            points.append(point)
+        if len(points) < 2:
+            arguments.add(
+                "table.short", path, f"there are {len(points)} points", "a line needs two", "give more"
+            )
+        arguments.problems += order_problems(
+            points, [arguments.where(f"{path}[{k}]") for k in range(len(points))]
+        )
+        return tuple(points)
+
+    def default_value(self, owner: object, name: str) -> object:
+        """Return what the file has, so that points of a file are not shown as an argument."""
+        return getattr(owner, name) if getattr(owner, "file", "") else None
+
+
+@dataclass_transform(
+    field_specifiers=(
+        Field, ElementName, SymbolElementName, Text, Quantity, WordChoice, ColumnChoice, UnitPair,
+        TablePoints,
+    )
+)  # fmt: skip
+def _lookup(kind: type[Lookup]) -> type[Lookup]:
+    return declare(kind)
+
+
+@final
+@_lookup
+class Lookup(Element):
+    """A name for a function of one variable by points: two columns of a CSV file, or points given here.
+
+    Formulas contain the name. A place that stands twice is a jump: the later value holds from there on.
+
+    Examples
+    --------
+    >>> bump = Lookup("road", points=[[0, 0], [1, 0.05], [2, 0]], argument="0.5*t")
+    >>> bump.is_of_time
+    True
+    """
+
+    kind: ClassVar[str] = "table"
+
+    name: SymbolElementName = SymbolElementName("Unique among the symbols of the model.")
+    file: Text = Text(
+        "CSV file in the folder of the model file or below it, by its relative path.", default=""
+    )
+    columns: ColumnChoice = ColumnChoice(
+        "Those of the argument and of the value: names of the first row, or numbers from 1.", default=(1, 2)
+    )
+    units: UnitPair = UnitPair('Units of the columns, such as "mm"; "" is SI.', default=("", ""))
+    interpolation: WordChoice[Literal["linear", "pchip"]] = WordChoice(
+        'Straight between points, "linear"; or cubics with continuous slope, "pchip".',
+        words=KINDS, default="linear",
+    )  # fmt: skip
+    outside: WordChoice[Literal["hold", "slope"]] = WordChoice(
+        'Before the first and after the last point: the end value, "hold", or the end slope, "slope".',
+        words=OUTSIDE, default="hold",
+    )  # fmt: skip
+    argument: Quantity = Quantity(
+        "What it is a function of, in SI units: the time, or a formula.", default="t", scope=Scope.ARGUMENT
+    )
+    folder: Text = Text(
+        'Where the path starts: that of the model file; "" is the working directory.', default="",
+        is_content=False,
+    )  # fmt: skip
+    points: TablePoints = TablePoints("Places and values [[x, y], ..], in place of a file.", default=None)
+
+    def check(self, arguments: Arguments) -> None:
+        """Note a table without points and without a file."""
+        if not self.file and not self.points and not arguments.problems:
+            why = "a table is a function by points"
+            arguments.add("table.one_of", "", "neither file nor points are given", why,
+                          'write file = "road.csv", or points = [[0, 0], [1, 0.1]]')  # fmt: skip
+
+    @property
+    def is_of_time(self) -> bool:
+        """Whether its argument has no names but parameters and the time, as far as one can see here."""
+        return set(self.argument.names) <= {"t", "pi"}
+
+    def pieces(self) -> list[tuple[float, ...]]:
+        """Return the pieces from left to right, those outside included; see `Curve.pieces`."""
+        x, y = zip(*self.points, strict=True)
+        return segment_pieces(x, y, self.interpolation, self.outside)
+
+    def path_from(self, folder: str) -> str:
+        """Return the path of the file from another folder, with slashes."""
+        place = os.path.join(self.folder, self.file)
+        is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
+        return self.file if is_same else Path(os.path.relpath(place, folder)).as_posix()
+
+
+def _points_of_file(owner: Lookup, arguments: Arguments) -> tuple[Point, ...]:
+    if not owner.file or arguments.problems:
+        return ()
+    where = arguments.where("file")
+    try:
+        place = inner_path(owner.file, owner.folder, where)
+        return read_points(place, f"{where}, {owner.file}", owner.columns, owner.units)
+    except ModelError as error:
+        arguments.problems.extend(error.problems)
+        return ()
+
+
+def _point(item: object) -> Point | None:
+    if isinstance(item, str | Mapping) or not isinstance(item, Iterable):
+        return None
+    try:
+        values = [float(x) for x in item]
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return (values[0], values[1]) if len(values) == 2 and all(map(math.isfinite, values)) else None

@@ -1,0 +1,142 @@
+"""`EventFunctions`: values and actions of events, compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.native_call import check_status
+from symbody.errors import Problem, UsageError
+from symbody.kernels import watch_block as at
+from symbody.simulation.events.events import Event, LevelEvent
+from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
+from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.native.blocks import function_numbers
+from symbody.simulation.native.description import Projector, RightHandSide
+from symbody.simulation.simulation_problem import SimulationProblem
+
+Floats = NDArray[np.float64]
+
+
+class EventFunctions:
+    """Values and actions of events, compiled.
+
+    Parameters
+    ----------
+    problem : SimulationProblem
+        What moves.
+    events : sequence of Event
+        At least one, in the order in which simultaneous ones happen.
+    projector : Projector or None
+        What closes states after an action; None where nothing is projected.
+
+    Attributes
+    ----------
+    addresses : tuple of int
+        Where the functions of `kernels.event_watch.look` lie: values, actions, what projects; 0 for none.
+
+    Raises
+    ------
+    FormulationError
+        If an expression has no meaning.
+    UsageError
+        If it is not a number but a vector or matrix.
+    """
+
+    def __init__(
+        self, problem: SimulationProblem, events: Sequence[Event], projector: Projector | None
+    ) -> None:
+        self.events = tuple(events)
+        self.state_names = problem.eqs.state_names
+        self._problem = problem
+        self._projector = projector
+        self._values = problem.compile_outputs([str(event.expression) for event in self.events])
+        self._check_shapes()
+        formulas = [str(value) for event in self.events for value in event.mapping.values()]
+        self._actions = problem.compile_outputs(["energy", *formulas]) if formulas else None
+        self._check_actions()
+        functions = [function for function in (self._values, self._actions) if function is not None]
+        self._callbacks = [
+            CallbackFunction(function, problem.laws) for function in functions if problem.laws.need_python
+        ]
+        addresses = [function.address for function in self._callbacks or functions]
+        self.addresses = (*addresses, 0)[:2] + (0 if projector is None else projector.address,)
+
+    def _check_shapes(self) -> None:
+        outputs = zip(self.events, self._values.outputs, strict=True)
+        problems = [
+            Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
+                    "an event watches one number", "name one component, such as 'reaction J Fx'")
+            for event, output in outputs if output.shape
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
+    def _check_actions(self) -> None:
+        named = [(event.label, name) for event in self.events for name in event.mapping]
+        outputs = () if self._actions is None else self._actions.outputs[1:]
+        problems = [
+            Problem("simulation.event_shape", f"event {label!r}",
+                    f"the new value of {name} has shape {output.shape}",
+                    "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
+            for (label, name), output in zip(named, outputs, strict=True) if output.shape
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
+    def make_block(self, span: float) -> Floats:
+        """Return the block of a watch over a run of some length [s]."""
+        block = self._first_block.copy()
+        block[at.SPAN] = span
+        return block
+
+    @cached_property
+    def _first_block(self) -> Floats:
+        eqs, projector = self._problem.eqs, self._projector
+        empty = np.zeros(0)
+        numbers = WatchNumbers(
+            len(eqs.state_names) + 1,
+            len(eqs.speed_names),
+            len(eqs.coordinate_names),
+            self._numbers(self._values),
+            empty if self._actions is None else self._numbers(self._actions),
+            empty if projector is None else function_numbers(projector),
+            0 if projector is None else projector.out_size,
+            empty if projector is None else projector.scales,
+        )
+        return make_watch_block([self._as_numbers(event) for event in self.events], numbers)
+
+    def raise_fault(self, status: int) -> None:
+        """Raise what a law of an input raised, or what the status of a function means.
+
+        Raises
+        ------
+        SimulationError
+            See above.
+        """
+        for function in self._callbacks:
+            if function.error is not None:
+                raise function.error
+        check_status(status)
+
+    def _numbers(self, function: CompiledFunction) -> Floats:
+        laws, none = self._problem.laws, np.zeros(0)
+        inputs, n_u = np.zeros(len(laws.callbacks)), len(self._problem.eqs.speed_names)
+        return function_numbers(
+            RightHandSide(
+                0, n_u, inputs, none, function.constants(), function.work_size, laws.table_numbers()
+            )
+        )
+
+    def _as_numbers(self, event: Event) -> WatchedEvent:
+        """Return an event as numbers."""
+        text = str(event.expression)
+        action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
+        wraps = any(name in text for name in self._problem.eqs.measured_angles)
+        targets = tuple(self.state_names.index(name) for name in event.mapping)
+        level = event.level if isinstance(event, LevelEvent) else 0.0
+        return WatchedEvent(event.direction, action, wraps, targets, level)

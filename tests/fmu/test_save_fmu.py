@@ -1,0 +1,183 @@
+"""FMUs in FMPy: what an importer sees of a small mechanism, and what is refused."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+import symbody as sb
+from tests.fmu.importer import example, instance, pendulum, simulate, states
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+
+
+@pytest.fixture(scope="module")
+def crank(tmp_path_factory: pytest.TempPathFactory) -> tuple[sb.EquationSet, sb.Fmu]:
+    eqs = example("slider_crank")
+    path = tmp_path_factory.mktemp("fmu") / "slider_crank.fmu"
+    return eqs, sb.save_fmu(eqs, path, outputs=["reaction B Fx", "theta_ddot"])
+
+
+def test_archive_is_valid_and_says_what_it_holds(crank: tuple[sb.EquationSet, sb.Fmu]) -> None:
+    eqs, made = crank
+    assert validate_fmu(str(made.path)) == []
+    names = [variable.name for variable in made.variables]
+    assert names[: 1 + 2 * 6] == [
+        "time", *eqs.state_names, *(f"der({name})" for name in eqs.state_names),
+    ]  # fmt: skip
+    assert names[-4:] == ["constraint_violation", "energy", "reaction.B.Fx", "theta_ddot"]
+    assert {v.name: v.unit for v in made.variables}["reaction.B.Fx"] == "N"
+    exact = [v.name for v in made.variables if v.initial == "exact" and v.causality == "local"]
+    assert exact == ["theta_dot", "theta"]  # one degree of freedom
+    assert "slider_crank.fmu" in repr(made)
+
+
+def test_what_rates_depend_on_is_listed(crank: tuple[sb.EquationSet, sb.Fmu]) -> None:
+    _, made = crank
+    reads = {v.name: v.dependencies for v in made.variables}
+    assert reads["der(theta)"] == ((1, "constant"),)  # theta_dot
+    assert len(reads["der(theta_dot)"] or ()) == 7  # all states and the force
+
+
+def test_the_same_model_gives_the_same_bytes(crank: tuple[sb.EquationSet, sb.Fmu], tmp_path: Path) -> None:
+    _, made = crank
+    again = sb.save_fmu(
+        example("slider_crank"), tmp_path / "slider_crank.fmu", outputs=["reaction B Fx", "theta_ddot"]
+    )
+    assert again.path.read_bytes() == made.path.read_bytes()
+
+
+# A loop that FMPy's CVODE integrates with absolute tolerances of about 1e-8 a step drifts from the exact motion
+# by some ten times more over a second; our own integrator bounds the same errors.
+@pytest.mark.parametrize(("kind", "error"), [("ModelExchange", 2e-4), ("CoSimulation", 1e-6)])
+def test_motion_is_that_of_simulate(crank: tuple[sb.EquationSet, sb.Fmu], kind: str, error: float) -> None:
+    eqs, made = crank
+    run = sb.simulate(eqs, 1.0, times=np.linspace(0.0, 1.0, 21), rtol=1e-11)
+    seen = simulate(made.path, kind, 1.0, [*eqs.state_names, "constraint_violation"], 1e-8)
+    assert np.abs(seen[:-1] - states(run)).max() < error
+    assert seen[-1].max() < 1e-6
+
+
+def test_first_values_are_assembled_in_the_fmu(crank: tuple[sb.EquationSet, sb.Fmu]) -> None:
+    eqs, made = crank
+    with instance(made.path, "ModelExchange") as fmu:
+        fmu.initialize({"theta": 0.7, "theta_dot": 1.3, "F": 2.0})
+        seen = fmu.get(*eqs.state_names, "reaction.B.Fx")
+        state = sb.assemble(eqs, {"theta": 0.7, "theta_dot": 1.3}, inputs={"F": 2.0})
+        x = [*state.u.values(), *state.q.values()]
+        assert seen[:6] == pytest.approx(x, abs=1e-9)
+        value = sb.compile(eqs, "reaction B Fx").of_state(0.0, x, [2.0])
+        assert seen[6] == pytest.approx(float(value), rel=1e-9)
+
+
+def test_derivatives_are_those_of_the_model(crank: tuple[sb.EquationSet, sb.Fmu]) -> None:
+    eqs, made = crank
+    with instance(made.path, "ModelExchange") as fmu:
+        fmu.initialize({"theta": 0.7, "theta_dot": 1.3, "F": 2.0})
+        x = np.array(fmu.get(*eqs.state_names))
+        slopes = sb.compile(sb.Baumgarte().applied(eqs), "d xdot/d(u, q, r)").of_state(0.0, x, [2.0])
+        shown = sb.compile(eqs, "d reaction B Fx/d(u, q, r)").of_state(0.0, x, [2.0])
+        unknowns = [f"der({name})" for name in eqs.state_names] + ["reaction.B.Fx"]
+        seen = np.array([fmu.derivative(unknowns, name) for name in (*eqs.state_names, "F")]).T
+        # the text computes in another order of roundings than machine code that fuses products
+        np.testing.assert_allclose(seen, np.vstack([slopes, shown]), rtol=1e-10, atol=1e-9)
+
+
+def test_copy_of_the_state_repeats_the_bits(crank: tuple[sb.EquationSet, sb.Fmu]) -> None:
+    eqs, made = crank
+    with instance(made.path, "CoSimulation") as fmu:
+        fmu.initialize()
+        fmu.steps(np.linspace(0.0, 0.7, 8).tolist())
+        kept = fmu.fmu.getFMUState()
+        later = np.linspace(0.7, 1.2, 6).tolist()
+        fmu.steps(later)
+        first = fmu.get(*fmu.references)
+        fmu.fmu.setFMUState(kept)
+        fmu.steps(later)
+        assert fmu.get(*fmu.references) == first
+        fmu.fmu.freeFMUState(kept)
+
+
+def test_calls_out_of_order_are_refused_with_a_cure(
+    crank: tuple[sb.EquationSet, sb.Fmu], capfd: pytest.CaptureFixture[str]
+) -> None:
+    _, made = crank
+    with instance(made.path, "CoSimulation") as fmu:
+        with pytest.raises(Exception, match="fmi3DoStep"):
+            fmu.fmu.doStep(0.0, 0.1)
+        with pytest.raises(Exception, match="fmi3SetFloat64"):
+            fmu.set("beta", 0.1)
+        fmu.initialize()
+        with pytest.raises(Exception, match="fmi3SetFloat64"):
+            fmu.set("theta", 0.1)
+    heard = capfd.readouterr()
+    text = heard.out + heard.err
+    assert "enter initialization mode first" in text
+    assert "beta follows from the constraints: set others instead" in text
+    assert "theta can be set before initialization mode ends only" in text
+
+
+def test_loop_that_cannot_close_is_told(
+    crank: tuple[sb.EquationSet, sb.Fmu], capfd: pytest.CaptureFixture[str]
+) -> None:
+    _, made = crank
+    with instance(made.path, "CoSimulation") as fmu:
+        with pytest.raises(Exception, match="fmi3ExitInitializationMode"):
+            fmu.initialize({"L1": 50.0, "theta": 1.5})
+        assert "no configuration near the one before" in "".join(capfd.readouterr())
+
+
+def test_archive_without_libraries_holds_sources(tmp_path: Path) -> None:
+    made = sb.save_fmu(pendulum(), tmp_path / "a pendulum.fmu", "2.0", platforms=())
+    files = zipfile.ZipFile(made.path).namelist()
+    assert made.platforms == () and "no library" in made.notes[0]
+    assert "sources/fmi2.c" in files and not any(name.startswith("binaries") for name in files)
+    assert validate_fmu(str(made.path)) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        ({"path": "pendulum.zip"}, "fmu.path"),
+        ({"fixed": ["mass"]}, "fmu.fixed"),
+        ({"platforms": "arm-linux"}, "fmu.platform"),
+        ({"platforms": "aarch64-linux", "version": "2.0"}, "fmu.platform"),
+        ({"platforms": (), "sources": False}, "fmu.empty"),
+    ],
+)
+def test_wrong_arguments_are_refused(tmp_path: Path, arguments: dict[str, object], code: str) -> None:
+    path = tmp_path / str(arguments.pop("path", "pendulum.fmu"))
+    with pytest.raises(sb.UsageError) as caught:
+        sb.save_fmu(pendulum(), path, **arguments)  # type: ignore[arg-type]
+    assert caught.value.problems[0].code == code
+    assert not path.exists()
+
+
+def test_platform_without_compiler_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symbody.fmu.binaries.compiler_for", lambda target: ())
+    with pytest.raises(sb.EnvironmentFault) as caught:
+        sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu", platforms="x86_64-windows")
+    assert caught.value.problems[0].code == "fmu.compiler"
+    made = sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu")
+    assert made.platforms == () and "brings a compiler" in made.notes[0]
+
+
+def test_compiler_that_refuses_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symbody.fmu.binaries.compiler_for", lambda target: ("cc", "--no-such-flag"))
+    with pytest.raises(sb.CompileError) as caught:
+        sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu")
+    assert caught.value.problems[0].code == "fmu.compile"
+
+
+def test_dry_friction_is_refused(tmp_path: Path) -> None:
+    block = sb.Body("Block", mass=1)
+    slide = sb.Prismatic("slide", "ground", "Block", axis="x", coordinate="x", friction=sb.Friction(0.3))
+    eqs = sb.form_equations(sb.Model("block", [block, slide], (0, 0, -9.81)))
+    with pytest.raises(sb.UsageError) as caught:
+        sb.save_fmu(eqs, tmp_path / "block.fmu")
+    assert caught.value.problems[0].code == "fmu.motion"

@@ -1,0 +1,74 @@
+"""Each misuse of a signal has its message, with place and cure."""
+
+from __future__ import annotations
+
+import pytest
+
+import symbody as sb
+from symbody.model.element import Element
+from tests.faults.refusals import refused, refused_model
+from tests.signals.arm import arm
+
+
+def codes(*parts: Element, **more: object) -> list[tuple[str, str]]:
+    """Code and place of what is wrong with the arm and these parts."""
+    return refused(lambda: arm(*parts, torque="0", **more))
+
+
+def test_exactly_one_of_three() -> None:
+    assert refused(lambda: sb.Signal("a")) == [("signal.one_of", "signal a")]
+    assert refused(lambda: sb.Signal("a", 1, rate=2)) == [("signal.one_of", "signal a")]
+
+
+def test_only_states_have_initial_values() -> None:
+    assert refused(lambda: sb.Signal("a", "t", initial=1)) == [("signal.initial", "signal a, initial")]
+    assert codes(sb.Signal("a", rate=1), initial={"a": 1}) == [("signal.initial", "model, initial.a")]
+
+
+@pytest.mark.parametrize("name", ["theta", "theta_dot", "m", "V"])
+def test_names_are_shared_with_all_symbols(name: str) -> None:
+    assert codes(sb.Signal(name, 1), inputs=["V"])[0][0] == "names.duplicate"
+
+
+def test_rates_of_states_have_names_of_their_own() -> None:
+    assert codes(sb.Signal("a", rate=1), sb.Signal("a_dot", 1))[0][0] == "names.duplicate"
+
+
+def test_names_are_symbols() -> None:
+    assert refused(lambda: sb.Signal("my signal", 1))[0][0] == "names.not_a_symbol"
+    assert refused(lambda: sb.Signal("t", 1))[0][0] == "names.reserved"
+
+
+def test_rings_are_named() -> None:
+    parts = [sb.Signal("a", "d + 1"), sb.Signal("d", "c"), sb.Signal("c", "2*a")]
+    with pytest.raises(sb.SymbodyError, match="a -> d -> c -> a|d -> c -> a -> d|c -> a -> d -> c"):
+        arm(*parts, torque="0")
+    assert codes(*parts)[0][0] == "signal.loop"
+    arm(sb.Signal("a", "d + 1"), sb.Signal("d", rate="a"), torque="a")  # a state breaks the ring
+
+
+def test_constraints_motions_and_inertia_take_no_signals() -> None:
+    signal = sb.Signal("a", rate=1)
+    assert refused_model(signal, sb.Body("B", mass="a"))[0] == ("names.not_here", "body B, mass, column 1")
+    ends = sb.Body("B", mass=1, frames={"P": sb.Frame()}), sb.Body("C", mass=1, frames={"P": sb.Frame()})
+    rod = sb.Distance("rod", "B.P", "C.P", "a")
+    assert refused_model(signal, *ends, rod)[0] == ("names.not_here", "constraint rod, value, column 1")
+    equation = sb.Constraint("c", equations=["theta - a"])
+    assert codes(signal, equation)[0] == ("names.not_here", "constraint c, equations[0], column 9")
+    slide = sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", motion="a")
+    assert refused_model(signal, slide)[0] == ("names.not_here", "joint j, motion, column 1")
+
+
+def test_rates_of_signals_stand_in_no_formula() -> None:
+    assert codes(sb.Signal("a", rate=1), sb.Signal("c", "a_dot"))[0] == (
+        "names.not_here",
+        "signal c, value, column 1",
+    )
+
+
+def test_unknown_names_in_signals() -> None:
+    assert codes(sb.Signal("a", "thetta"))[0] == ("names.unknown", "signal a, value, column 1")
+
+
+def test_text_of_an_output() -> None:
+    assert refused(lambda: sb.Signal("a", output=" "))[0][0] == "model.not_a_text"
