@@ -142,8 +142,10 @@ def test_rates_and_constraints_are_printed_where_there_are_any(capsys: pytest.Ca
     assert lines[-1] == "  C omega_z' = 0"
     assert run(["equations", example("slider_crank")]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0] == "motion:" and lines[4] == "constraints:" and len(lines) == 7
-    assert lines[3].endswith(" = F") and lines[6] == "  L2 sin(theta - beta) - s sin(theta) = 0"
+    titles = [k for k, line in enumerate(lines) if not line.startswith(" ")]
+    assert [lines[k] for k in titles] == ["motion:", "constraints:"]
+    assert lines[titles[1] - 1].endswith(" = F") and lines[-1] == "  L2 sin(theta - beta) - s sin(theta) = 0"
+    assert max(map(len, lines)) <= 100
 
 
 def test_latex_has_titles_as_comments(capsys: pytest.CaptureFixture[str]) -> None:

@@ -71,11 +71,7 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
     """
     texts = _texts(function)
     paths = [name for name, text in texts.items() if "Path" in text]
-    lists = [
-        (place, name)
-        for place, (name, text) in enumerate(texts.items())
-        if text.removesuffix(" | None") in _LISTS
-    ]
+    lists = [(place, name) for place, name in _places(function) if _is_list_of_names(texts.get(name, ""))]
     textual = {name for name, text in texts.items() if "str" in text and "Sympy" not in text}
 
     @wraps(function)
@@ -122,6 +118,17 @@ def _hold_sympy(values: Iterable[object]) -> bool:
         elif is_sympy(value):
             return True
     return False
+
+
+def _places(function: Callable[..., object]) -> list[tuple[int, str]]:
+    """Return arguments with their places among those given without a name, beyond all if they have none."""
+    has_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    parameters = enumerate(inspect.signature(function).parameters.values())
+    return [(place if p.kind in has_place else _LARGEST, p.name) for place, p in parameters]
+
+
+def _is_list_of_names(annotation: str) -> bool:
+    return annotation.removesuffix(" | None") in _LISTS
 
 
 def _with_lists(lists: Iterable[tuple[int, str]], given: Any, named: Any) -> Any:

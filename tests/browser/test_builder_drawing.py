@@ -202,9 +202,23 @@ def test_an_edge_takes_another_frame_and_a_drop_on_nothing_changes_nothing(crank
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         return x + 0.4 * (x - port[0]), y + 0.4 * (y - port[1])
 
-    drag(crank, grip(), empty_place(crank))
+    def draw_end(place: tuple[float, float]) -> None:
+        """Drag the end of the edge, once it is at rest, and see that the diagram follows the pointer and ends."""
+        at, previous = grip(), None
+        while at != previous:
+            page.wait_for_timeout(50)
+            at, previous = grip(), at
+        page.mouse.move(*at)
+        page.mouse.down()
+        page.mouse.move(*place, steps=8)
+        page.locator(".react-flow__connection").wait_for(state="attached")
+        page.mouse.up()
+        page.locator(".react-flow__connection").wait_for(state="detached")
+
+    draw_end(empty_place(crank))
     assert (crank.state("data"), crank.steps()) == (before, 0)
-    drag(crank, grip(), crank.middle("port-Crank.B"))
+    draw_end(crank.middle("port-Crank.B"))
+    crank.wait('s.data.joint[2].between[1] === "Crank.B"')
     assert crank.state("data.joint[2].between") == ["Piston", "Crank.B"]
     assert crank.steps() == 1
     crank.keys("Control+z")

@@ -70,7 +70,8 @@ def test_a_motion_that_failed_shows_what_to_try_and_its_notes() -> None:
     assert head == repr(run) and status.strip() == sb.Status.TOO_MANY_STEPS.value
     assert [line.strip() for line in notes] == [f"note: {note}" for note in run.notes] and notes
     assert sb.Status.TOO_MANY_STEPS.value in run._repr_html_()
-    assert "\n" not in str(sb.simulate(pendulum(), 0.1))
+    whole = sb.simulate(pendulum(), 0.1)
+    assert str(whole).splitlines() == [repr(whole), *(f"  note: {note}" for note in whole.notes)]
 
 
 def test_one_time_of_inverse_dynamics_is_noted() -> None:

@@ -8,13 +8,19 @@ import json
 import re
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
 import symbody as sb
 import symbody.visual.viewer.page as page_module
+from symbody.equations.outputs.display import mathml_sides
 from symbody.errors import UsageError
+from symbody.expr.printing.mathml_column import mathml_column
+from symbody.expr.printing.mathml_tables import letter_count
 from symbody.visual.viewer.live_page import LivePage
+from tests.equations.test_dependent_speeds import skate
+from tests.faults.test_constraint_rows import parallelogram
 
 TEMPLATE = (
     "<!doctype html><html><head><meta content=\"script-src 'sha256-program'\"><title>symbody</title></head><body>"
@@ -93,3 +99,34 @@ def test_words_of_a_page_need_a_path() -> None:
     with pytest.raises(UsageError) as caught:
         sb.animate(oscillator(), live=True, sliders=["x"], inputs={"F": "1"})
     assert caught.value.problems[0].code == "animation.live_widget"
+
+
+def refused(eqs: sb.EquationSet, **words: Any) -> str:
+    with pytest.raises(UsageError) as caught:
+        sb.animate(eqs, live=True, path="never.html", **words)
+    (problem,) = caught.value.problems
+    assert problem.fix and not Path("never.html").exists()
+    return problem.code
+
+
+def test_motions_that_only_python_keeps_on_their_branch_are_refused() -> None:
+    """Flat at the start, flat on the way, and with speeds that end at a vanishing pivot."""
+    flat = {"initial": {"a": 0.0, "a_dot": 6.0, "d_dot": 6.0}}
+    assert refused(parallelogram(), **flat) == "animation.live_branch"
+    assert refused(parallelogram(), initial={"a": 1.0, "a_dot": 6.0, "d": 1.0}) == "animation.live_branch"
+    assert refused(sb.form_equations(skate(), dependent_speeds=("y_dot",))) == "animation.live_pivots"
+    with_partition = {"constraints": sb.Partition(), "initial": {"a": 1.0}}
+    assert refused(parallelogram(), **with_partition) == "animation.live_constraints"
+
+
+def test_equations_are_broken_into_rows_of_the_panel() -> None:
+    eqs = sb.form_equations(
+        sb.load_model(Path(__file__).parents[2] / "examples" / "four_bar" / "four_bar.toml")
+    )
+    table = ElementTree.fromstring(mathml_column(mathml_sides(eqs.textbook), 38))
+    rows = ["".join(row.itertext()) for row in table]
+    assert len(rows) > 2 * len(eqs.speed_names) and sum("=" in row for row in rows) == len(eqs.speed_names)
+    assert max(map(letter_count, table)) <= 44  # an opened bracket's signs cannot be everywhere
+    whole = "".join("".join(row) for row in rows).replace("\u2062", "")
+    sides = "".join(f"<p>{left}<mo>=</mo>{right}</p>" for left, right in mathml_sides(eqs.textbook))
+    assert whole == "".join(ElementTree.fromstring(f"<p>{sides}</p>").itertext()).replace("\u2062", "")

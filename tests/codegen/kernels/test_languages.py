@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import math
-import shutil
 import struct
 import subprocess
 import sys
@@ -29,6 +28,7 @@ from symbody.codegen.llvm.machine import optimized_code, target_machine
 from symbody.kernels.language import Reals
 from tests.codegen.kernels.kernel_rules import rules
 from tests.codegen.test_saddle_kernels import bits
+from tests.codegen.tools import runnable
 
 VALUES = [
     0.0,
@@ -186,7 +186,7 @@ def python_results() -> list[list[float]]:
 @pytest.mark.parametrize("name", RUNNERS)
 def test_every_rule_gives_the_bits_of_the_kernel_file(name: str, tmp_path: Path) -> None:
     runner = RUNNERS[name]
-    if shutil.which(runner.tool) is None:
+    if runnable(runner.tool) is None:
         pytest.skip(f"needs {runner.tool}")
     file = tmp_path / runner.file
     file.write_text(runner.program.replace("{}", kernel_text(TREES, runner.dialect), 1))

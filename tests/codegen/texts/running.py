@@ -21,10 +21,11 @@ import pytest
 from symbody.codegen.texts import fortran, javascript, rust
 from symbody.codegen.texts.languages import TEXTS
 from symbody.expr.sequence import Sequence
+from tests.codegen.tools import runnable
 
 Point = dict[str, list[float]]
 GFORTRAN, OCTAVE, JULIA = shutil.which("gfortran"), shutil.which("octave-cli"), shutil.which("julia")
-RUSTC, NODE = shutil.which("rustc"), shutil.which("node")
+RUSTC, NODE = runnable("rustc"), shutil.which("node")
 # JAX is large: it may live in an environment of its own.
 JAX = sys.executable if importlib.util.find_spec("jax") else os.environ.get("SYMBODY_JAX_PYTHON")
 CASADI = sys.executable if importlib.util.find_spec("casadi") else None

@@ -21,6 +21,13 @@ def test_a_row_ends_before_the_outermost_sign_that_fills_it() -> None:
     assert wrap_formula(line, 0) == wrap_formula(line, 200) == [line]
 
 
+def test_the_right_side_is_not_left_alone() -> None:
+    assert wrap_formula("first_term x + second_term y + third z = 0", 40) == [
+        "first_term x + second_term y",
+        "    + third z = 0",
+    ]
+
+
 def test_products_and_names_without_a_sign_break_at_blanks_or_not_at_all() -> None:
     assert wrap_formula(" ".join(["factor"] * 5), 20) == [
         "factor factor factor",

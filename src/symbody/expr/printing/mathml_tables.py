@@ -52,7 +52,7 @@ def break_rows(formula: str, width: int = WIDTH) -> list[str]:
     rows: list[list[Element]] = [[]]
     filled = 0
     for term in terms_of(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>"))):
-        length = sum(map(_letters, term))
+        length = sum(map(letter_count, term))
         if rows[-1] and filled + length > width:
             rows.append([])
             filled = 0
@@ -74,9 +74,9 @@ def terms_of(elements: Sequence[Element]) -> list[list[Element]]:
     return terms
 
 
-def _letters(element: Element) -> int:
-    """Return about how many letters wide an element is."""
+def letter_count(element: Element) -> int:
+    """Return about how many letters wide an element of MathML is."""
     if element.tag == "mfrac":
-        return max(map(_letters, element), default=0)
+        return max(map(letter_count, element), default=0)
     text = element.text or ""
-    return (0 if text in _INVISIBLE else len(text)) + sum(map(_letters, element))
+    return (0 if text in _INVISIBLE else len(text)) + sum(map(letter_count, element))

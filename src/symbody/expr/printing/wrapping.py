@@ -13,6 +13,7 @@ _BLANK: Final = re.compile(r" ")
 _LEAST: Final = 80
 _MOST: Final = 100
 _HANGING: Final = "    "
+_SHORT: Final = 10  # letters: a row "= 0" is better not alone
 _FILLED: Final = 0.5  # of a row, before a sign in fewer brackets is not preferred to a fuller row
 
 
@@ -50,6 +51,8 @@ def _break_place(line: str, width: int, start: int) -> int | None:
         places = [found.start() for found in sign.finditer(line, start) if found.start() <= width]
         filled = [place for place in places if place >= _FILLED * width]
         if filled or places:
-            return min(filled or places, key=lambda place: (depths[place], -place))
+            return min(
+                filled or places, key=lambda place: (depths[place], len(line) - place < _SHORT, -place)
+            )
     following = _BLANK.search(line, max(width, start))
     return None if following is None else following.start()

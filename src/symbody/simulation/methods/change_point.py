@@ -8,7 +8,7 @@ constraints are judged by what they computed: velocities are continuous on the b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -84,6 +84,11 @@ _LOCKED: Final = (
 _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, Status.TOO_MANY_STEPS)
 # Ends after which the motion is looked at: one that was interrupted is not begun again.
 _JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
+
+
+def change_point_note(notes: Iterable[str]) -> str:
+    """Return what the notes of a motion say of a change point on its way; empty without one."""
+    return next((note for note in notes if "(change point)" in note or "near a change point" in note), "")
 
 
 def integrate_on_branch(plan: MotionPlan) -> Integration:

@@ -28,6 +28,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.programs.motion_request import (
     MotionRequest,
     PosedMotion,
+    check_branch,
     check_request,
     pose_motion,
 )
@@ -134,6 +135,7 @@ def javascript_simulation(
         If the request needs Python or an implicit integrator; see `MotionRequest`.
     """
     motion = pose_motion(eqs, request, check_request(eqs, request))
+    check_branch(motion)
     functions = motion_functions(motion)
     functions["view"] = program_function(motion, (*view.outputs, *_ENERGIES), "view")
     if motion.is_closed:

@@ -19,10 +19,12 @@ from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables
+from symbody.simulation.methods.change_point import is_change_point
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -207,7 +209,7 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
-    problems = [*_refusals(request, laws), *_switching_problems(eqs)]
+    problems = [*_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs)]
     if problems:
         raise UsageError(*problems)
     return laws
@@ -232,6 +234,48 @@ def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
                     "give sb.Projection() or sb.Baumgarte(), or leave it out")
         )  # fmt: skip
     return problems
+
+
+def branch_problem(name: str, what: str) -> Problem:
+    """Return what to say about a motion that only `Partition` keeps on its branch."""
+    return Problem(
+        "animation.live_branch", name, what,
+        "a page projects its states, which does not choose the branch there",
+        "animate a motion from simulate, which passes them; or start elsewhere, or change a length",
+    )  # fmt: skip
+
+
+def check_branch(motion: PosedMotion) -> None:
+    """Refuse a start from which `simulate` would go on by `Partition`.
+
+    Raises
+    ------
+    UsageError
+        If constraints are dependent there.
+    """
+    problem, t = motion.integration.problem, motion.request.span[0]
+    eqs = problem.eqs
+    x = motion.x0[: len(motion.first.u) + len(motion.first.q)]
+    if not eqs.multiplier_names or not eqs.speed_names:
+        return
+    if is_overconstrained(problem, t, x):
+        raise UsageError(
+            branch_problem(eqs.model.name, "some constraints follow from others in closed loops only")
+        )
+    if is_change_point(problem, t, x):
+        raise UsageError(
+            branch_problem(eqs.model.name, "the start is a change point: constraints become dependent")
+        )
+
+
+def _pivot_problems(eqs: EquationSet) -> list[Problem]:
+    if eqs.formed.elimination is None:
+        return []
+    return [
+        Problem("animation.live_pivots", eqs.model.name,
+                "dependent speeds are eliminated, which ends where a pivot vanishes",
+                "a page does not watch pivots", "form the equations without dependent_speeds")
+    ]  # fmt: skip
 
 
 def _switching_problems(eqs: EquationSet) -> list[Problem]:

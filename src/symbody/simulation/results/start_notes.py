@@ -25,7 +25,7 @@ TAKES_PART: Final = 0.1  # of a unit vector
 # Constraints that are redundant close together but for this, of the size of the mechanism.
 _ROUNDING: Final = 1e-13
 # Loops that are closed better than this, of the size of the mechanism, are not looked at.
-_FAR: Final = 0.1  # rad, or of the size of the mechanism
+_FAR: Final = 0.5  # rad, or of the size of the mechanism
 _TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
 

@@ -16,16 +16,18 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.display import mathml_sides
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.printing.mathml import mathml_name
-from symbody.expr.printing.mathml_tables import math_element, mathml_equations
+from symbody.expr.printing.mathml_column import mathml_column
+from symbody.expr.printing.mathml_tables import math_element
 from symbody.expr.rewrite import tree_sizes
 from symbody.model.model import Model, resolve_parameters
+from symbody.simulation.methods.change_point import change_point_note
 from symbody.simulation.programs.javascript_simulation import (
     PointerSpring,
     SimulationText,
     ViewOutputs,
     javascript_simulation,
 )
-from symbody.simulation.programs.motion_request import MotionRequest
+from symbody.simulation.programs.motion_request import MotionRequest, branch_problem
 from symbody.simulation.simulate import simulate
 from symbody.visual.scene import make_motion, make_scene, scene_to_json
 from symbody.visual.scene.body_poses import chain_of
@@ -40,6 +42,7 @@ _SHARE: Final = 0.5  # of a parameter's value, to both sides, without bounds
 _TABLE: Final = 9  # values of a parameter for which shapes are made
 _MOST_SPEEDS: Final = 6  # of equations that are written out
 _MOST_OPERATIONS: Final = 1200
+_COLUMN: Final = 38  # letters of a row of equations, in the panel of a page
 _PREVIEW: Final = 8.0  # seconds of the motion that the picture has to hold
 _MOST_STEPS: Final = 20_000
 _PULL: Final = 4.0  # times the frequency of a pendulum as long as the mechanism: of a held body on its spring
@@ -219,7 +222,13 @@ def _control(
 
 
 def _courses(eqs: EquationSet, request: MotionRequest, first: State) -> dict[str, Any]:
-    """Return the coordinates over the first seconds, which say how far guides and tracks reach."""
+    """Return the coordinates over the first seconds, which say how far guides and tracks reach.
+
+    Raises
+    ------
+    UsageError
+        If constraints become dependent in these seconds.
+    """
     start = request.span[0]
     run = simulate(
         eqs, (start, start + _PREVIEW), request.initial, None, request.parameters,
@@ -227,6 +236,9 @@ def _courses(eqs: EquationSet, request: MotionRequest, first: State) -> dict[str
         np.linspace(start, start + _PREVIEW, 81), request.integrator, request.constraints,
         rtol=1e-6, max_steps=_MOST_STEPS,
     )  # fmt: skip
+    note = change_point_note(run.notes)
+    if note:
+        raise UsageError(branch_problem(eqs.model.name, f"the motion passes a change point: {note}"))
     if run.t.size < 2:
         return {name: np.array([value]) for name, value in first.q.items()}
     return dict(zip(run.coordinate_names, run.q, strict=True))
@@ -281,7 +293,7 @@ def _equations(eqs: EquationSet) -> str:
     sides = [*eqs.textbook.inertial_side.nodes, *eqs.textbook.forcing_side.nodes]
     if sum(tree_sizes(eqs.textbook.formed.graph, sides)) > _MOST_OPERATIONS:
         return ""
-    return f"<div>{math_element(mathml_equations(mathml_sides(eqs.textbook)), block=True)}</div>"
+    return f"<div>{math_element(mathml_column(mathml_sides(eqs.textbook), _COLUMN))}</div>"
 
 
 def _symbol(name: str) -> str:
