@@ -264,3 +264,10 @@ def test_times_that_rounding_shakes_are_not_chattering() -> None:
     assert run.status is sb.Status.SUCCESS
     np.testing.assert_allclose(times_of(run, "kick"), [1234.56789], rtol=1e-15)
     assert run["y"][-1] == pytest.approx(1e4 - 1234.56789, rel=1e-8)
+
+
+@pytest.mark.parametrize("integrator", [None, sb.FixedStep(0.25), sb.Stiff()])
+def test_the_last_wanted_time_is_the_state_after_an_event_there(integrator: object) -> None:
+    watched = sb.Event("t - 2", action={"y_dot": 5})
+    run = sb.simulate(at_rest(), 2.0, times=[0.0, 2.0], integrator=integrator, events=watched)
+    assert run["y_dot"].tolist() == [0.0, 5.0]
