@@ -317,3 +317,9 @@ def test_what_cannot_be_included() -> None:
         sb.Include(arm, "A", share=["g"], parameters={"g": 1})
     with pytest.raises(SymbodyError, match="known names: T, height, lag"):
         sb.Include(arm, "A", connect={"t": "u"})
+
+
+def test_an_exponent_in_an_output_is_no_symbol() -> None:
+    pin = sb.Revolute("pin", "ground", sb.Body("B", 1, (0, 0, 1)), coordinate="e3")
+    part = sb.Model("part", [pin, sb.Signal("s", output="2e3*e3 + e3_dot")])
+    assert sb.Model("whole", [sb.Include(part, "P")]).signals[0].output == "2e3*P_e3 + P_e3_dot"

@@ -163,7 +163,7 @@ def _notes_of_inputs(program: FmuProgram) -> tuple[str, ...]:
     """Return a note for each input that follows a table of the model in `simulate`, and 0 in the FMU."""
     inputs = program.eqs.input_names
     return tuple(
-        f"{table.name} is an input: 0 until an importer sets it. The table of this name in the model, which is "
+        f"{table.name} is an input: 0 until an importer sets it. The table of this name in the model, "
         "its law in simulate, is not in the archive; a table of another name that a formula contains would be"
         for table in program.eqs.model.tables if table.name in inputs
     )  # fmt: skip
