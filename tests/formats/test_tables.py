@@ -226,3 +226,11 @@ def test_a_slip_in_the_first_row_is_no_header(tmp_path: Path) -> None:
     with pytest.raises(SymbodyError) as caught:
         sb.Lookup("a", file="a.csv", folder=str(tmp_path))
     assert caught.value.problems[0].code == "table.value" and "a.csv:1" in caught.value.problems[0].where
+
+
+@pytest.mark.parametrize("arguments", [{"units": "mm"}, {"columns": "tz"}])
+def test_one_text_is_no_pair(tmp_path: Path, arguments: dict[str, str]) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,z\n0,1\n1,2\n", encoding="utf-8")
+    with pytest.raises(SymbodyError, match="give two columns and two units"):
+        sb.Table.from_file(path, **arguments)  # type: ignore[arg-type]
