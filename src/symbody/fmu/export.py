@@ -119,10 +119,8 @@ def save_fmu(
     ------
     UsageError
         If the motion needs Python, or a name means nothing.
-    AssemblyError, CompileError
-        If loops do not close, or an output is unknown.
-    FormatError
-        If the archive cannot be written.
+    AssemblyError, CompileError, FormatError
+        If loops do not close, an output is unknown, or the archive cannot be written.
     EnvironmentFault
         If no compiler makes libraries for a platform that is asked for.
     """
