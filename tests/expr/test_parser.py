@@ -599,3 +599,9 @@ def test_a_million_random_texts() -> None:
     for _ in range(1_000_000):
         text = "".join(draw.choices(PIECES, k=draw.randrange(1, 16)))
         check_only_expression_errors(text)
+
+
+@pytest.mark.parametrize("text", ["(30) deg*t", "30 deg deg*t"])
+def test_degrees_that_follow_no_number_have_a_cure(text: str) -> None:
+    fix = "degrees follow a number, as in 30 deg; multiply anything else by pi/180"
+    assert faults(text)[0].fix == fix

@@ -136,7 +136,7 @@ def test_loop_that_cannot_close_is_told(
 def test_archive_without_libraries_holds_sources(tmp_path: Path) -> None:
     made = sb.save_fmu(pendulum(), tmp_path / "a pendulum.fmu", "2.0", platforms=())
     files = zipfile.ZipFile(made.path).namelist()
-    assert made.platforms == () and "no library" in made.notes[0]
+    assert made.platforms == () and "no library: importers" in made.notes[0]
     assert "sources/fmi2.c" in files and not any(name.startswith("binaries") for name in files)
     assert validate_fmu(str(made.path)) == []
 
@@ -165,7 +165,7 @@ def test_platform_without_compiler_is_told(tmp_path: Path, monkeypatch: pytest.M
         sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu", platforms="x86_64-windows")
     assert caught.value.problems[0].code == "fmu.compiler"
     made = sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu")
-    assert made.platforms == () and "brings a compiler" in made.notes[0]
+    assert made.platforms == () and "there is no C compiler" in made.notes[0]
 
 
 def test_compiler_that_refuses_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -195,3 +195,15 @@ def test_dry_friction_is_refused(tmp_path: Path) -> None:
     with pytest.raises(sb.UsageError) as caught:
         sb.save_fmu(eqs, tmp_path / "block.fmu")
     assert caught.value.problems[0].code == "fmu.motion"
+
+
+def test_folder_that_is_not_there_is_a_fault(tmp_path: Path) -> None:
+    with pytest.raises(sb.FormatError) as caught:
+        sb.save_fmu(pendulum(), tmp_path / "none" / "pendulum.fmu", platforms=())
+    assert caught.value.problems[0].code == "file.not_saved"
+
+
+def test_table_that_is_the_law_of_an_input_is_noted(tmp_path: Path) -> None:
+    eqs = sb.form_equations(sb.load_model(EXAMPLES / "quarter_car" / "quarter_car.toml"))
+    made = sb.save_fmu(eqs, tmp_path / "car.fmu", platforms=())
+    assert made.notes[-1].startswith("road is an input: 0 until an importer sets it")

@@ -317,3 +317,20 @@ def test_what_cannot_be_included() -> None:
         sb.Include(arm, "A", share=["g"], parameters={"g": 1})
     with pytest.raises(SymbodyError, match="known names: T, height, lag"):
         sb.Include(arm, "A", connect={"t": "u"})
+
+
+def test_an_exponent_in_an_output_is_no_symbol() -> None:
+    pin = sb.Revolute("pin", "ground", sb.Body("B", 1, (0, 0, 1)), coordinate="e3")
+    part = sb.Model("part", [pin, sb.Signal("s", output="2e3*e3 + e3_dot")])
+    assert sb.Model("whole", [sb.Include(part, "P")]).signals[0].output == "2e3*P_e3 + P_e3_dot"
+
+
+def test_a_free_body_of_a_part_that_stands_on_a_frame_needs_a_joint() -> None:
+    ground = {"m": sb.Frame(at=(10, 0, 0))}
+    spring = sb.SpringDamper("s", "ground", "C", stiffness=10)
+    part = sb.Model("part", [sb.Body("C", 1, (1, 1, 1)), spring], initial={"C_x": 1})
+    with pytest.raises(SymbodyError, match=r"(?s)include.free.*P_C has no joint.*stands at ground.m"):
+        sb.Model("whole", [sb.Include(part, "P", at="ground.m")], ground=ground)
+    assert sb.Model("whole", [sb.Include(part, "P")], ground=ground).free_joints[0].name == "P_C"
+    weld, loose = sb.Weld("w", "ground.m", "P_C"), sb.Model("part", part.elements)
+    assert not sb.Model("whole", [weld, sb.Include(loose, "P", at="ground.m")], ground=ground).free_joints

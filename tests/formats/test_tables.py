@@ -219,3 +219,18 @@ def test_the_command_line_reads_laws_from_files(tmp_path: Path) -> None:
     np.testing.assert_allclose(rows["z"], [0.0, 0.05, 0.1], atol=1e-15)
     result = runner.invoke(app, [*words, "--force", "-i", f"z=@{tmp_path / 'none.csv'}"])
     assert isinstance(result.exception, SymbodyError | SystemExit)
+
+
+def test_a_slip_in_the_first_row_is_no_header(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("0.O;1\n0.5;2\n1;3\n", encoding="utf-8")
+    with pytest.raises(SymbodyError) as caught:
+        sb.Lookup("a", file="a.csv", folder=str(tmp_path))
+    assert caught.value.problems[0].code == "table.value" and "a.csv:1" in caught.value.problems[0].where
+
+
+@pytest.mark.parametrize("arguments", [{"units": "mm"}, {"columns": "tz"}])
+def test_one_text_is_no_pair(tmp_path: Path, arguments: dict[str, str]) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,z\n0,1\n1,2\n", encoding="utf-8")
+    with pytest.raises(SymbodyError, match="give two columns and two units"):
+        sb.Table.from_file(path, **arguments)  # type: ignore[arg-type]

@@ -72,3 +72,11 @@ def test_unknown_names_in_signals() -> None:
 
 def test_text_of_an_output() -> None:
     assert refused(lambda: sb.Signal("a", output=" "))[0][0] == "model.not_a_text"
+
+
+@pytest.mark.parametrize("output", ["'effort motor'", "2*'effort motor' + 1"])
+def test_output_in_quotes_that_leads_back_is_refused(output: str) -> None:
+    fault = refused(
+        lambda: sb.form_equations(arm(sb.Signal("T", output=output), torque="T")), words="in a ring"
+    )
+    assert fault[0][1] == "signal T, output"

@@ -74,3 +74,9 @@ def test_every_joint_is_here() -> None:
     assert {type(joint) for joint in JOINTS.values()} == {
         kind for kind in element_types("joint").values() if issubclass(kind, Joint)
     }
+
+
+def test_a_motion_that_ends_where_nothing_is_free_says_so() -> None:
+    pin = sb.Revolute("pin", "ground", sb.Body("Arm", 1, (0, 0, 1)), coordinate="phi", motion="t**0.5")
+    run = sb.simulate(sb.form_equations(sb.Model("arm", [pin])), 1.0)
+    assert not run.success and "not finite" in str(run.status.value)

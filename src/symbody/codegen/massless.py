@@ -33,7 +33,7 @@ def massless_speeds(mass: ArrayLike, rows: ArrayLike) -> list[int]:
     inertia = np.abs(np.diagonal(matrix))
     moving = inertia > _NO_INERTIA * inertia.max(initial=0.0)
     scale = 1.0 / np.sqrt(np.where(moving, inertia, 1.0))
-    if not np.isfinite(matrix).all() or not np.isfinite(rows).all():
+    if not n or not np.isfinite(matrix).all() or not np.isfinite(rows).all():
         return []
     allowed = _null_space(np.asarray(rows, dtype=np.float64).reshape(-1, n) * scale)
     energies, motions = np.linalg.eigh(allowed.T @ (matrix * np.outer(scale, scale)) @ allowed)

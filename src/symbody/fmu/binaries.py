@@ -125,9 +125,9 @@ def compile_libraries(
     }
     notes: tuple[str, ...] = ()
     if not libraries:
+        reason = f", since there is no C compiler; {INSTALL} brings one" if missing else ""
         notes = (
-            "the archive holds sources and no library, since there is no C compiler: importers that compile "
-            f"take it as it is; {INSTALL} brings a compiler",
+            f"the archive holds sources and no library{reason}: importers that compile take it as it is",
         )
     return libraries, notes
 

@@ -31,6 +31,7 @@ from symbody.fmu.parameters import fmu_parameters
 from symbody.fmu.program import SPAN, FmuProgram, make_program
 from symbody.fmu.variables import FmuVariable, fmu_variables
 from symbody.fmu.versions import CORE, HEADERS, MAIN, Version
+from symbody.formats.writing import write_content
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
@@ -118,8 +119,8 @@ def save_fmu(
     ------
     UsageError
         If the motion needs Python, or a name means nothing.
-    AssemblyError, CompileError
-        If loops do not close, or an output is unknown.
+    AssemblyError, CompileError, FormatError
+        If loops do not close, an output is unknown, or the archive cannot be written.
     EnvironmentFault
         If no compiler makes libraries for a platform that is asked for.
     """
@@ -151,8 +152,19 @@ def _write(
                     "leave sources=True, or name platforms for which there is a compiler")
         )  # fmt: skip
     content = _content(described, text if sources else {}, libraries, version)
-    file.write_bytes(_archive(content))
+    write_content(file, _archive(content), keep=False)
+    notes += _notes_of_inputs(program)
     return Fmu(file, version, tuple(each.name for each in libraries), variables, notes)
+
+
+def _notes_of_inputs(program: FmuProgram) -> tuple[str, ...]:
+    """Return a note for each input that follows a table of the model in `simulate`, and 0 in the FMU."""
+    inputs = program.eqs.input_names
+    return tuple(
+        f"{table.name} is an input: 0 until an importer sets it. The table of this name in the model, "
+        "its law in simulate, is not in the archive; a table of another name that a formula contains would be"
+        for table in program.eqs.model.tables if table.name in inputs
+    )  # fmt: skip
 
 
 def _check_path(file: Path) -> None:

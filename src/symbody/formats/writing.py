@@ -44,10 +44,24 @@ def write_text(path: str | os.PathLike[str], text: str, keep: bool = True) -> No
     FormatError
         If it cannot be written.
     """
+    try:
+        content = text.encode("utf-8")
+    except ValueError as error:
+        raise FormatError(_unwritable(os.fsdecode(path), error)) from error
+    write_content(path, content, keep)
+
+
+def write_content(path: str | os.PathLike[str], content: bytes, keep: bool = True) -> None:
+    """Write bytes as `write_text` does text.
+
+    Raises
+    ------
+    FormatError
+        If they cannot be written.
+    """
     where = os.fsdecode(path)
     try:
         target = Path(os.path.realpath(where))
-        content = text.encode("utf-8")
         if target.is_dir():
             raise IsADirectoryError(errno.EISDIR, "it is a directory")
         if target.is_file():

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import replace
 from graphlib import CycleError
+from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.signals import Path, signal_symbol
@@ -17,6 +20,8 @@ from symbody.model.signals.signal import Signal
 
 # Takes equations and the name of an output; returns its shape and entries in u', multipliers and signals.
 RawOutput = Callable[[EquationsOfMotion, str], tuple[tuple[int, ...], Sequence[Expr]]]
+# Signals whose outputs are being formed: an output in quotes may lead back to the signal that contains it.
+_BEING_FORMED: Final[ContextVar[tuple[str, ...]]] = ContextVar("signals being formed", default=())
 
 
 def signal_rates(formed: EquationsOfMotion) -> list[Expr]:
@@ -112,7 +117,8 @@ def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput
         return formed.readable_names.expression(signal.value, f"signal {signal.name}, value")
     where, text = f"signal {signal.name}, output", str(signal.output)
     try:
-        shape, values = raw_output(formed, text)
+        with _without_ring(signal.name):
+            shape, values = raw_output(formed, text)
     except SymbodyError as error:
         first = error.problems[0]
         raise FormulationError(Problem(first.code, where, first.what, first.why, first.fix)) from error
@@ -123,6 +129,20 @@ def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput
                     "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'")
         )  # fmt: skip
     return values[0]
+
+
+@contextmanager
+def _without_ring(name: str) -> Iterator[None]:
+    """Form the output of a signal; refuse it where this output is being formed already."""
+    names = _BEING_FORMED.get()
+    if name in names:
+        ring = (*names[names.index(name) :], name)
+        raise FormulationError(loop_problem(ring[::-1]))
+    token = _BEING_FORMED.set((*names, name))
+    try:
+        yield
+    finally:
+        _BEING_FORMED.reset(token)
 
 
 def _in_order(

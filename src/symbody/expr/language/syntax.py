@@ -71,6 +71,8 @@ def adjacent_problem(source: Source, previous: Token, token: Token, following: T
         fix = f"write {previous.text}({printable(token.text)})"
     elif token.text in ("degree", "degrees") and previous.kind == "number":
         fix = f"write {previous.text} deg"
+    elif previous.text in (")", "deg") and token.text in ("deg", "degree", "degrees"):
+        fix = "degrees follow a number, as in 30 deg; multiply anything else by pi/180"
     elif token.text in ("deg", "degree", "degrees"):
         fix = f'write {previous.text}*pi/180; "30 deg" alone is understood where the value is an angle'
     elif previous.kind == "number" and token.text in _UNITS:

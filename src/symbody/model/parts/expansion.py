@@ -53,6 +53,7 @@ class PartContent:
 
 def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]) -> Draft:
     """Return the parts of a model with what is included; faults are added to `problems`."""
+    placed: list[tuple[Include, AbstractSet[str]]] = []
     for include in includes:
         content = part_content(include, draft.bodies, draft.ground, problems)
         if content is None:
@@ -70,7 +71,25 @@ def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]
             ground=_ground_frames(draft, content),
             ground_shapes=(*draft.ground_shapes, *(content.shapes if content.at.body == GROUND else ())),
         )
+        if content.at != FrameRef(GROUND):
+            placed.append((include, {f"{include.prefix}_{joint.name}" for joint in include.part.free_joints}))
+    problems += _free_bodies(draft, placed)
     return draft
+
+
+def _free_bodies(draft: Draft, placed: Iterable[tuple[Include, AbstractSet[str]]]) -> list[Problem]:
+    """Return a problem for each body without a joint whose part stands elsewhere than on the ground."""
+    index = frame_index(draft.bodies, draft.ground)
+    ends = [index.find(address) for joint in draft.joints for address in (joint.start, joint.end)]
+    joined = {end.body for end in ends if isinstance(end, FrameRef)}
+    return [
+        Problem("include.free", f"include {include.prefix}, at",
+                f"{name} has no joint: its coordinates would begin at the ground of the whole",
+                f"the ground of the part stands at {include.at.full_name}",
+                'give the body a joint in the part, [[joint]] type = "free", between = ["ground", ..], '
+                "or one in the whole")
+        for include, names in placed for name in sorted(names - joined)
+    ]  # fmt: skip
 
 
 def _extend_values(values: Mapping[str, V], further: Mapping[str, V]) -> FrozenMapping[V]:

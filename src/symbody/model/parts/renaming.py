@@ -79,7 +79,7 @@ class Renaming:
         if first in _OF_ELEMENTS and blank:
             return f"{first} {self._addresses(rest)}"
         quoted = re.compile(r"'([^']*)'")
-        symbols = re.compile(r"[^\W\d]\w*")
+        symbols = re.compile(r"(?<![\w.])[^\W\d]\w*")  # not the exponent of 1e3
         pieces, end = [], 0
         for found in quoted.finditer(text):
             pieces += [symbols.sub(lambda m: self.symbol(m[0]), text[end : found.start()])]

@@ -171,7 +171,7 @@ def _places(first: list[str], columns: Sequence[Column], where: str) -> tuple[li
             fix = f"{nearest(column, first)} Or give its number, counted from 1."
             raise ModelError(Problem("table.column", where, what, "names stand in the first row", fix))
     by_name = any(isinstance(column, str) for column in columns)
-    return places, by_name or not all(_is_number(first[k]) for k in places)
+    return places, by_name or not any(_is_number(first[k]) for k in places)
 
 
 def _is_number(cell: str) -> bool:

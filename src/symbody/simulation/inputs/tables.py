@@ -98,7 +98,11 @@ class Table:
             If the file cannot be read, or rows are no points, with their lines.
         """
         place = os.fsdecode(path)
-        given = tuple(columns), tuple(units)
+        # a text is one name, not its letters: "mm" is no pair of metres
+        given = (
+            (columns,) if isinstance(columns, str) else tuple(columns),
+            (units,) if isinstance(units, str) else tuple(units),
+        )
         if any(len(pair) != 2 for pair in given):
             what = f"columns = {given[0]}, units = {given[1]}"
             raise _wrong(what, "give two columns and two units")
