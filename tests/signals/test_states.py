@@ -207,3 +207,12 @@ def test_methods_of_closed_loops_that_know_no_signals_are_refused() -> None:
     for refusing in (sb.GGL(), sb.Partition()):
         with pytest.raises(sb.SymbodyError, match=r"simulation.signals"):
             sb.simulate(eqs, 1.0, constraints=refusing)
+
+
+def test_work_is_that_of_forces_beside_a_state_of_this_name() -> None:
+    eqs = sb.form_equations(arm(sb.Signal("work", rate="7"), torque="0.5"))
+    run = sb.simulate(eqs, 1.0)
+    np.testing.assert_allclose(run["work"][-1], 7.0)
+    assert run.work[-1] < 1.0 and run.energy_drift < 1e-5
+    stepper = sb.Stepper(eqs, 0.1).step()
+    np.testing.assert_allclose(stepper["work"], 0.7)
