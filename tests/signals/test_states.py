@@ -61,6 +61,9 @@ def test_missing_or_needless_states_are_refused() -> None:
     plain = sb.compile(sb.form_equations(arm(torque="0")), "xdot")
     with pytest.raises(sb.SymbodyError, match="states of signals"):
         plain(0.0, [0.1], [0.2], s=[1.0])
+    for function in (f, plain):
+        with pytest.raises(sb.SymbodyError, match="states of signals are of type list"):
+            function(0.0, [0.1], [0.2], [0.0], s=[[1.0, 2.0], [3.0]])
 
 
 @pytest.mark.parametrize("integrator", [None, sb.Explicit(order=5), sb.Stiff(), sb.FixedStep(1e-3)])

@@ -70,3 +70,17 @@ def test_python_runs_the_search(direction: float) -> None:
     else:  # the stop comes first
         assert found == [(1, 2.5)]
     assert event_rows(block)[0, at.MOST] > event_rows(block)[1, at.MOST]
+
+
+@pytest.mark.parametrize("integrator", [None, sb.FixedStep(0.1), sb.Stiff()])
+@pytest.mark.parametrize("direction", [0, 1])
+def test_an_action_that_resets_its_own_value_is_no_chattering(integrator: object, direction: int) -> None:
+    """A value that an action moves off zero counts from there on: a ramp that begins again at its top."""
+    parts = [sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", force=sb.Drive(applied=1))]
+    eqs = sb.form_equations(sb.Model("ramp", parts))
+    for low, end in ((0.0, 3.5), (0.999, 1.0105)):
+        reset = sb.Event("x_dot - 1", direction, {"x_dot": low})
+        run = sb.simulate(eqs, end, events=reset, integrator=integrator)
+        assert run.success
+        times = 1 + (1 - low) * np.arange(1 + int((end - 1) / (1 - low)))
+        np.testing.assert_allclose([event.t for event in run.events], times, atol=1e-8)
