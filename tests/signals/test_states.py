@@ -121,6 +121,12 @@ def test_tolerances_follow_from_first_values_or_scales() -> None:
     assert many.statistics.evaluations > few.statistics.evaluations
     with pytest.raises(sb.SymbodyError, match="positive"):
         sb.simulate(eqs, 1.0, scales={"i": 0})
+    for initial in ({"i": [0.0, 1.0]}, {"i": [0.0, 1.0], "theta": 0.0}):
+        apart = [sb.sweep(eqs, 1.0, initial=initial, rtol=0.0, inputs={"V": "sin(30*t)"}, scales={"i": size})
+                 for size in (1e6, 1e-4)]  # fmt: skip
+        assert np.all(apart[0]["i"][:, -1] != apart[1]["i"][:, -1])
+    with pytest.raises(sb.SymbodyError, match="positive"):
+        sb.sweep(eqs, 1.0, initial={"i": [0.0, 1.0]}, scales={"i": 0})
 
 
 def test_dc_motor_has_the_poles_and_gain_of_the_tutorial() -> None:
