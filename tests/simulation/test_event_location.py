@@ -84,3 +84,14 @@ def test_an_action_that_resets_its_own_value_is_no_chattering(integrator: object
         assert run.success
         times = 1 + (1 - low) * np.arange(1 + int((end - 1) / (1 - low)))
         np.testing.assert_allclose([event.t for event in run.events], times, atol=1e-8)
+
+
+@pytest.mark.parametrize("end", [0.1, 0.3, 0.7, 1.3])
+@pytest.mark.parametrize("integrator", [None, sb.FixedStep(0.01), sb.Stiff()])
+def test_a_motion_may_end_at_an_event_that_acts(end: float, integrator: object) -> None:
+    """What is left of the motion behind the event is less than rounding of its times."""
+    parts = [sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", force=sb.Drive(applied=1))]
+    eqs = sb.form_equations(sb.Model("ramp", parts))
+    kick = sb.Event(f"x_dot - {end}", action={"x_dot": 5})
+    run = sb.simulate(eqs, end, events=kick, integrator=integrator)
+    assert run.success and run.t[-1] == end
