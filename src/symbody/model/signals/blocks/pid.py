@@ -57,7 +57,7 @@ class PID(SignalBlock):
         if not self._has("i") and self.initial.constant() != 0:
             arguments.add(
                 "signal.initial", "initial", "there is no integral to start from it",
-                "the integral is what has an initial value, and i is 0", "leave initial out, or give a gain i",
+                "the integral alone has an initial value, and i is 0", "leave initial out, or give a gain i",
             )  # fmt: skip
 
     def _has(self, gain: str) -> bool:
