@@ -34,7 +34,7 @@ def cure(call: Callable[[], object]) -> str:
         ("angular velocity Mass", "did you mean 'frame w Mass'?"),
         ("Mass.tip", "did you mean 'frame r Mass.tip'?"),
         ("acceleration tipp", "write 'frame vdot END' with a body or frame for END: known names: Mass, "),
-        ("reacton s", "did you mean 'reaction s'?"),
+        ("reacton s", "did you mean 'reaction s'"),
     ],
 )
 def test_outputs_of_frames_in_everyday_words(oscillator: EquationSet, name: str, fix: str) -> None:

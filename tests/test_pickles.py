@@ -34,10 +34,16 @@ def oscillator() -> sb.EquationSet:
 
 
 def of_equations(eqs: sb.EquationSet) -> list[Any]:
-    names = (eqs.coordinate_names, eqs.speed_names, eqs.input_names)
-    q, u, r = (np.linspace(0.2, 0.7, len(each)) for each in names)
-    f = sb.compile(eqs, ["mass_matrix", "forcing"], dict.fromkeys(eqs.parameter_names, 0.7))
-    return [eqs.state_names, eqs.notes, [x.tolist() for x in f(0.3, q, u, r)]]
+    names = (
+        eqs.coordinate_names,
+        eqs.speed_names,
+        eqs.input_names,
+        eqs.parameter_names,
+        eqs.signal_state_names,
+    )
+    q, u, r, p, s = (np.linspace(0.2, 0.7, len(each)) for each in names)
+    f = sb.compile(eqs, ["mass_matrix", "forcing"], free=eqs.parameter_names)
+    return [eqs.state_names, eqs.notes, [x.tolist() for x in f(0.3, q, u, r, p, s=s)]]
 
 
 def of_run(run: sb.Trajectory) -> list[Any]:

@@ -183,7 +183,7 @@ def test_texts_of_models_stay_texts(builder: Builder) -> None:
 
 
 def test_faults_of_ours_tell_no_insides(builder: Builder, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symbody.builder.app.palette", lambda: 1 / 0)
+    monkeypatch.setattr("symbody.builder.app.elements", lambda: 1 / 0)
     answer = builder.ask("schema")
     assert answer.status == 500 and answer.code == "builder.fault"
     assert b"Traceback" not in answer.content and b".py" not in answer.content

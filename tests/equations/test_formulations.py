@@ -48,6 +48,7 @@ def values(
     reactions = [f"reaction {joint.name}" for joint in model.joints]
     call = evaluator(eqs, [*SYSTEM, *reactions])
     q, u = ([state[name] for name in names] for names in (eqs.coordinate_names, eqs.speed_names))
+    q += [random.uniform(0.2, 0.9) for _ in eqs.signal_state_names]
     return call(0.3, q, u, [random.uniform(-1, 1) for _ in eqs.input_names])
 
 

@@ -39,7 +39,7 @@ NOT_CALLED = {
     *(type(each).__name__ for each in FORMULATIONS if not inspect.signature(type(each)).parameters),
     "IndexOneSolution", "IndexReduction", "Linearization", "Mode", "PositionSolutions", "Positions",
     "Redundancy", "Separation", "SingularConfiguration", "State", "Status", "Sweep", "Trajectory",
-    "VelocityRatios", "Problem", "Animation",
+    "VelocityRatios", "Problem", "Animation", "Fmu", "FmuVariable",
 }  # fmt: skip
 
 
@@ -151,6 +151,9 @@ def _put_results(put: Callable[..., None], eqs: sb.EquationSet, loop: sb.Equatio
     put("save_animation", sb.save_animation, run=run, path=folder / "a.png", times=0.1, view=None,
         size=(64, 64), fps=10.0, speed=1.0, traces=(), labels=False, vectors=(), frames=False, dark=False,
         ghosts=0.3, title=None, progress=None)  # fmt: skip
+    put("save_fmu", sb.save_fmu, eqs=eqs, path=folder / "a.fmu", version="3.0", outputs=(), initial=None,
+        parameters=None, fixed=(), events=(), constraints=None, integrator=None, platforms=(),
+        sources=True)  # fmt: skip
     put("run.outputs", lambda name: run.outputs(name, "energy"), name="x")
     put("run.of_model", run.of_model, model=None)
     one, some = sb.compile(eqs, "udot"), sb.compile(eqs, ["udot", "energy"], free=["k"])

@@ -68,6 +68,7 @@ def evaluator(eqs: sb.EquationSet, roots: Sequence[str | Roots]) -> Evaluator:
     graph, names = formed.graph, formed.names
     places = {graph.symbol(TIME): Input("t", "t", 0)}
     groups = {"q": eqs.coordinate_names, "u": eqs.speed_names, "r": eqs.input_names, "p": eqs.parameter_names}
+    groups["q"] += eqs.signal_state_names  # they stand behind the coordinates
     for group, words in groups.items():
         places |= {names.value(name).index: Input(name, group, k) for k, name in enumerate(words)}
     nodes = tuple(node for root in listed for node in root.nodes)

@@ -284,7 +284,7 @@ def test_elements_must_be_elements(elements: object) -> None:
 
 
 @pytest.mark.parametrize(
-    "rest", [{"parameters": [1]}, {"initial": 3}, {"ground": {"a": 1}}, {"inputs": "F"}, {"gravity": 0}]
+    "rest", [{"parameters": [1]}, {"initial": 3}, {"ground": {"a": 1}}, {"inputs": 5}, {"gravity": 0}]
 )
 def test_arguments_of_the_wrong_kind(rest: dict[str, object]) -> None:
     assert faults(**rest)

@@ -95,3 +95,16 @@ def test_a_motion_may_end_at_an_event_that_acts(end: float, integrator: object) 
     kick = sb.Event(f"x_dot - {end}", action={"x_dot": 5})
     run = sb.simulate(eqs, end, events=kick, integrator=integrator)
     assert run.success and run.t[-1] == end
+
+
+@pytest.mark.parametrize("integrator", [None, sb.FixedStep(1e-3)])
+def test_many_zeros_within_the_moment_of_a_late_time_all_wait(integrator: object) -> None:
+    """At 1e9 s a moment is a millisecond long: it holds more zeros than may wait."""
+    begin, length, rate = 1e9, 0.02, 1e5
+    watched = [sb.Event(f"{function}({rate}*y)", name=function) for function in ("sin", "cos")]
+    given = {"initial": {"y_dot": 1}, "integrator": integrator, "events": watched}
+    run = sb.simulate(at_rest(), (begin, begin + length), **given)
+    assert run.status is sb.Status.SUCCESS
+    count = int(rate * length / np.pi)
+    assert abs(len(times_of(run, "sin")) - count) <= 1
+    assert abs(len(times_of(run, "cos")) - count) <= 1

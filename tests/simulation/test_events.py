@@ -247,3 +247,27 @@ def test_events_survive_a_file(tmp_path: Path) -> None:
     assert again.events == run.events
     assert again.events[0].name == "hit"
     np.testing.assert_array_equal(again.at(1.0)["y"], run.at(1.0)["y"])
+
+
+@pytest.mark.parametrize("integrator", [None, sb.FixedStep(0.037), sb.Stiff()])
+def test_an_action_that_leads_away_from_zero_is_not_chattering(integrator: object) -> None:
+    """Speed grows by 9.81 m/s a second and is taken back to 0 at 4.905 m/s: every half second, for ever."""
+    watched = sb.Event("y_dot + 4.905", action={"y_dot": 0}, name="reset")
+    run = sb.simulate(ball(), 2.25, integrator=integrator, events=watched)
+    assert run.status is sb.Status.SUCCESS
+    np.testing.assert_allclose(times_of(run, "reset"), [0.5, 1.0, 1.5, 2.0], rtol=1e-6)
+
+
+def test_times_that_rounding_shakes_are_not_chattering() -> None:
+    watched = sb.Event("t - 1234.56789", action={"y_dot": 1}, name="kick")
+    run = sb.simulate(at_rest(), 1e4, integrator=sb.Stiff(), events=watched)
+    assert run.status is sb.Status.SUCCESS
+    np.testing.assert_allclose(times_of(run, "kick"), [1234.56789], rtol=1e-15)
+    assert run["y"][-1] == pytest.approx(1e4 - 1234.56789, rel=1e-8)
+
+
+@pytest.mark.parametrize("integrator", [None, sb.FixedStep(0.25), sb.Stiff()])
+def test_the_last_wanted_time_is_the_state_after_an_event_there(integrator: object) -> None:
+    watched = sb.Event("t - 2", action={"y_dot": 5})
+    run = sb.simulate(at_rest(), 2.0, times=[0.0, 2.0], integrator=integrator, events=watched)
+    assert run["y_dot"].tolist() == [0.0, 5.0]

@@ -21,8 +21,8 @@ from tests.simulation.right_hand_sides import pendulum, run
 FRESH_PROCESS = """
 from symbody.codegen.llvm import kernel_library
 from tests.simulation.right_hand_sides import pendulum, run
-usual, texts = kernel_library.optimized_code, []
-kernel_library.optimized_code = lambda text: texts.append(text) or usual(text)
+usual, texts = kernel_library.light_code, []
+kernel_library.light_code = lambda text: texts.append(text) or usual(text)
 print(run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0)).x[:, -1].tolist())
 print(len(texts))
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Final
+from typing import Final, Literal
 
 from symbody.arguments import checked_arguments
 from symbody.equations.cache_key import DeferredEquations, identity, load_notes
@@ -33,7 +33,7 @@ def form_equations(
     formulation: Formulation | None = None,
     *,
     tree: TreeChoice = None,
-    dependent_speeds: Sequence[str] | None = None,
+    dependent_speeds: Sequence[str] | Literal["auto"] | None = None,
     time_limit: float | None = None,
 ) -> EquationSet:
     """Return the equations of motion of a model; all parameters stay symbols.
@@ -116,7 +116,7 @@ def _form(
     model: Model,
     formulation: Formulation | None,
     tree: TreeChoice,
-    dependent_speeds: Sequence[str] | None,
+    dependent_speeds: Sequence[str] | Literal["auto"] | None,
 ) -> EquationsOfMotion:
     """Return the equations with all notes: trees first, then dependent speeds, then the derivation."""
     begin("trees")

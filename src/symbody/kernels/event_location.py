@@ -32,6 +32,7 @@ from symbody.kernels.watch_block import (
     TABLE,
     VALUES,
     ZERO_SIZE,
+    ZEROS_PER_EVENT,
 )
 
 EXACT: Final = 1e-15  # of a time, and of the interval a zero lies in
@@ -227,7 +228,9 @@ def find_extremum(
 
 
 def add_zero(W: Reals, t: float, place: int, direction: float) -> None:
-    """Add a zero to those that wait."""
+    """Add a zero to those that wait, unless as many lie where samples cannot be told apart."""
+    if int(W[PENDING_COUNT]) == ZEROS_PER_EVENT * int(W[EVENTS]):
+        return
     zero = part(W, int(W[PENDING]) + ZERO_SIZE * int(W[PENDING_COUNT]), ZERO_SIZE)
     zero[0] = t
     zero[1] = float(place)

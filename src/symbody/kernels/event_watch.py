@@ -74,6 +74,7 @@ RESOLVED: Final = 1e-3
 AWAY: Final = 1e-6  # of the largest value so far, and of time and states
 MIDDLE: Final = 4  # sample of a leaf
 SLIGHT: Final = 3e-13  # a slope over an interval that rounding makes, over the values at its ends
+AT_ZERO: Final = 1e-6  # of the largest value: one that an action left there, not one that it set elsewhere
 
 
 def start_stretch(W: Reals, first: int) -> None:
@@ -206,6 +207,16 @@ def rounding_error(e: Function, W: Reals, place: int, t: float, here: float) -> 
     return most
 
 
+def time_error(e: Function, W: Reals, place: int, t: float, here: float) -> float:
+    """Return how much a value changes where time does by a share of `TOUCHING`.
+
+    Times that lie closer to each other than they are rounded give a value that reads them a slope at random.
+    """
+    n = int(W[STATES])
+    compute_values(e, W, t * (1.0 + TOUCHING), part(W, int(W[SCRATCH]) + 2 * n, n))
+    return abs(W[int(W[VALUES]) + place] - here)
+
+
 def begin_samples(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
     """Take the first sample of a smooth motion; values that are zero there have to leave zero."""
     m = int(W[EVENTS])
@@ -239,6 +250,7 @@ def find_missed_return(e: Function, W: Reals, breaks: Reals, pieces: Reals, plac
     fit_slope(e, W, breaks, pieces, place, begin, end)
     slope = slope_at(W, 0.0)
     noise = SLIGHT * max(abs(samples[0]), abs(second))
+    noise = noise + SLIGHT / TOUCHING * time_error(e, W, place, begin, samples[0])
     if not abs(slope) > noise or slope * second >= 0.0:
         return
     side = sign(slope)
@@ -251,6 +263,8 @@ def find_missed_return(e: Function, W: Reals, breaks: Reals, pieces: Reals, plac
         add_zero(W, find_root(e, W, breaks, pieces, place, top, end), place, -side)
         return
     row = int(W[TABLE]) + EVENT_SIZE * place
+    if abs(samples[0]) > AT_ZERO * max(largest, W[row + LARGEST]):
+        return
     if W[row + JUST_HAPPENED] != 0.0:
         recent = part(W, int(W[RECENT]) + MOST_RECENT * place, MOST_RECENT)
         for k in range(int(W[row + MOST])):

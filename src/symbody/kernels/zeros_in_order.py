@@ -58,6 +58,7 @@ from symbody.kernels.watch_block import (
     WAY,
     WRAPS,
     ZERO_SIZE,
+    ZEROS_PER_EVENT,
 )
 
 SIMULTANEOUS: Final = 1e-12
@@ -66,6 +67,8 @@ BESIDE: Final = 1e-10
 TORN: Final = 0.25
 # So many events of one kind within such a share of the run are chattering.
 INSTANT: Final = 1e-7
+# Zeros that the next samples may show, of each event.
+NEWEST: Final = 4.0
 # Newton's method closes a state after an action in a few rounds.
 MOST_ROUNDS: Final = 8
 
@@ -78,7 +81,7 @@ def settle(
         direction = W[DIRECTION]
         t = earliest(W)
         within = SIMULTANEOUS * max(W[SPAN], abs(breaks[int(W[CURRENT]) + 1]))
-        if last == 0 and (W[T_BEFORE] - t) * direction <= within:
+        if last == 0 and (W[T_BEFORE] - t) * direction <= within * has_room(W):
             return NOTHING_YET
         if W[HAPPENED] + W[PENDING_COUNT] > W[HAPPENED_ROOM]:
             return NO_ROOM
@@ -87,6 +90,13 @@ def settle(
         if code != NOTHING_YET:
             return code
     return NOTHING_YET
+
+
+def has_room(W: Reals) -> float:
+    """Return 1 if the zeros of some more samples may wait, else 0: many fit into a moment far from t = 0."""
+    if W[PENDING_COUNT] + NEWEST * W[EVENTS] > ZEROS_PER_EVENT * W[EVENTS]:
+        return 0.0
+    return 1.0
 
 
 def steps_before(breaks: Reals, steps: int, t: float, direction: float) -> int:

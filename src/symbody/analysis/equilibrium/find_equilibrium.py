@@ -244,7 +244,7 @@ def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
     if search.balance.timed:
         notes.append(f"forces or motions depend on time: they are frozen at t = {evaluator.t:g} s")
     if eqs.formed.friction:
-        notes.append("friction is 0 at residual: sticking holds more configurations than this")
+        notes.append("friction is 0 at rest: sticking holds more configurations than this")
     edges = (*candidate.edges, *(settle(eqs, state).edges if switching_joints(eqs.formed) else ()))
     return _equilibrium(state, notes, "undecided" if edges else further.doubt)
 

@@ -39,10 +39,6 @@ def main() -> None:
     pickle.dump(solutions(equations, unknowns), sys.stdout.buffer)
 
 
-if __name__ == "__main__":
-    main()
-
-
 def _shortest_rows(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> list[sp.Expr]:
     """Return equations with the same solutions, each pair of which stands in its shortest axes.
 
@@ -70,3 +66,7 @@ def _rotate_rows(a: sp.Expr, b: sp.Expr, unknowns: set[sp.Symbol]) -> Iterator[t
 
 def _length(pair: tuple[sp.Expr, sp.Expr]) -> int:
     return sum(len(sp.Add.make_args(row)) + len(row.atoms(sp.sin, sp.cos)) for row in pair)
+
+
+if __name__ == "__main__":
+    main()

@@ -51,7 +51,7 @@ class Event:
         What follows: a note in ``run.events``; the end of the motion, which becomes its last sample; or new
         values of coordinates and speeds, all computed from the state before, for instance
         ``{"x_dot": "-e*x_dot"}``. Closed loops are closed again afterwards by the least move in the mass
-        matrix.
+        matrix, but with `Baumgarte`: there new speeds have to fit each other.
     name : str, optional
         By default the expression.
 

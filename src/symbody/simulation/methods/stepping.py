@@ -298,7 +298,10 @@ class _Log:
         if wanted is not None:
             direction = 1.0 if self._course.end >= self._course.start else -1.0
             times = wanted[direction * (wanted - self.t) <= 0.0]
-            return times.copy(), dense(times)
+            states = dense(times)
+            if self._jumps and self._jumps[-1][0] == self.steps:  # an event at the end: the state after it
+                states[:, times == self.t] = self._jumps[-1][1][:, np.newaxis]
+            return times.copy(), states
         ends = [float(self.breaks[self._first])], [self._course.x0]
         jumps = dict(self._jumps)
         for k in range(self._first, self.steps):
