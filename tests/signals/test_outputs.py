@@ -168,3 +168,18 @@ def test_formulations_agree(formulation: object) -> None:
     model = arm(*parts, torque="h - 0.1*f + 0.01*E")
     one, two = (sb.compile(sb.form_equations(model, way), "xdot") for way in (None, formulation))
     np.testing.assert_allclose(one(0, [0.1], [0.2], s=[1]), two(0, [0.1], [0.2], s=[1]), rtol=1e-12)
+
+
+def test_loads_read_the_rate_of_a_state() -> None:
+    parts = [sb.Signal("i", rate="2*height + 1"), sb.Signal("height", output="frame r Arm.tip ground ground y"),
+             sb.Signal("change", output="i_dot")]  # fmt: skip
+    eqs, by_hand = (
+        sb.form_equations(arm(*parts, torque=torque)) for torque in ("3*change", "3*(2*height + 1)")
+    )
+    x = (0.0, [0.1], [0.2], ())
+    np.testing.assert_allclose(
+        sb.compile(eqs, "xdot")(*x, s=[5.0]), sb.compile(by_hand, "xdot")(*x, s=[5.0]), rtol=1e-14
+    )
+    loop = [sb.Signal("i", rate="turn"), sb.Signal("turn", output="theta_ddot"), parts[2]]
+    with pytest.raises(sb.SymbodyError, match="needs accelerations or reactions"):
+        sb.form_equations(arm(*loop, torque="3*change"))

@@ -80,3 +80,17 @@ def test_output_in_quotes_that_leads_back_is_refused(output: str) -> None:
         lambda: sb.form_equations(arm(sb.Signal("T", output=output), torque="T")), words="in a ring"
     )
     assert fault[0][1] == "signal T, output"
+
+
+def test_an_initial_value_without_an_integral_is_refused() -> None:
+    assert refused(lambda: sb.PID("c", "theta", {"p": 1}, initial=2)) == [
+        ("signal.initial", "block c, initial")
+    ]
+
+
+def test_zeros_in_front_of_a_numerator_are_no_degree() -> None:
+    block = sb.TransferFunction("y", "-y", [0, 0.0, 1], [1, 1])
+    assert [str(signal.value or signal.rate) for signal in block.signals] == [
+        str(signal.value or signal.rate) for signal in sb.TransferFunction("y", "-y", [1], [1, 1]).signals
+    ]
+    sb.form_equations(arm(block, torque="y"))

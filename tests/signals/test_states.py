@@ -61,6 +61,9 @@ def test_missing_or_needless_states_are_refused() -> None:
     plain = sb.compile(sb.form_equations(arm(torque="0")), "xdot")
     with pytest.raises(sb.SymbodyError, match="states of signals"):
         plain(0.0, [0.1], [0.2], s=[1.0])
+    for function in (f, plain):
+        with pytest.raises(sb.SymbodyError, match="states of signals are of type list"):
+            function(0.0, [0.1], [0.2], [0.0], s=[[1.0, 2.0], [3.0]])
 
 
 @pytest.mark.parametrize("integrator", [None, sb.Explicit(order=5), sb.Stiff(), sb.FixedStep(1e-3)])
@@ -118,6 +121,12 @@ def test_tolerances_follow_from_first_values_or_scales() -> None:
     assert many.statistics.evaluations > few.statistics.evaluations
     with pytest.raises(sb.SymbodyError, match="positive"):
         sb.simulate(eqs, 1.0, scales={"i": 0})
+    for initial in ({"i": [0.0, 1.0]}, {"i": [0.0, 1.0], "theta": 0.0}):
+        apart = [sb.sweep(eqs, 1.0, initial=initial, rtol=0.0, inputs={"V": "sin(30*t)"}, scales={"i": size})
+                 for size in (1e6, 1e-4)]  # fmt: skip
+        assert np.all(apart[0]["i"][:, -1] != apart[1]["i"][:, -1])
+    with pytest.raises(sb.SymbodyError, match="positive"):
+        sb.sweep(eqs, 1.0, initial={"i": [0.0, 1.0]}, scales={"i": 0})
 
 
 def test_dc_motor_has_the_poles_and_gain_of_the_tutorial() -> None:
@@ -207,3 +216,12 @@ def test_methods_of_closed_loops_that_know_no_signals_are_refused() -> None:
     for refusing in (sb.GGL(), sb.Partition()):
         with pytest.raises(sb.SymbodyError, match=r"simulation.signals"):
             sb.simulate(eqs, 1.0, constraints=refusing)
+
+
+def test_work_is_that_of_forces_beside_a_state_of_this_name() -> None:
+    eqs = sb.form_equations(arm(sb.Signal("work", rate="7"), torque="0.5"))
+    run = sb.simulate(eqs, 1.0)
+    np.testing.assert_allclose(run["work"][-1], 7.0)
+    assert run.work[-1] < 1.0 and run.energy_drift < 1e-5
+    stepper = sb.Stepper(eqs, 0.1).step()
+    np.testing.assert_allclose(stepper["work"], 0.7)

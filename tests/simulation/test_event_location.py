@@ -72,6 +72,31 @@ def test_python_runs_the_search(direction: float) -> None:
     assert event_rows(block)[0, at.MOST] > event_rows(block)[1, at.MOST]
 
 
+@pytest.mark.parametrize("integrator", [None, sb.FixedStep(0.1), sb.Stiff()])
+@pytest.mark.parametrize("direction", [0, 1])
+def test_an_action_that_resets_its_own_value_is_no_chattering(integrator: object, direction: int) -> None:
+    """A value that an action moves off zero counts from there on: a ramp that begins again at its top."""
+    parts = [sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", force=sb.Drive(applied=1))]
+    eqs = sb.form_equations(sb.Model("ramp", parts))
+    for low, end in ((0.0, 3.5), (0.999, 1.0105), (0.9999, 1.00555)):
+        reset = sb.Event("x_dot - 1", direction, {"x_dot": low})
+        run = sb.simulate(eqs, end, events=reset, integrator=integrator)
+        assert run.success
+        times = 1 + (1 - low) * np.arange(1 + int((end - 1) / (1 - low)))
+        np.testing.assert_allclose([event.t for event in run.events], times, atol=1e-8)
+
+
+@pytest.mark.parametrize("end", [0.1, 0.3, 0.7, 1.3])
+@pytest.mark.parametrize("integrator", [None, sb.FixedStep(0.01), sb.Stiff()])
+def test_a_motion_may_end_at_an_event_that_acts(end: float, integrator: object) -> None:
+    """What is left of the motion behind the event is less than rounding of its times."""
+    parts = [sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", force=sb.Drive(applied=1))]
+    eqs = sb.form_equations(sb.Model("ramp", parts))
+    kick = sb.Event(f"x_dot - {end}", action={"x_dot": 5})
+    run = sb.simulate(eqs, end, events=kick, integrator=integrator)
+    assert run.success and run.t[-1] == end
+
+
 @pytest.mark.parametrize("integrator", [None, sb.FixedStep(1e-3)])
 def test_many_zeros_within_the_moment_of_a_late_time_all_wait(integrator: object) -> None:
     """At 1e9 s a moment is a millisecond long: it holds more zeros than may wait."""

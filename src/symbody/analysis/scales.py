@@ -245,6 +245,18 @@ def checked_sizes(eqs: EquationSet, given: Mapping[str, float] | None) -> dict[s
     return {name: float(value) for name, value in sizes.items()}
 
 
+def scales_by_name(eqs: EquationSet, given: Mapping[str, float] | None) -> dict[str, float]:
+    """Return the scales and the sizes of states of signals that the caller chose.
+
+    Raises
+    ------
+    UsageError
+        If a name is unknown, or a value is not a positive number.
+    """
+    sizes = checked_sizes(eqs, given)
+    return checked_scales({name: x for name, x in (given or {}).items() if name not in sizes}) | sizes
+
+
 def geometry(eqs: EquationSet) -> dict[str, Value]:
     """Return the formulas of all lengths of the model [m], by number."""
     return number_formulas(model_lengths(eqs.model))

@@ -91,12 +91,12 @@ def with_signals(q: ArrayLike, s: ArrayLike, names: Items[tuple[str, ...]], *, r
         If a number of values is wrong.
     """
     coordinates, states = names
-    given = as_array("q", q)
+    given, s = as_array("q", q), as_array("s", s)
     size = given.shape[-1] if given.ndim else -1
-    if np.size(s) == 0 and size == len(coordinates) + len(states):
+    if s.size == 0 and size == len(coordinates) + len(states):
         return checked_group("q", given, (*coordinates, *states))
     positions = checked_group("q", given, coordinates)
-    if np.size(s) == 0 and not reads_s:
+    if s.size == 0 and not reads_s:
         values = np.zeros(len(states))
     else:
         values = checked_group("s", s, states)

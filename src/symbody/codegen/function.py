@@ -169,7 +169,7 @@ class CompiledFunction:
         """
         if self.signature.s:
             q = self._with_signals(q, s)
-        elif s is not _NO_SIGNALS and np.size(s):
+        elif s is not _NO_SIGNALS and as_array("s", s).size:
             raise CompileError(length_problem("s", (), np.shape(s)))
         if out is None and self._at_point is not None:
             result = self._at_point(t, q, u, r, p)

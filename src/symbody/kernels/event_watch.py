@@ -71,9 +71,9 @@ from symbody.kernels.watch_block import (
 from symbody.kernels.zeros_in_order import settle, steps_before
 
 RESOLVED: Final = 1e-3
+AWAY: Final = 1e-6  # of the largest value so far, and of time and states
 MIDDLE: Final = 4  # sample of a leaf
 SLIGHT: Final = 3e-13  # a slope over an interval that rounding makes, over the values at its ends
-AT_ZERO: Final = 1e-6  # of the largest value: one that an action left there, not one that it set elsewhere
 
 
 def start_stretch(W: Reals, first: int) -> None:
@@ -161,11 +161,25 @@ def settle_start(e: Function, W: Reals) -> None:
         for k in range(STEP_NODES):
             largest = max(largest, abs(leaf[LEAF_VALUES + i * STEP_NODES + k]))
         W[row + HIT] = 0.0
-        if W[row + JUST_HAPPENED] != 0.0 or first == 0.0:
+        if W[row + JUST_HAPPENED] != 0.0:
+            W[row + HIT] = 1.0 - was_moved_away(e, W, i, leaf[0], first, max(largest, W[row + LARGEST]))
+        elif first == 0.0:
             W[row + HIT] = 1.0
         elif abs(first) <= TOUCHING * largest:
             if abs(first) <= rounding_error(e, W, i, leaf[0], first):
                 W[row + HIT] = 1.0
+
+
+def was_moved_away(e: Function, W: Reals, place: int, t: float, first: float, largest: float) -> float:
+    """Return 1 if an action moved the value of its own event off zero, such as one that resets, else 0.
+
+    What is left of a zero that was located, or of loops that were closed again, is smaller.
+    """
+    if abs(first) <= AWAY * largest:
+        return 0.0
+    if abs(first) <= AWAY / TOUCHING * rounding_error(e, W, place, t, first):
+        return 0.0
+    return 1.0
 
 
 def rounding_error(e: Function, W: Reals, place: int, t: float, here: float) -> float:
@@ -248,8 +262,6 @@ def find_missed_return(e: Function, W: Reals, breaks: Reals, pieces: Reals, plac
         add_zero(W, find_root(e, W, breaks, pieces, place, top, end), place, -side)
         return
     row = int(W[TABLE]) + EVENT_SIZE * place
-    if abs(samples[0]) > AT_ZERO * max(largest, W[row + LARGEST]):
-        return
     if W[row + JUST_HAPPENED] != 0.0:
         recent = part(W, int(W[RECENT]) + MOST_RECENT * place, MOST_RECENT)
         for k in range(int(W[row + MOST])):

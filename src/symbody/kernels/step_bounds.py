@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.block import (
+    AFTER_REJECTION,
     BREAK_JUMPS,
     BREAK_LONGEST,
     BREAK_MARGIN,
@@ -73,7 +74,9 @@ def plan_trial(B: Reals, t: float, h: float) -> None:
     # and a step that ends beside the end by the rounding of times alone ends there
     allowed = length + 4.0 * EPSILON * abs(t_end)
     if length == abs(h) and abs(ahead) <= abs(B[int(B[NEXT_BREAK]) + BREAK_TIME] - t):
-        allowed = 1.01 * length
+        allowed = max(allowed, 1.01 * length)
+    if B[AFTER_REJECTION] == 0.0 and abs(ahead) <= 10.0 * EPSILON * abs(t_end):
+        allowed = abs(ahead)  # an event that acts may lie so close to the end
     if abs(ahead) <= allowed and abs(ahead) <= B[MAX_STEP] * (1.0 + 1e-9):
         B[LENGTH] = ahead
         B[T_NEW] = t_end

@@ -96,9 +96,13 @@ def explicit_outputs(
     graph = formed.graph
     signals = {signal.name: signal for signal in formed.topology.model.signals}
     definitions, needed = {}, {}
+    rates = {state.derivative for state in formed.signal_states}
     for name, way in ways.items():
         entry = _definition(formed, signals[name], raw_output)
-        symbols = [graph.symbols[graph.left[node]] for node in symbols_of(graph, [entry.index])]
+        symbols = _symbols(entry)
+        if not rates.isdisjoint(symbols):
+            entry = substitute_signals(formed, [entry], raw_output)[0]
+            symbols = _symbols(entry)
         accelerations = {u.derivative for u in formed.u}
         if any(s in accelerations or s.kind is SymbolKind.MULTIPLIER for s in symbols):
             raise FormulationError(_algebraic_problem(signals[name], way))
@@ -107,6 +111,11 @@ def explicit_outputs(
         needed[symbol] = [s for s in symbols if s.name in ways and s.kind is SymbolKind.SIGNAL]
     made = _in_order(formed, definitions, needed)
     return {symbol.name: Expr(graph, made[graph.symbol(symbol)]) for symbol in definitions}
+
+
+def _symbols(entry: Expr) -> list[Symbol]:
+    graph = entry.graph
+    return [graph.symbols[graph.left[node]] for node in symbols_of(graph, [entry.index])]
 
 
 def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput) -> Expr:

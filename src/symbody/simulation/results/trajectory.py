@@ -233,7 +233,8 @@ class Trajectory(SampleTable):
     @property
     def work(self) -> Floats:
         """Work done since the start by everything that has no potential (N,) [J]."""
-        return self["work"]
+        stored = self.stored.get("work")  # a coordinate or a state of a signal may bear the same name
+        return self["work"] if stored is None else stored
 
     @property
     def energy_drift(self) -> float:

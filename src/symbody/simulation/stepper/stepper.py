@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import count
 from typing import Self
 
 import numpy as np
@@ -338,7 +337,8 @@ class Stepper:
         n, x = n_u + len(self._settings.eqs.coordinate_names), numbers.x
         self._u, self._q, self._s = map(read_only, (x[:n_u], x[n_u:n], x[n:-1]))
         names = (*self._settings.eqs.state_names, "work")
-        self._state_places = dict(zip(names, count(stepping.STATE_AT), strict=False), t=stepping.NOW)
+        places = {name: stepping.STATE_AT + names.index(name) for name in names}  # the first of equal ones
+        self._state_places = places | {"t": stepping.NOW}
         first = stepping.STATE_AT + len(names)
         held = self._settings.held
         self._places = {name: first + k for k, name in enumerate(self._names) if name in held}

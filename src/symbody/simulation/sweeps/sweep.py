@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symbody.analysis.scales import mechanism_scales
+from symbody.analysis.scales import mechanism_scales, scales_by_name
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.codegen.llvm import machine
@@ -104,7 +104,7 @@ def sweep(
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     inputs = {**laws_of_tables(eqs), **(inputs or {})}
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
-    limits = (rtol, atol), max_steps, lanes, scales
+    limits = (rtol, atol), max_steps, lanes, scales_by_name(eqs, scales)
     options = MotionOptions.check(span, times, integrator, constraints, *limits)
     workers = check_workers(executor, threads, part, patience)
     check = partial(check_memory, samples=options.times.size, states=len(eqs.state_names))

@@ -11,7 +11,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.analysis.scales import checked_scales
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.signature import source_text
@@ -66,7 +65,7 @@ class MotionOptions:
         tolerances: tuple[float, float | None],
         max_steps: int,
         lanes: bool | None,
-        scales: Mapping[str, float] | None,
+        scales: Mapping[str, float],
     ) -> MotionOptions:
         """Return checked options, with usual times where none are given.
 
@@ -87,7 +86,7 @@ class MotionOptions:
             check_single_atol(atol),
             int(max_steps),
             _check_lanes(lanes),
-            checked_scales(scales),
+            scales,
         )
 
 

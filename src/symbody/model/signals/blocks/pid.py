@@ -54,6 +54,12 @@ class PID(SignalBlock):
                 "the usual time is p/i, and p is 0", "give tracking, a time in seconds",
             )  # fmt: skip
 
+        if not self._has("i") and self.initial.constant() != 0:
+            arguments.add(
+                "signal.initial", "initial", "there is no integral to start from it",
+                "the integral alone has an initial value, and i is 0", "leave initial out, or give a gain i",
+            )  # fmt: skip
+
     def _has(self, gain: str) -> bool:
         formula = self.gains.get(gain)
         return formula is not None and formula.constant() != 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar, final
 
+from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
 from symbody.model.fields import Quantity
 from symbody.model.formula_site import Scope
@@ -39,7 +40,7 @@ class TransferFunction(SignalBlock):
                 "the first coefficient belongs to the highest power",
                 "write denominator = [1, 2, 1] for s^2 + 2 s + 1",
             )  # fmt: skip
-        elif len(self.numerator) > len(self.denominator):
+        elif len(self._numerator) > len(self.denominator):
             arguments.add(
                 "block.improper", "numerator", "its degree is above the denominator's",
                 "that is a derivative, and of a rate an acceleration",
@@ -47,9 +48,15 @@ class TransferFunction(SignalBlock):
             )  # fmt: skip
 
     @property
+    def _numerator(self) -> tuple[Formula, ...]:
+        """The numerator without the zeros in front, which no input passes."""
+        zeros = [entry.constant() == 0 for entry in self.numerator]
+        return self.numerator[zeros.index(False) if False in zeros else len(zeros) :]
+
+    @property
     def signals(self) -> tuple[Signal, ...]:
         """A chain of integrators, and the output."""
-        numerator = [in_brackets(entry) for entry in self.numerator]
+        numerator = [in_brackets(entry) for entry in self._numerator]
         return realize(
             self.name, in_brackets(self.input), numerator, [in_brackets(a) for a in self.denominator]
         )
