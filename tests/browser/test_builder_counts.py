@@ -13,6 +13,8 @@ from benchmarks.editor import linkage
 from .builder_page import BuilderPage, overlaps, running_builder
 from .builder_visits import visits
 
+pytestmark = pytest.mark.exhaustive  # the fast tier builds a mechanism with the mouse
+
 BODIES = 100
 
 

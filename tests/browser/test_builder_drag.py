@@ -12,6 +12,8 @@ from symbody.formats.model_files import examples_folder
 
 from .builder_page import BuilderPage
 
+pytestmark = pytest.mark.exhaustive  # the fast tier builds a mechanism with the mouse
+
 POSE = """(() => {
   const { source, player } = symbodyPicture.shown;
   const { bodies, joints } = player.viewer.scene;

@@ -13,6 +13,8 @@ import pytest
 from .builder_page import BuilderPage, overlaps, running_builder
 from .builder_visits import visits
 
+pytestmark = pytest.mark.exhaustive  # the fast tier builds a mechanism with the mouse
+
 JOINTS = 30
 PLACES = (
     "Array.from(symbodyPicture.shown.player.viewer.contents.instant.matrices, m => m.elements.slice(12, 15))"

@@ -12,6 +12,7 @@ SCRIPT = Path(__file__).with_name("user_script.py")
 ROOT = SCRIPT.parents[2]
 
 
+@pytest.mark.exhaustive
 def test_the_script_runs(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, str(SCRIPT)], cwd=tmp_path, capture_output=True, text=True, timeout=300
