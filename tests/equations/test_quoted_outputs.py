@@ -38,7 +38,7 @@ def force(run: sb.Trajectory) -> np.ndarray:
 def test_motions_sweeps_and_tables_read_them() -> None:
     run = motion()
     np.testing.assert_allclose(run[FORCE], force(run), rtol=1e-13)
-    np.testing.assert_allclose(run.to_pandas(FORCE)[FORCE], force(run), rtol=1e-13)
+    np.testing.assert_allclose(run.columns(FORCE)[FORCE], force(run), rtol=1e-13)
     assert run.units[FORCE] == "N"
     swept = sb.sweep(crank(), 0.1, {"m1": [1.0, 2.0]}, times=TIMES)
     np.testing.assert_allclose(swept[FORCE][0], force(run), rtol=1e-6)  # rtol of two motions
