@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import sympy
 
 import symbody as sb
 from symbody.equations.equation_set import EquationSet
@@ -39,6 +40,12 @@ def cure(call: Callable[[], object]) -> str:
 )
 def test_outputs_of_frames_in_everyday_words(oscillator: EquationSet, name: str, fix: str) -> None:
     assert cure(lambda: sb.compile(oscillator, name)).startswith(fix)
+
+
+def test_events_take_sympy() -> None:
+    x, rate = sympy.symbols("x x_dot")
+    event = sb.Event(x**2 - 1, action={rate: -rate / 2})
+    assert event == sb.Event("x**2 - 1", action={"x_dot": "-x_dot/2"})
 
 
 def test_a_frame_of_two_bodies_is_not_guessed() -> None:

@@ -110,10 +110,11 @@ def is_sympy(value: object) -> bool:
 
 
 def _hold_sympy(values: Iterable[object]) -> bool:
-    """Return whether an object of SymPy is among values, or among the keys or entries of one."""
+    """Return whether an object of SymPy is among values, or among the keys, values or entries of one."""
     for value in values:
         if isinstance(value, dict | list | tuple):
-            if any(is_sympy(entry) for entry in value):
+            entries = (*value, *value.values()) if isinstance(value, dict) else value
+            if any(map(is_sympy, entries)):
                 return True
         elif is_sympy(value):
             return True
@@ -149,7 +150,7 @@ def _with_texts(function: Callable[..., Any], textual: Set[str], given: Any, nam
         if is_sympy(value):
             return write(value)
         if isinstance(value, dict):
-            return {write(key) if is_sympy(key) else key: item for key, item in value.items()}
+            return {convert(key): convert(item) for key, item in value.items()}
         if type(value) in (list, tuple):
             return type(value)(map(convert, value))
         return value
@@ -169,9 +170,14 @@ def checked_fields(kind: C) -> C:
     Its own checks come first: they know more about what is wrong.
     """
     constructor: Callable[..., None] = type.__getattribute__(kind, "__init__")
+    # Names and formulas are taken as text: `Value` and `Action` hold them.
+    words = ("str", "Value", "Action")
+    textual = {name for name, text in _texts(constructor).items() if any(word in text for word in words)}
 
     @wraps(constructor)
     def construct_with_checks(self: object, *given: object, **named: object) -> None:
+        if textual and _hold_sympy((*given, *named.values())):
+            (self, *given), named = _with_texts(constructor, textual, (self, *given), named)
         try:
             constructor(self, *given, **named)
         except SymbodyError:
