@@ -161,3 +161,4 @@ from .visual import save_plot as save_plot
 from .visual import Animation as Animation
 from .visual import animate as animate
 from .visual import save_animation as save_animation
+from .report import save_report as save_report
