@@ -57,7 +57,7 @@ class EventFunctions:
         self._values = problem.compile_outputs([str(event.expression) for event in self.events])
         self._check_shapes()
         formulas = [str(value) for event in self.events for value in event.mapping.values()]
-        self._actions = problem.compile_outputs(["energy", *formulas]) if formulas else None
+        self._actions = problem.compile_outputs(["energy", *formulas, "xdot"]) if formulas else None
         self._check_actions()
         functions = [function for function in (self._values, self._actions) if function is not None]
         self._callbacks = [
@@ -78,7 +78,7 @@ class EventFunctions:
 
     def _check_actions(self) -> None:
         named = [(event.label, name) for event in self.events for name in event.mapping]
-        outputs = () if self._actions is None else self._actions.outputs[1:]
+        outputs = () if self._actions is None else self._actions.outputs[1:-1]
         problems = [
             Problem("simulation.event_shape", f"event {label!r}",
                     f"the new value of {name} has shape {output.shape}",

@@ -68,6 +68,23 @@ class EventWatch:
         )
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Where values were no numbers, or passed a pole: nothing happened there."""
+        notes = []
+        for event, row in zip(self._functions.events, event_rows(self._block), strict=True):
+            if row[at.NO_NUMBER]:
+                notes.append(
+                    f"event {event.label!r}: its value is not a number at t = {row[at.NO_NUMBER_TIME]:.6g} s, "
+                    "so it cannot happen there; give it a formula that has a value everywhere"
+                )
+            if row[at.POLE]:
+                notes.append(
+                    f"event {event.label!r}: its value has a pole at t = {row[at.POLE_TIME]:.6g} s, where its sign "
+                    "changes, but no zero; give it a formula without poles, such as the denominator"
+                )
+        return tuple(notes)
+
+    @property
     def most_steps(self) -> int:
         """How many steps may be taken between two looks."""
         recording = all(event.action == "record" for event in self._functions.events)
