@@ -19,7 +19,7 @@ from symbody.kernels.event_location import (
     state_at,
 )
 from symbody.kernels.event_starts import begin_samples, leave_zero, note_value, settle_start
-from symbody.kernels.language import Function, Reals, part
+from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.watch_block import (
     AT_ZERO,
     CURRENT,
@@ -160,7 +160,8 @@ def take_sample(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
         row[G_OLDER] = row[G_BEFORE]
         row[G_BEFORE] = row[G_LAST]
         row[G_LAST] = value
-        row[LARGEST] = max(row[LARGEST], abs(value))
+        if abs(value) < INFINITY:
+            row[LARGEST] = max(row[LARGEST], abs(value))
     for i in range(m):
         compare_samples(e, W, breaks, pieces, i)
 
@@ -195,7 +196,7 @@ def is_lowest(older: float, before: float, last: float) -> int:
     inner = abs(before)
     left = abs(older)
     right = abs(last)
-    if inner > left or inner > right:
+    if inner > left or inner > right or not max(left, right) < INFINITY:
         return 0
     if inner <= 4.0 * max(left - inner, right - inner):
         return 1

@@ -73,14 +73,16 @@ class EventWatch:
         notes = []
         for event, row in zip(self._functions.events, event_rows(self._block), strict=True):
             if row[at.NO_NUMBER]:
+                t = row[at.NO_NUMBER_TIME]
                 notes.append(
-                    f"event {event.label!r}: its value is not a number at t = {row[at.NO_NUMBER_TIME]:.6g} s, "
-                    "so it cannot happen there; give it a formula that has a value everywhere"
+                    f"event {event.label!r}: its value is not a number at t = {t:.6g} s, so it cannot "
+                    "happen there; give it a formula that has a value everywhere"
                 )
             if row[at.POLE]:
+                t = row[at.POLE_TIME]
                 notes.append(
-                    f"event {event.label!r}: its value has a pole at t = {row[at.POLE_TIME]:.6g} s, where its sign "
-                    "changes, but no zero; give it a formula without poles, such as the denominator"
+                    f"event {event.label!r}: its value has a pole at t = {t:.6g} s, where its sign changes, "
+                    "but no zero; give it a formula without poles, such as the denominator"
                 )
         return tuple(notes)
 

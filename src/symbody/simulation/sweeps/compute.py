@@ -18,6 +18,7 @@ from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, f
 from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
+from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Floats, Projector, RightHandSide
 from symbody.simulation.native.lane_blocks import make_lane_block
@@ -99,7 +100,8 @@ def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:
         return [NO_BREAKPOINTS]
     result: list[Breakpoints] = []
     for first, last in blocks(chunk.count, _TOGETHER):
-        result += find_breakpoints(functions, job.span, chunk.parameters[first:last])
+        pieces = find_breakpoints(functions, job.span, chunk.parameters[first:last])
+        result += [own.jumps_alone() if isinstance(job.method, FixedStep) else own for own in pieces]
     return result
 
 

@@ -96,13 +96,14 @@ def _breakpoints(
     tables: Mapping[int, Table],
 ) -> tuple[Breakpoints, ...] | None:
     """Return the breakpoints of all cases, None if they follow from what varies; see `LoopJob`."""
-    if isinstance(method, FixedStep):
-        return (NO_BREAKPOINTS,)
     varied = time_functions(function.sequence, tables, with_parameters=True)
     if varied is not None and varied.needs_parameters():
         return None
     functions = time_functions(function.sequence, tables)
-    return (NO_BREAKPOINTS,) if functions is None else tuple(find_breakpoints(functions, span))
+    if functions is None:
+        return (NO_BREAKPOINTS,)
+    pieces = find_breakpoints(functions, span)
+    return tuple(own.jumps_alone() if isinstance(method, FixedStep) else own for own in pieces)
 
 
 def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:
