@@ -207,4 +207,5 @@ def test_steppers_and_sweeps_read_jumps_on_the_raster_as_motions_do(lanes: bool)
     stepper = sb.Stepper(pushed(), dt=0.5, initial={"x": 1.0}, **given)
     for _ in range(5):
         stepper.step()
-    assert stepper["x"] == pytest.approx(run["x"][-1], rel=1e-12)
+    # within how much of its time a jump lies follows from the span that is looked at
+    assert stepper["x"] == pytest.approx(run["x"][-1], rel=1e-9)
