@@ -87,6 +87,15 @@ def bound_step(B: Reals, t: float, h: float) -> int:
     return -1
 
 
+def end_motion(B: Reals, ahead: float, place: int) -> None:
+    """Let the next trial lead to the end of the motion, or to just before a jump there."""
+    B[LENGTH] = ahead
+    B[T_NEW] = B[T_END]
+    if place >= 0 and B[place + BREAK_JUMPS] != 0.0:
+        if abs(B[place + BREAK_TIME] - B[T_END]) <= B[place + BREAK_MARGIN]:
+            B[LENGTH] = ahead - B[DIRECTION] * B[place + BREAK_MARGIN]
+
+
 def plan_trial(B: Reals, t: float, h: float) -> None:
     """Set `LENGTH` and `T_NEW` of the next trial; the length is 0 where steps are too short to go on.
 
@@ -105,11 +114,7 @@ def plan_trial(B: Reals, t: float, h: float) -> None:
     if B[AFTER_REJECTION] == 0.0 and abs(ahead) <= 10.0 * EPSILON * abs(t_end):
         allowed = abs(ahead)  # an event that acts may lie so close to the end
     if abs(ahead) <= allowed and abs(ahead) <= B[MAX_STEP] * (1.0 + 1e-9):
-        B[LENGTH] = ahead
-        B[T_NEW] = t_end
-        if place >= 0 and B[place + BREAK_JUMPS] != 0.0:
-            if abs(B[place + BREAK_TIME] - t_end) <= B[place + BREAK_MARGIN]:
-                B[LENGTH] = ahead - direction * B[place + BREAK_MARGIN]
+        end_motion(B, ahead, place)
         return
     if place >= 0:
         end = B[place + BREAK_TIME]

@@ -73,6 +73,7 @@ CUT_FIT: Final = 46
 RATE: Final = 47  # rates of the states, the work left out
 RATE_KNOWN: Final = 48  # whether those after an action are
 RESOLUTION: Final = 49  # the least slope that shows above rounding
+FIRST_LENGTH: Final = 50  # of many motions: what the first step of each is to be, 0 where that follows
 HEADER: Final = 52
 
 # The fit of a cut: for each row of a piece a share of a step, the matrix from states there to the rows, and
