@@ -68,6 +68,12 @@ class EventWatch:
         )
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Where values were no numbers, or passed a pole: nothing happened there."""
+        labels = [event.label for event in self._functions.events]
+        return value_notes(labels, event_rows(self._block)[:, at.NO_NUMBER : at.POLE_TIME + 1])
+
+    @property
     def most_steps(self) -> int:
         """How many steps may be taken between two looks."""
         recording = all(event.action == "record" for event in self._functions.events)
@@ -148,3 +154,26 @@ class EventWatch:
 
     def _make_room(self) -> None:
         self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
+
+
+def value_notes(labels: Sequence[str], seen: Floats) -> tuple[str, ...]:
+    """Return notes on values that were no numbers, or had poles.
+
+    Parameters
+    ----------
+    seen : (events, 4) array
+        Whether and when a value was first no number, whether and when it had its first pole [s].
+    """
+    notes = []
+    for label, (is_none, since, has_pole, t) in zip(labels, seen.tolist(), strict=True):
+        if is_none:
+            notes.append(
+                f"event {label!r}: its value is not a number at t = {since:.6g} s, so it cannot happen "
+                "there; give it a formula that has a value everywhere"
+            )
+        if has_pole:
+            notes.append(
+                f"event {label!r}: its value has a pole at t = {t:.6g} s, where its sign changes, but no "
+                "zero; give it a formula without poles, such as the denominator"
+            )
+    return tuple(notes)

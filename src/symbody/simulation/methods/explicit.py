@@ -126,7 +126,7 @@ def integrate(
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
     (start, end), x = check_span(t_span), _check_state(x0, n_u + n_q)
-    bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
+    bounds = breakpoints.jumps_alone() if isinstance(method, FixedStep) else breakpoints
     goal = make_goal((start, end), check_rtol(rtol), check_atol(atol, x.size), method.max_step, bounds)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))

@@ -31,6 +31,10 @@ _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
     "longest_step": (None, [_POINTER, _REAL, _POINTER]),
     "run_cases": (_INTEGER, [*[_POINTER] * 3, *_CASES]),
+    "run_watched_cases": (
+        _INTEGER,
+        [*[_POINTER] * 7, _INTEGER, _POINTER, *[_INTEGER] * 3, *[_POINTER] * 10, _INTEGER],
+    ),
     "run_lanes": (_INTEGER, [*[_POINTER] * 4, *_CASES]),
 }
 
@@ -72,6 +76,12 @@ def step_machine() -> StepMachine:
 def many_motions() -> Callable[..., int]:
     """Return `run_cases`, ready to be called."""
     return _functions("many_motions", "run_cases")[0]
+
+
+@once
+def watched_cases() -> Callable[..., int]:
+    """Return `run_watched_cases`, ready to be called."""
+    return _functions("watched_cases", "run_watched_cases")[0]
 
 
 @once

@@ -193,8 +193,9 @@ def _breakpoints(problem: SimulationProblem, request: MotionRequest) -> tuple[fl
     start, pieces = request.span[0], NO_BREAKPOINTS
     ends = [start + length for length in _LAST] if request.last is None else [request.last]
     for end in ends:
-        if not isinstance(request.integrator, FixedStep):
-            pieces = problem.breakpoints((start, end))
+        pieces = problem.breakpoints((start, end))
+        if isinstance(request.integrator, FixedStep):
+            pieces = pieces.jumps_alone()
         if len(pieces.longest) <= _MOST_PIECES:
             break
     return end, pieces

@@ -14,7 +14,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.events.events import Occurrence
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
+from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
@@ -240,9 +240,9 @@ class CompiledSteps:
 
     def _breakpoints(self) -> Breakpoints:
         settings = self._problem.settings
-        if isinstance(settings.method, FixedStep):
-            return NO_BREAKPOINTS
-        return self._problem.integration(self._numbers.x, (self._window, self._window_end)).breakpoints
+        window = self._window, self._window_end
+        pieces = self._problem.integration(self._numbers.x, window).breakpoints
+        return pieces.jumps_alone() if isinstance(settings.method, FixedStep) else pieces
 
     def _new_block(self) -> Floats:
         """Return the block of a motion from time and state at present."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
 from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.watch_arrays import WatchedEvent
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.methods.explicit import Explicit
@@ -29,6 +30,27 @@ Integers = NDArray[np.int64]
 NOT_ENDED: Final = -1
 NOT_STARTED: Final = -2
 WORKER_LOST: Final = -3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseWatch:
+    """What is watched in all cases.
+
+    Attributes
+    ----------
+    values, actions : CompiledFunction
+        The values of all events; the energy, what actions set, and the derivative xdot; None where none acts.
+    labels, events : tuples
+        Names of the events, and these as numbers.
+    state_names : tuple of str
+        Speeds, coordinates, states of signals.
+    """
+
+    values: CompiledFunction
+    actions: CompiledFunction | None
+    labels: tuple[str, ...]
+    events: tuple[WatchedEvent, ...]
+    state_names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,6 +73,8 @@ class LoopJob:
         As in `Projector`.
     tables : mapping of place to Table
         The inputs r of the derivative, all of them tables.
+    watch : CaseWatch or None
+        The events. Where there are any, `function` gives the power behind xdot.
     """
 
     function: CompiledFunction
@@ -66,6 +90,7 @@ class LoopJob:
     rounding: float = 0.0
     limit: float = math.inf
     tables: Mapping[int, Table] = field(default_factory=dict)
+    watch: CaseWatch | None = None
 
     @property
     def state_size(self) -> int:
@@ -88,7 +113,7 @@ class Chunk:
     scales, sizes : (cases, constraints), (cases, n_q) arrays
         As in `Projector`.
     atol : (cases, n) array
-        As in `Goal`.
+        As in `Goal`, the work last where events are watched.
     """
 
     first: int

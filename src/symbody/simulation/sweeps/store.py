@@ -135,13 +135,16 @@ def _read_details(text: str) -> dict[int, CaseDetails]:
 def digest(job: LoopJob, chunk: Chunk) -> str:
     """Return what stands for all that results depend on: code, first states, values, times, method."""
     about = hashlib.sha256()
-    for function in (job.function, job.closing):
+    watched = () if job.watch is None else (job.watch.values, job.watch.actions)
+    for function in (job.function, job.closing, *watched):
         about.update(b"" if function is None else function.source("c").encode())
     for array in (chunk.states, chunk.parameters, chunk.scales, chunk.sizes, chunk.atol, job.times):
         about.update(f"{array.shape}".encode())
         about.update(np.ascontiguousarray(array).tobytes())
     choices = (job.span, job.method, job.rtol, job.max_steps, job.stop_when_stiff, job.limit)
     about.update(repr((*choices, job.rounding)).encode())
+    if job.watch is not None:
+        about.update(repr((job.watch.labels, job.watch.events)).encode())
     return about.hexdigest()
 
 

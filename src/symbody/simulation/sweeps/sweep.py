@@ -120,11 +120,11 @@ def _run_sweep(
     """Return all motions: by the loop over many cases if it can compute them, else by `simulate`."""
     eqs, table, options = job.eqs, job.table, job.options
     records = Records.empty(0, table.count, options.times.size, len(eqs.state_names))
-    reason = reason_for_simulate(eqs, job.laws, options.integrator, options.constraints, bool(job.events))
+    reason = reason_for_simulate(eqs, job.laws, options.integrator, options.constraints)
     if reason:
         check_names(eqs, table, job.guess)
         return _run_by_simulate(job, records, reason, workers, store, progress)
-    loop, chunk, first_notes = prepare_loop(eqs, table, job.guess, job.laws, options)
+    loop, chunk, first_notes = prepare_loop(job)
     reason = _reason_of_branch(job, chunk)
     if reason:
         return _run_by_simulate(job, records, reason, workers, store, progress)
