@@ -115,7 +115,11 @@ class EquationsOfMotion(MultibodySystem):
         eliminated = () if self.elimination is None else self.elimination.rows
         return [
             *self._with_multipliers(self.rows),
-            *((row, self.eliminated_multipliers[row.name]) for row in eliminated),
+            *(
+                (row, self.eliminated_multipliers[row.name])
+                for row in eliminated
+                if row.name in self.eliminated_multipliers
+            ),
         ]
 
     @property
