@@ -66,6 +66,7 @@ def derive(
         If the law of a cut joint needs the joint in a tree, a loop can never close, or the others do not
         determine the dependent speeds.
     """
+    is_chosen = formulation is not None
     formulation, notes = _possible_formulation(topology, formulation, eliminates=bool(dependent))
     roles = joint_roles(topology)
     names, variables = _variables(topology, graph, roles)
@@ -93,7 +94,8 @@ def derive(
     obstacle = formulation.balance_obstacle(on_positions=bool(balances.positions))
     if obstacle:
         formed = derive(topology, graph, VirtualWork(), dependent=dependent)
-        return replace(formed, notes=(*formed.notes, f"virtual work takes the place of {obstacle}"))
+        more = (f"virtual work takes the place of {obstacle}",) if is_chosen else ()
+        return replace(formed, notes=formed.notes + more)
     more = position_notes(balances)
     formed = replace(_with_positions(formed, balances), notes=formed.notes + more)
     return _finish(formed, notes + more, dependent, balances)
