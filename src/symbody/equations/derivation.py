@@ -265,7 +265,7 @@ def _eliminate(
         chosen, light = (*chosen, *balances.dependent), balances.velocities
         dynamics = idle_dynamics(dynamics, balances.idle)
     elimination = eliminate_speeds(
-        formed.graph, formed.u, formed.rows, dynamics, chosen, (*tied, *light), [row.name for row in light]
+        formed.graph, formed.u, formed.rows, dynamics, chosen, (*tied, *light)
     )
     holding = {
         law.holding_effort: (formed.kinematics.speed_partials(law.rate), law.rate * 0)

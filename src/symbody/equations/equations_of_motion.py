@@ -118,7 +118,7 @@ class EquationsOfMotion(MultibodySystem):
             *(
                 (row, self.eliminated_multipliers[row.name])
                 for row in eliminated
-                if row.name in self.eliminated_multipliers
+                if not row.is_balance
             ),
         ]
 

@@ -56,7 +56,6 @@ def eliminate_speeds(
     dynamics: Dynamics,
     chosen: Sequence[Symbol],
     tied: Sequence[ConstraintEquation],
-    balances: Sequence[str] = (),
 ) -> SpeedElimination:
     """Return the elimination of chosen speeds.
 
@@ -67,9 +66,7 @@ def eliminate_speeds(
     chosen : sequence of Symbol
         The dependent speeds.
     tied : sequence of ConstraintEquation
-        As many rows by which they are eliminated.
-    balances : sequence of str
-        Names of those that transmit nothing: force balances along motions that move no mass.
+        As many rows by which they are eliminated; balances of forces may be among them.
 
     Raises
     ------
@@ -98,7 +95,6 @@ def eliminate_speeds(
         block=block,
         pivots=_pivots(graph, speeds, tied, chosen, block, dynamics),
         full=dynamics,
-        balances=frozenset(balances),
     )
     return slow.with_bias([row.gamma for row in tied])
 
@@ -132,8 +128,8 @@ def elimination_notes(elimination: SpeedElimination) -> tuple[str, ...]:
     """Return which speeds were eliminated, by which rows, and where they do not follow from the others."""
     graph, dependent = elimination.graph, elimination.dependent
     pairs = list(zip(elimination.rows, dependent, strict=True))
-    tied = [(row.name, u.label) for row, u in pairs if row.name not in elimination.balances]
-    light = [u.label for row, u in pairs if row.name in elimination.balances]
+    tied = [(row.name, u.label) for row, u in pairs if not row.is_balance]
+    light = [u.label for row, u in pairs if row.is_balance]
     notes = []
     if tied:
         listed, speeds = (", ".join(words) for words in zip(*tied, strict=True))

@@ -51,8 +51,6 @@ class SpeedElimination:
         ``<speed>_pivot``, from -1 to 1: where it is 0, this dependent speed does not follow from the others.
     full : Dynamics
         Mass matrix and forcing in all speeds.
-    balances : frozenset of str
-        Names of rows that transmit nothing: balances of forces along motions that move no mass.
     """
 
     graph: Graph
@@ -67,7 +65,6 @@ class SpeedElimination:
     block: DependentBlock
     pivots: Mapping[str, Expr]
     full: Dynamics
-    balances: frozenset[str] = frozenset()
 
     def with_bias(self, gamma: Sequence[Expr]) -> SpeedElimination:
         """Return the elimination with s, from the right-hand sides of the rows eliminated."""
@@ -189,7 +186,7 @@ class SpeedElimination:
         return {
             row.name: _total((line[k] * x for line, x in zip(self.inverse, left, strict=True)), zero)
             for k, row in enumerate(self.rows)
-            if row.name not in self.balances
+            if not row.is_balance
         }
 
     def _value_of_dependent(self, u: Symbol, rest: Mapping[int, Expr], *, rates: bool) -> Expr:

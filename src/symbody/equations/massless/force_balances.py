@@ -9,7 +9,7 @@ the derivation stands in ``docs/derivations/massless.md``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
@@ -284,7 +284,7 @@ def _position_row(
     value = balance.value
     if kinds <= {SymbolKind.PARAMETER} and not find_zeros(formed.graph, [stiffness.index])[0]:
         value = value / stiffness
-    return scalar_equation(kinematics, *_names(formed, balance), value)
+    return replace(scalar_equation(kinematics, *_names(formed, balance), value), is_balance=True)
 
 
 def _velocity_row(formed: EquationsOfMotion, balance: _Balance) -> ConstraintEquation:
@@ -298,6 +298,7 @@ def _velocity_row(formed: EquationsOfMotion, balance: _Balance) -> ConstraintEqu
         drift=kinematics.at_zero_speeds(balance.value),
         gamma=-kinematics.bias(balance.value),
         is_holonomic=False,
+        is_balance=True,
     )
 
 
