@@ -137,7 +137,9 @@ def test_the_standard_linear_solid_responds_as_its_transfer_function() -> None:
 @pytest.mark.parametrize("joined", [False, True])
 def test_points_with_and_without_dampers_in_series(joined: bool) -> None:
     """Spring, point, damper, point, spring, mass: one point is placed by springs, one is a state."""
-    if joined:  # each point on a slide from ground: what the damper says has to be parted from what springs say
+    if (
+        joined
+    ):  # each point on a slide from ground: what the damper says has to be parted from what springs say
         joints = [slide("s", "ground", "P", "p", applied="-k1*p - c*(p_dot - r_dot)"),
                   slide("u", "ground", "R", "r", applied="c*(p_dot - r_dot) - k2*(r - a)"),
                   slide("t", "ground", "A", "a", applied="k2*(r - a)")]  # fmt: skip
@@ -157,7 +159,9 @@ def test_a_wheel_without_inertia_in_a_shaft() -> None:
     """Turns as well: a motor's angle, a torsion spring, a wheel that only a damper holds, a spring, a disc."""
     turning = {"axis": "z"}
     joints = [
-        sb.Revolute("r", "ground", "Wheel", coordinate="p", torque=sb.Drive(stiffness="k1", damping="c"), **turning),
+        sb.Revolute(
+            "r", "ground", "Wheel", coordinate="p", torque=sb.Drive(stiffness="k1", damping="c"), **turning
+        ),
         sb.Revolute("t", "ground", "Disc", coordinate="a", **turning),
     ]
     shaft = sb.TorsionSpring("shaft", "Wheel", "Disc", axis="z", stiffness="k2")

@@ -61,7 +61,11 @@ def accelerations(model: sb.Model, state: State, formulation: object = None) -> 
     light = [f"({SLIDE}_dot)"]
     values = at(eqs, state, [*words, *light])
     known = {**state.known, f"{SLIDE}_dot": float(values[light[0]])}
-    return np.array([values[word] for word in words]).reshape(-1, 6), values[light[0]], replace(state, known=known)
+    return (
+        np.array([values[word] for word in words]).reshape(-1, 6),
+        values[light[0]],
+        replace(state, known=known),
+    )
 
 
 def balanced(eqs: sb.EquationSet, state: State) -> State:

@@ -27,7 +27,12 @@ from symbody.equations.kinematics.placements import differentiate_constraints, d
 from symbody.equations.kinematics.variables import JointRole, Variables, form_variables
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
-from symbody.equations.massless.force_balances import ForceBalances, find_balances, idle_dynamics, position_notes
+from symbody.equations.massless.force_balances import (
+    ForceBalances,
+    find_balances,
+    idle_dynamics,
+    position_notes,
+)
 from symbody.equations.outputs.output_roots import raw_output
 from symbody.equations.outputs.signal_outputs import explicit_outputs
 from symbody.equations.signals import outputs_of_loads, substitute_values
@@ -94,8 +99,8 @@ def derive(
     obstacle = formulation.balance_obstacle(on_positions=bool(balances.positions))
     if obstacle:
         formed = derive(topology, graph, VirtualWork(), dependent=dependent)
-        more = (f"virtual work takes the place of {obstacle}",) if is_chosen else ()
-        return replace(formed, notes=formed.notes + more)
+        place = f"virtual work takes the place of {obstacle}"
+        return replace(formed, notes=(*formed.notes, place) if is_chosen else formed.notes)
     more = position_notes(balances)
     formed = replace(_with_positions(formed, balances), notes=formed.notes + more)
     return _finish(formed, notes + more, dependent, balances)
@@ -260,13 +265,11 @@ def _eliminate(
     begin("elimination of dependent speeds")
     chosen = named_speeds(formed.readable_names, formed.u, formed.rows, dependent) if dependent else ()
     tied = [row for row in formed.rows if dependent and not row.is_holonomic]
-    dynamics, light = formed.dynamics, ()
+    dynamics = formed.dynamics
     if balances is not None:
-        chosen, light = (*chosen, *balances.dependent), balances.velocities
+        chosen, tied = (*chosen, *balances.dependent), [*tied, *balances.velocities]
         dynamics = idle_dynamics(dynamics, balances.idle)
-    elimination = eliminate_speeds(
-        formed.graph, formed.u, formed.rows, dynamics, chosen, (*tied, *light)
-    )
+    elimination = eliminate_speeds(formed.graph, formed.u, formed.rows, dynamics, chosen, tied)
     holding = {
         law.holding_effort: (formed.kinematics.speed_partials(law.rate), law.rate * 0)
         for law in formed.friction

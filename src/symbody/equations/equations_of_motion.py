@@ -115,11 +115,7 @@ class EquationsOfMotion(MultibodySystem):
         eliminated = () if self.elimination is None else self.elimination.rows
         return [
             *self._with_multipliers(self.rows),
-            *(
-                (row, self.eliminated_multipliers[row.name])
-                for row in eliminated
-                if not row.is_balance
-            ),
+            *((row, self.eliminated_multipliers[row.name]) for row in eliminated if not row.is_balance),
         ]
 
     @property

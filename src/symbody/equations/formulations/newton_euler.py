@@ -54,7 +54,9 @@ class NewtonEuler(Formulation):
 
     def balance_obstacle(self, *, on_positions: bool) -> str:
         """Return the reason why free bodies cannot be solved for where balances transmit nothing."""
-        return "free bodies: a balance of forces holds a position, and transmits nothing" if on_positions else ""
+        return (
+            "free bodies: a balance of forces holds a position, and transmits nothing" if on_positions else ""
+        )
 
     def derive(self, system: MultibodySystem) -> Dynamics:
         """Return the equations of motion; M and F are the free bodies projected on the partial velocities."""

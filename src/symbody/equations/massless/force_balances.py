@@ -19,7 +19,7 @@ from symbody.equations.kinematics.constraint_equation import ConstraintEquation,
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.placements import fold_zeros
 from symbody.equations.loads.loads import form_loads
-from symbody.equations.massless.null_motions import Motion, is_light, null_motions, rank
+from symbody.equations.massless.null_motions import Motion, is_light, null_motions, rank, zero_pivots
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, number
 from symbody.expr.fingerprint import find_zeros
@@ -53,7 +53,7 @@ class ForceBalances:
 
 
 @dataclass(frozen=True, slots=True)
-class Undetermined:
+class UndeterminedMotion:
     """Why forces do not determine a motion that moves no mass, and what to do.
 
     Attributes
@@ -91,18 +91,18 @@ class _Balance:
         return _Balance(self.place, self.value - factor * other.value, kept)
 
 
-def find_balances(formed: EquationsOfMotion) -> ForceBalances | Undetermined | None:
+def find_balances(formed: EquationsOfMotion) -> ForceBalances | UndeterminedMotion | None:
     """Return what determines the motions that move no mass; None if there are no such motions.
 
     Motions that constraints hold do not count: the constraints determine them.
     """
-    if not any(map(is_light, formed.bodies)):
+    if not any(map(is_light, formed.bodies)) or not (formed.rows or zero_pivots(formed)):
         return None
     motions = [motion for motion in null_motions(formed) if _is_free(formed, motion)]
     if not motions:
         return None
     balances = _take_balances(formed, motions)
-    if isinstance(balances, Undetermined):
+    if isinstance(balances, UndeterminedMotion):
         return balances
     pivots, statics = _separate(formed, balances)
     reason = _obstacle(formed, motions, pivots, statics)
@@ -152,7 +152,9 @@ def _is_free(formed: EquationsOfMotion, motion: Motion) -> bool:
     return all(find_zeros(graph, rates))
 
 
-def _take_balances(formed: EquationsOfMotion, motions: Sequence[Motion]) -> list[_Balance] | Undetermined:
+def _take_balances(
+    formed: EquationsOfMotion, motions: Sequence[Motion]
+) -> list[_Balance] | UndeterminedMotion:
     """Return the balance along each motion, or why one of them is of no use."""
     kinematics, graph = formed.kinematics, formed.graph
     zero = number(graph, 0)
@@ -173,7 +175,7 @@ def _take_balances(formed: EquationsOfMotion, motions: Sequence[Motion]) -> list
         kept = {u: slope for u, slope in zip(slopes, folded, strict=True) if not slope.is_zero}
         why = _misfit(kinematics, value, kept)
         if why:
-            return Undetermined(formed.u[place], why)
+            return UndeterminedMotion(formed.u[place], why)
         balances.append(_Balance(place, value, kept))
     return balances
 
@@ -227,13 +229,13 @@ def _obstacle(
     motions: Sequence[Motion],
     pivots: Sequence[tuple[_Balance, int]],
     statics: Sequence[_Balance],
-) -> Undetermined | None:
+) -> UndeterminedMotion | None:
     """Return why balances do not determine the motions, None if they do."""
     graph, mass = formed.graph, formed.dynamics.mass_matrix
     outer = {SymbolKind.INPUT, SymbolKind.SIGNAL}
     for balance in statics:
         if outer & dependence(graph, [balance.value.index])[balance.value.index]:
-            return Undetermined(
+            return UndeterminedMotion(
                 formed.u[balance.place],
                 "it follows at once from inputs or states of signals, whose second derivatives its "
                 "acceleration needs",
@@ -242,9 +244,10 @@ def _obstacle(
     for balance, u in pivots:
         moves = not all(row[formed.kinematics.speeds.index(u)].is_zero for row in mass)
         if moves and outer & dependence(graph, [balance.value.index])[balance.value.index]:
-            return Undetermined(
+            return UndeterminedMotion(
                 formed.u[balance.place],
-                "a force on it follows from inputs or states of signals, and masses are placed relative to it",
+                "a force on it follows from inputs or states of signals, and masses are placed relative "
+                "to it",
                 "let the joint of the body with mass start at the ground, or at a body with mass, and the "
                 "force be a formula in both coordinates",
             )
@@ -259,7 +262,7 @@ def _obstacle(
     idle = [balance for balance, row in zip([*(b for b, _ in pivots), *statics], along, strict=True)
             if all(find_zeros(graph, [x.index for x in row]))]  # fmt: skip
     named = idle or [*statics, *(b for b, _ in pivots)]
-    return Undetermined(
+    return UndeterminedMotion(
         formed.u[named[0].place], "no spring or damper that acts along it determines it", _SPRING
     )
 

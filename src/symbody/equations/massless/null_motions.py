@@ -13,7 +13,7 @@ from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.dynamics.linear_solve import solve_positive_definite
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.expr.expression import Expr, number
-from symbody.expr.fingerprint import PRIME, fingerprints
+from symbody.expr.fingerprint import PRIME, find_zeros, fingerprints
 from symbody.expr.graph import Graph
 
 # A motion: coefficients of the speeds, by their places, zeros left out.
@@ -26,6 +26,13 @@ _PLAIN: Final = (1, -1)
 def is_light(body: Inertia) -> bool:
     """Return whether a body may move without resistance in some direction."""
     return body.mass.is_zero or body.tensor.isotropic.is_zero
+
+
+def zero_pivots(formed: EquationsOfMotion) -> list[int]:
+    """Return the places of the speeds of a tree that no mass resists while all outward of them is free."""
+    solution = formed.dynamics.solve(formed, formed.dynamics.forcing)
+    zeros = find_zeros(formed.graph, [pivot.index for pivot in solution.pivots])
+    return [k for k, is_zero in enumerate(zeros) if is_zero]
 
 
 def null_motions(formed: EquationsOfMotion) -> list[Motion]:

@@ -7,7 +7,7 @@ from functools import partial
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import Resistance
-from symbody.equations.massless.force_balances import Undetermined, find_balances
+from symbody.equations.massless.force_balances import UndeterminedMotion, find_balances
 from symbody.equations.massless.null_motions import is_light
 from symbody.equations.solving.friction_solution import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
@@ -80,7 +80,7 @@ def _solve_tree(formed: EquationsOfMotion, forcing: Sequence[Expr]) -> list[Expr
         places = [k for k, is_zero in enumerate(zeros) if is_zero]
         if places:
             balances = find_balances(formed)
-            reason = balances if isinstance(balances, Undetermined) else None
+            reason = balances if isinstance(balances, UndeterminedMotion) else None
             raise FormulationError(*(_massless(formed, k, reason) for k in places))
     return solution.values
 
@@ -102,7 +102,7 @@ def _solve_saddle(
     return solution[:n], solution[n:]
 
 
-def _massless(formed: EquationsOfMotion, k: int, reason: Undetermined | None) -> Problem:
+def _massless(formed: EquationsOfMotion, k: int, reason: UndeterminedMotion | None) -> Problem:
     name = formed.u[k].label
     why = "the mass matrix is singular everywhere, so this acceleration is not determined"
     if reason is not None:

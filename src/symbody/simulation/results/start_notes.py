@@ -161,8 +161,8 @@ def _moved_initial_values(problem: SimulationProblem, first: State) -> tuple[str
         return ()
     if is_balanced:
         return (
-            "forces on what has no mass are in balance near the model's initial values, not at them: the motion "
-            f"starts with {', '.join(far)}; values given to simulate are kept",
+            "forces on what has no mass are in balance near the model's initial values, not at them: the "
+            f"motion starts with {', '.join(far)}; values given to simulate are kept",
         )
     return (
         f"the loops close far from the model's initial values only: the motion starts with {', '.join(far)}",
