@@ -96,7 +96,9 @@ def find_balances(formed: EquationsOfMotion) -> ForceBalances | UndeterminedMoti
 
     Motions that constraints hold do not count: the constraints determine them.
     """
-    if not any(map(is_light, formed.bodies)) or not (formed.rows or zero_pivots(formed)):
+    if not any(map(is_light, formed.bodies)):
+        return None
+    if not (formed.rows or zero_pivots(formed, formed.dynamics.solve(formed, formed.dynamics.forcing))):
         return None
     motions = [motion for motion in null_motions(formed) if _is_free(formed, motion)]
     if not motions:

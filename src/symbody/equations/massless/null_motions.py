@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from symbody.equations.dynamics.inertia import Inertia
-from symbody.equations.dynamics.linear_solve import solve_positive_definite
+from symbody.equations.dynamics.linear_solve import LinearSolution, solve_positive_definite
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.expr.expression import Expr, number
 from symbody.expr.fingerprint import PRIME, find_zeros, fingerprints
@@ -28,9 +28,8 @@ def is_light(body: Inertia) -> bool:
     return body.mass.is_zero or body.tensor.isotropic.is_zero
 
 
-def zero_pivots(formed: EquationsOfMotion) -> list[int]:
+def zero_pivots(formed: EquationsOfMotion, solution: LinearSolution) -> list[int]:
     """Return the places of the speeds of a tree that no mass resists while all outward of them is free."""
-    solution = formed.dynamics.solve(formed, formed.dynamics.forcing)
     zeros = find_zeros(formed.graph, [pivot.index for pivot in solution.pivots])
     return [k for k, is_zero in enumerate(zeros) if is_zero]
 

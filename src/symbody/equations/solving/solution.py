@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import Resistance
 from symbody.equations.massless.force_balances import UndeterminedMotion, find_balances
-from symbody.equations.massless.null_motions import is_light
+from symbody.equations.massless.null_motions import is_light, zero_pivots
 from symbody.equations.solving.friction_solution import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
-from symbody.expr.fingerprint import find_zeros
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute
 
@@ -76,8 +76,7 @@ def _solve_linear(
 def _solve_tree(formed: EquationsOfMotion, forcing: Sequence[Expr]) -> list[Expr]:
     solution = formed.dynamics.solve(formed, forcing)
     if any(map(is_light, formed.bodies)):
-        zeros = find_zeros(formed.graph, [pivot.index for pivot in solution.pivots])
-        places = [k for k, is_zero in enumerate(zeros) if is_zero]
+        places = zero_pivots(formed, solution)
         if places:
             balances = find_balances(formed)
             reason = balances if isinstance(balances, UndeterminedMotion) else None
@@ -104,11 +103,12 @@ def _solve_saddle(
 
 def _massless(formed: EquationsOfMotion, k: int, reason: UndeterminedMotion | None) -> Problem:
     name = formed.u[k].label
-    why = "the mass matrix is singular everywhere, so this acceleration is not determined"
-    if reason is not None:
-        why += f", and forces do not determine {reason.speed.label} either: {reason.why}"
-    return Problem(
-        "equations.massless", f"speed {name}", f"no mass resists {name} while all outward of it is free", why,
-        "give mass or inertia to the bodies that move with it, or weld its joint"
-        if reason is None else reason.fix,
+    problem = Problem(
+        "equations.massless", f"speed {name}", f"no mass resists {name} while all outward of it is free",
+        "the mass matrix is singular everywhere, so this acceleration is not determined",
+        "give mass or inertia to the bodies that move with it, or weld its joint",
     )  # fmt: skip
+    if reason is None:
+        return problem
+    more = f", and forces do not determine {reason.speed.label} either: {reason.why}"
+    return replace(problem, why=problem.why + more, fix=reason.fix)
