@@ -190,7 +190,9 @@ class _GGLSystem:
 
     def consistent(self, t: float, x: Floats) -> tuple[Floats, Floats]:
         """Return y and y' that fulfil the equations at a state on the constraints."""
-        mass, force, rows, gamma, rates, signals = self._start(t, x, np.zeros(self._n_u + self.m + self.m_positions))
+        mass, force, rows, gamma, rates, signals = self._start(
+            t, x, np.zeros(self._n_u + self.m + self.m_positions)
+        )
         saddle = np.block([[mass, -rows.T], [rows, np.zeros((self.m, self.m))]])
         sizes, right = self._sizes, np.concatenate([force, gamma])
         solution = sizes * np.linalg.lstsq(saddle * np.outer(sizes, sizes), right * sizes, rcond=None)[0]
