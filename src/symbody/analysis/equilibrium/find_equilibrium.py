@@ -145,13 +145,21 @@ def find_equilibrium(
 
 def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]) -> None:
     problems = [
+        Problem("equilibrium.signal", name, f"{name!r} is a state of a signal, not a coordinate in q",
+                "states of signals are found with the positions: where their rates are 0",
+                f"leave it out; guess={{{name!r}: ..}} says where to look, a signal with a value instead "
+                "of a rate holds it")
+        for name in fixed
+        if name in eqs.signal_state_names
+    ]  # fmt: skip
+    problems += [
         Problem("equilibrium.unknown_name", name, f"there is no {word} {name!r}", "", nearest(name, existing))
         for word, names, existing in (
             ("input", unknowns, eqs.input_names),
             ("coordinate in q", fixed, eqs.coordinate_names),
         )
         for name in names
-        if name not in existing
+        if name not in existing and name not in eqs.signal_state_names
     ]
     if problems:
         raise AssemblyError(*problems)

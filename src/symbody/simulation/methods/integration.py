@@ -84,13 +84,6 @@ def _fitting_constraints(plan: MotionPlan) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
     constraints = plan.constraints or _PROJECTION
     eqs = plan.integration.eqs
-    if isinstance(constraints, GGL | Partition) and eqs.multiplier_names and eqs.signal_state_names:
-        name = f"sb.{type(constraints).__name__}()"
-        listed = ", ".join(eqs.signal_state_names)
-        why = "it integrates coordinates and speeds alone"
-        fix = "leave constraints out, or give sb.Projection() or sb.Baumgarte()"
-        what = f"{name} does not integrate the states of signals: {listed}"
-        raise UsageError(Problem("simulation.signals", "constraints", what, why, fix))
     fits: tuple[type, ...]
     if isinstance(constraints, GGL):
         fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"

@@ -49,11 +49,11 @@ class PID(SignalBlock):
                 'give gains = { .., d = "kd", filter = "Tf" } with a time Tf of about a tenth of d/p',
             )  # fmt: skip
         if self.limits is not None and self._has("i") and self.tracking is None and not self._has("p"):
+            missing = "p is 0" if "p" in self.gains else "there is no p"
             arguments.add(
                 "block.tracking", "limits", "nothing says how fast the integral is led back at limits",
-                "the usual time is p/i, and p is 0", "give tracking, a time in seconds",
+                f"the usual time is p/i, and {missing}", "give tracking, a time in seconds",
             )  # fmt: skip
-
         if not self._has("i") and self.initial.constant() != 0:
             arguments.add(
                 "signal.initial", "initial", "there is no integral to start from it",
