@@ -113,7 +113,7 @@ def parts_section(setting: Setting) -> ReportSection:
     return ReportSection(
         "parts", "Bodies and joints",
         (
-            TextTable(("body", "mass [kg]", "inertia [kg m^2]"), tuple(_body_row(body) for body in model.bodies)),
+            TextTable(("body", "mass [kg]", "inertia [kg m^2]"), tuple(map(_body_row, model.bodies))),
             TextTable(("frame", "origin [m]", "turned about"), tuple(frames)),
             TextTable(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
             TextTable(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
