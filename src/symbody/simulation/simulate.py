@@ -23,6 +23,7 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
@@ -32,6 +33,7 @@ from symbody.simulation.progress import show_progress
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.start_notes import start_notes
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.simulation_problem import SimulationProblem
 
 
@@ -85,9 +87,11 @@ def simulate(
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
+    held = held_signals(eqs, span, parameters, initial, inputs)
+    inputs, initial = {**inputs, **held.laws}, held.others(initial)
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
+    problem = held.pose(pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first), watched)
     notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
     notes += start_notes(problem, first, {**(guess or {}), **(initial or {})})
     x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
@@ -95,15 +99,17 @@ def simulate(
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
         run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
-    return _annotate(run, eqs, problem, first, notes)
+    held.sample_later(problem, run.dense_output)
+    return _annotate(run, problem, first, notes, held.record)
 
 
 def _annotate(
-    run: Trajectory, eqs: EquationSet, problem: SimulationProblem, first: State, notes: tuple[str, ...]
+    run: Trajectory, problem: SimulationProblem, first: State, notes: tuple[str, ...], held: HeldRecord | None
 ) -> Trajectory:
     """Return a run with notes on its start and its reactions, and with what it was computed from."""
+    eqs = first.eqs
     further = _undetermined_notes(eqs, first, run) if run.t.size else ()
-    source = provenance_of(eqs, problem.parameters, problem.laws, switches=switches(eqs.formed))
+    source = provenance_of(eqs, problem.parameters, problem.laws, held=held, switches=switches(eqs.formed))
     return replace(run, notes=(*notes, *run.notes, *further), provenance=source)
 
 

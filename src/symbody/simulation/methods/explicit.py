@@ -20,7 +20,7 @@ from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, drive, fresh
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.segments import HeldValues, Watch
 
 Floats = NDArray[np.float64]
 
@@ -98,6 +98,7 @@ def integrate(
     projector: Projector = NOTHING_TO_PROJECT,
     watch: Watch | None = None,
     breakpoints: Breakpoints = NO_BREAKPOINTS,
+    held: HeldValues | None = None,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
@@ -117,8 +118,9 @@ def integrate(
         stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called about 20 times a second with the share of the span that is done; returning False ends the run.
-    projector, watch, breakpoints : Projector, Watch, Breakpoints
-        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`; bound steps.
+    projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
+        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`; bound steps;
+        change inputs at instants of their own.
 
     Raises
     ------
@@ -132,7 +134,7 @@ def integrate(
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
     block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
-    run = NativeRun(rhs.address, projector.address, block)
+    run = NativeRun(rhs.address, projector.address, block, held)
     more = 0 if watch is None else EVENT_SAMPLES
     return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
 

@@ -30,6 +30,11 @@ _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "look": (_INTEGER, [*[_POINTER] * 7, _INTEGER, _INTEGER]),
     "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
     "longest_step": (None, [_POINTER, _REAL, _POINTER]),
+    "advance_sampled": (_INTEGER, [*[_POINTER] * 6, *_RECORD, _POINTER, _INTEGER]),
+    "advance_sampled_watched": (_INTEGER, [*[_POINTER] * 10, *_RECORD, _POINTER, _POINTER, _INTEGER]),
+    "take_samples": (_INTEGER, [*[_POINTER] * 4, _REAL, _POINTER]),
+    "show_values": (None, [_POINTER, _POINTER]),
+    "is_due": (_INTEGER, [_POINTER, _REAL]),
     "run_cases": (_INTEGER, [*[_POINTER] * 3, *_CASES]),
     "run_lanes": (_INTEGER, [*[_POINTER] * 4, *_CASES]),
 }
@@ -53,6 +58,33 @@ class WatchedMotion(NamedTuple):
     advance_watched: Callable[..., int]
     break_off: Callable[..., int]
     look: Callable[..., int]
+
+
+class SampledMotion(NamedTuple):
+    """The kernels of one motion with held values, with events and without."""
+
+    advance_sampled: Callable[..., int]
+    advance_sampled_watched: Callable[..., int]
+
+
+class Sampling(NamedTuple):
+    """The kernels of held values outside the compiled loop."""
+
+    take_samples: Callable[..., int]
+    show_values: Callable[..., None]
+    is_due: Callable[..., int]
+
+
+@once
+def sampled_motion() -> SampledMotion:
+    """Return the integrator of one motion with held values, ready to be called."""
+    return SampledMotion(*_functions("sampled_motion", *SampledMotion._fields))
+
+
+@once
+def sampling() -> Sampling:
+    """Return what takes samples, ready to be called."""
+    return Sampling(*_functions("sampling", *Sampling._fields, light=True))
 
 
 @once
