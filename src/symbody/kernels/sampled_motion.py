@@ -26,7 +26,7 @@ from symbody.kernels.event_location import add_zero, compute_values, sign
 from symbody.kernels.event_watch import look, start_stretch
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import evaluate
-from symbody.kernels.sample_block import NEXT, RECORDED, ROOM
+from symbody.kernels.sample_block import RECORDED, ROOM
 from symbody.kernels.sampling import is_due, is_instant, piece_end, show_values, take_samples
 from symbody.kernels.step_bounds import behind_jump
 from symbody.kernels.step_machine import advance

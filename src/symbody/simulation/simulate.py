@@ -34,6 +34,7 @@ from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.start_notes import start_notes
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sampling.held_signals import held_signals
+from symbody.simulation.sampling.later_samples import sample_later
 from symbody.simulation.simulation_problem import SimulationProblem
 
 
@@ -99,7 +100,7 @@ def simulate(
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
         run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
-    held.sample_later(problem, run.dense_output)
+    sample_later(held, problem, run.dense_output)
     return _annotate(run, problem, first, notes, held.record)
 
 

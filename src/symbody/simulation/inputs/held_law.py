@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.equations.equation_set import EquationSet
 from symbody.kernels.sampling import ONE_INSTANT
+from symbody.model.model import Model
 
 Floats = NDArray[np.float64]
 
@@ -67,6 +70,25 @@ class HeldRecord:
         """Return a value at times (N,); at a sample it is new already."""
         values: Floats = self.values[self.names.index(name)][places_in(self.t, t)]
         return values
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _NotYet:
+    """Held values of motions that are still to be computed: not numbers."""
+
+    def current(self, name: str) -> float:
+        """Return no number."""
+        return math.nan
+
+    def at(self, name: str, t: Floats) -> Floats:
+        """Return no numbers."""
+        return np.full(np.shape(t), math.nan)
+
+
+def held_later(eqs: EquationSet) -> dict[str, HeldLaw]:
+    """Return laws for the held values of motions that are still to be computed."""
+    signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
+    return {signal.name: HeldLaw(_NotYet(), signal.name) for signal in signals}
 
 
 def places_in(samples: Floats, t: Floats) -> NDArray[np.intp]:

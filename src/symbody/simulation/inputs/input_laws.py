@@ -73,7 +73,9 @@ class InputLaws:
         if self.need_python:
             for row, point in enumerate(zip(t.tolist(), q.T, u.T, strict=True)):
                 values[row] = self.evaluate(*point)
-        for place, law in {**self.tables, **self.held}.items():
+        for place, table in self.tables.items():
+            values[:, place] = table.at(t)
+        for place, law in self.held.items():
             values[:, place] = law.at(t)
         return values
 

@@ -134,9 +134,7 @@ def _run_method(
     return _continue_stiff(integration, raw, raw.dense_output(raw.reached), constraints, watch)
 
 
-def _check_held(
-    problem: SimulationProblem, integrator: Integrator | None, constraints: Constraints
-) -> None:
+def _check_held(problem: SimulationProblem, integrator: Integrator | None, constraints: Constraints) -> None:
     """Refuse methods that take no samples on the way."""
     if isinstance(integrator, Stiff):
         where, name, fix = "integrator", "sb.Stiff()", "sb.Explicit() or sb.FixedStep(h)"

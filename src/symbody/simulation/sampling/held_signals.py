@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
 from typing import Final
 
 import numpy as np
@@ -20,8 +21,6 @@ from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
-from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.sampling.sampled_loop import SampledLoop
 from symbody.simulation.sampling.sampler import HeldValue, Sampler, held_of
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -51,7 +50,7 @@ class HeldSignals:
         self._start = start
         self._values = tuple(values)
         self.active = self._make_sampler(self._values)
-        self.passive = self._make_sampler(())
+        self.passive: tuple[Sampler, ...] = ()
 
     def _make_sampler(self, values: Sequence[HeldValue]) -> Sampler:
         return Sampler(values, self._start, len(self._eqs.speed_names))
@@ -69,7 +68,7 @@ class HeldSignals:
     @property
     def record(self) -> HeldRecord | None:
         """What was sampled."""
-        return held_of((self.active, self.passive), self.names)
+        return held_of((self.active, *self.passive), self.names)
 
     def others(self, given: Mapping[str, Value] | None) -> dict[str, Value]:
         """Return what is given by name without held values."""
@@ -84,7 +83,7 @@ class HeldSignals:
         return self._sampler(name).at(name, t)
 
     def _sampler(self, name: str) -> Sampler:
-        return self.active if name in self.active.names else self.passive
+        return next(sampler for sampler in (self.active, *self.passive) if name in sampler.names)
 
     def pose(self, problem: SimulationProblem, events: Sequence[Event] = ()) -> SimulationProblem:
         """Return the problem with what samples the values that the motion reads, directly or through others.
@@ -98,7 +97,8 @@ class HeldSignals:
         changes = switches(problem.eqs.formed) or may_jump(problem.eqs)
         read = set(self.names) if changes else self._values_read(problem, events)
         self.active = self._make_sampler([value for value in self._values if value.name in read])
-        self.passive = self._make_sampler([value for value in self._values if value.name not in read])
+        runs = groupby(self._values, lambda value: value.name in read)
+        self.passive = tuple(self._make_sampler(list(run)) for is_read, run in runs if not is_read)
         return replace(problem, sampler=self.active) if read else problem
 
     def _values_read(self, problem: SimulationProblem, events: Sequence[Event]) -> set[str]:
@@ -127,27 +127,6 @@ class HeldSignals:
                 waiting += self.names  # an output may depend on any
             waiting += [name for formula in formulas for name in formula.names]
         return needed & set(self.names)
-
-    def sample_later(self, problem: SimulationProblem, motion: DenseOutput | None) -> None:
-        """Sample what the motion did not read, from its steps.
-
-        Raises
-        ------
-        SimulationError
-            If a function fails.
-        """
-        if not self.passive.values or motion is None:
-            return
-        loop = SampledLoop(problem, self.passive)
-        callbacks = list(problem.laws.callbacks)
-        slots = np.array([callbacks.index(name) for name in self.active.names])
-        last = float(motion.breaks[-1])
-        while self.passive.is_due(last):
-            t = min(self.passive.next_due, last)
-            if slots.size:
-                now = [float(self.active.at(name, np.array([t]))[0]) for name in self.active.names]
-                loop.show_inputs(slots, np.array(now))
-            loop.take(t, np.ascontiguousarray(motion(np.array([t]))[:, 0]))
 
 
 def inputs_read(function: CompiledFunction) -> set[str]:
@@ -185,9 +164,7 @@ def held_signals(
     steps = constant_values(eqs, {s.name: s.sample for s in signals if s.sample is not None}, parameters)
     starts = constant_values(eqs, {s.name: given.get(s.name, s.initial) for s in signals}, parameters)
     _check_steps(signals, steps, span)
-    values = [
-        HeldValue(s.name, s.output or str(s.value), 0, steps[s.name], starts[s.name]) for s in signals
-    ]
+    values = [HeldValue(s.name, s.output or str(s.value), 0, steps[s.name], starts[s.name]) for s in signals]
     return HeldSignals(eqs, values, span[0])
 
 

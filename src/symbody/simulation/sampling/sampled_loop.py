@@ -86,9 +86,9 @@ class SampledLoop:
         if sampling().take_samples(self._address, *places, t, address(x)):
             self._raise_fault()
 
-    def show_inputs(self, slots: Floats, values: Floats) -> None:
+    def show_inputs(self, slots: NDArray[np.intp], values: Floats) -> None:
         """Set other inputs of the function of new values."""
-        self._numbers[run_at.R_PLACE + slots.astype(np.intp)] = values
+        self._numbers[run_at.R_PLACE + slots] = values
 
     def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""

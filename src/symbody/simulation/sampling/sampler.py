@@ -102,6 +102,14 @@ class Sampler:
         values: Floats = rows[places_in(rows[:, 0], np.asarray(t)), 1 + self.names.index(name)]
         return values
 
+    def before(self, name: str, t: float) -> float:
+        """Return a value just before a time that the motion has passed."""
+        rows = self.record[: int(self.block[at.RECORDED])]
+        margin = ONE_INSTANT * max(abs(t), abs(float(self.block[at.START])))
+        place = int(np.searchsorted(rows[:, 0], t - margin)) - 1
+        k = self.names.index(name)
+        return float(self._initial[k] if place < 0 else rows[place, 1 + k])
+
     @property
     def next_due(self) -> float:
         """When the next sample is due [s]."""
@@ -159,7 +167,8 @@ def held_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | N
     records = [record for record in records if record.t.size]
     if not records:
         return None
-    t = records[0].t if len(records) == 1 else np.unique(np.concatenate([record.t for record in records]))
+    t = np.unique(np.concatenate([record.t for record in records]))
+    t = t[np.diff(t, prepend=-np.inf) > 2.0 * ONE_INSTANT * np.maximum(np.abs(t), abs(float(t[0])))]
     by_name: Mapping[str, HeldRecord] = {name: record for record in records for name in record.names}
     names = tuple(name for name in order if name in by_name)
     return HeldRecord(names, t, np.stack([by_name[name].at(name, t) for name in names]))

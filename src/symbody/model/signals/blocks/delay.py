@@ -64,7 +64,6 @@ class Delay(SignalBlock):
         numerator, denominator = ([f"({each})" for each in row] for row in (signed, weights))
         return realize(self.name, in_brackets(self.input), numerator, denominator, in_brackets(self.time))
 
-
     @property
     def _samples(self) -> int | None:
         """How many samples the delay lasts; None where that is no number."""

@@ -79,9 +79,9 @@ class TransferFunction(SignalBlock):
             [in_brackets(entry) for entry in row] for row in (self._numerator, self.denominator)
         )
         padded = ["0"] * (n + 1 - len(numerator)) + numerator
-        polynomials = [_bilinear(row, half) for row in (padded, denominator)]
+        top, bottom = (_bilinear(row, half) for row in (padded, denominator))
         try:
-            return TransferFunction(self.name, self.input, *polynomials)
+            return TransferFunction(self.name, self.input, top, bottom)
         except ModelError:  # a pole at z = -1 is one at infinity
             return None
 
@@ -93,9 +93,7 @@ def _bilinear(coefficients: Sequence[str], half: str) -> list[str]:
         [sum((-1) ** j * comb(k, j) * comb(n - k, power - j) for j in range(power + 1)) for k in range(n + 1)]
         for power in range(n, -1, -1)
     ]
-    sums = [
-        " + ".join(f"({c})*{a}" for c, a in zip(row, coefficients, strict=True)) for row in rows
-    ]
+    sums = [" + ".join(f"({c})*{a}" for c, a in zip(row, coefficients, strict=True)) for row in rows]
     return [f"({total})*{half}^{n - place}" for place, total in enumerate(sums)]
 
 
