@@ -21,6 +21,7 @@ from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
+from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.sampling.sampler import HeldValue, Sampler, held_of
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -92,14 +93,19 @@ class HeldSignals:
         """
         if not self._values:
             return problem
-        slots = {name: place for place, name in enumerate(problem.laws.callbacks)}
-        self._values = tuple(replace(value, slot=slots[value.name]) for value in self._values)
+        self.place(problem.laws)
         changes = switches(problem.eqs.formed) or may_jump(problem.eqs)
         read = set(self.names) if changes else self._values_read(problem, events)
         self.active = self._make_sampler([value for value in self._values if value.name in read])
         runs = groupby(self._values, lambda value: value.name in read)
         self.passive = tuple(self._make_sampler(list(run)) for is_read, run in runs if not is_read)
         return replace(problem, sampler=self.active) if read else problem
+
+    def place(self, laws: InputLaws) -> None:
+        """Find the values among the inputs that compiled functions take; the motion may read all."""
+        slots = {name: place for place, name in enumerate(laws.callbacks)}
+        self._values = tuple(replace(value, slot=slots[value.name]) for value in self._values)
+        self.active = self._make_sampler(self._values)
 
     def _values_read(self, problem: SimulationProblem, events: Sequence[Event]) -> set[str]:
         functions = [problem.compile_outputs(("xdot", "power"))]

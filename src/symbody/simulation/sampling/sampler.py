@@ -67,17 +67,17 @@ class Sampler:
         steps = tuple(dict.fromkeys(value.step for value in values))
         groups = [steps.index(value.step) for value in values]
         initial, slots = [value.initial for value in values], [value.slot for value in values]
-        self._initial = np.array(initial, dtype=np.float64)
         m, g = len(values), len(steps)
         places = at.HEADER + np.cumsum([0, m, m, m, g, g])
         head = np.zeros(at.HEADER)
         head[[at.VALUES, at.SLOTS, at.GROUP_OF, at.STEPS, at.TAKEN, at.NEW]] = places
         head[[at.COUNT, at.GROUPS, at.SPEEDS]] = m, g, speeds
         head[[at.START, at.NEXT]] = start
-        parts = [head, self._initial, slots, groups, steps, np.zeros(g), np.zeros(m)]
+        parts = [head, initial, slots, groups, steps, np.zeros(g), np.zeros(m)]
         self.block: Floats = np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])
         self.record: Floats = np.empty((_FIRST_ROOM, 1 + m))
         self.block[at.ROOM] = len(self.record)
+        self._first = self.block.copy()
 
     @property
     def formulas(self) -> list[str]:
@@ -108,7 +108,7 @@ class Sampler:
         margin = ONE_INSTANT * max(abs(t), abs(float(self.block[at.START])))
         place = int(np.searchsorted(rows[:, 0], t - margin)) - 1
         k = self.names.index(name)
-        return float(self._initial[k] if place < 0 else rows[place, 1 + k])
+        return float(self._first[int(self._first[at.VALUES]) + k] if place < 0 else rows[place, 1 + k])
 
     @property
     def next_due(self) -> float:
@@ -133,22 +133,23 @@ class Sampler:
         count = int(np.searchsorted(kept[:, 0], t + margin, side="right"))
         if count == len(kept):
             return
+        if count == 0:
+            block[:] = self._first
+            block[at.ROOM] = len(self.record)
+            return
         block[at.RECORDED] = count
-        values = kept[count - 1, 1:] if count else self._initial
-        block[int(block[at.VALUES]) :][: len(self.values)] = values
-        self._count_samples(float(kept[count - 1, 0]) if count else None)
+        block[int(block[at.VALUES]) :][: len(self.values)] = kept[count - 1, 1:]
+        self._count_samples(float(kept[count - 1, 0]))
 
-    def _count_samples(self, last: float | None) -> None:
+    def _count_samples(self, last: float) -> None:
         """Set how many samples each group has taken, where the last of all was taken at a time."""
         block = self.block
         groups, start = int(block[at.GROUPS]), float(block[at.START])
         steps = block[int(block[at.STEPS]) :][:groups]
         taken = block[int(block[at.TAKEN]) :][:groups]
-        taken[:] = 0.0
-        if last is not None:
-            margin = ONE_INSTANT * max(abs(last), abs(start))
-            taken[:] = np.maximum(np.round((last - start) / steps), 0.0)
-            taken[start + taken * steps <= last + margin] += 1.0
+        margin = ONE_INSTANT * max(abs(last), abs(start))
+        taken[:] = np.maximum(np.round((last - start) / steps), 0.0)
+        taken[start + taken * steps <= last + margin] += 1.0
         block[at.NEXT] = (start + taken * steps).min()
 
     def snapshot(self) -> Floats:
@@ -158,7 +159,12 @@ class Sampler:
     def resume(self, kept: Floats) -> None:
         """Go on from a snapshot; the record begins anew."""
         self.block[:] = kept
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Forget what was recorded: the values at present are the first."""
         self.block[at.RECORDED], self.block[at.ROOM] = 0.0, len(self.record)
+        self._first = self.block.copy()
 
 
 def held_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | None:
