@@ -152,6 +152,13 @@ class Sampler:
         taken[start + taken * steps <= last + margin] += 1.0
         block[at.NEXT] = (start + taken * steps).min()
 
+    def follow(self, other: Sampler, t: float) -> None:
+        """Go on from a time with the values of another sampler, whose sample times may be others."""
+        block, count = self.block, len(self.values)
+        block[int(block[at.VALUES]) :][:count] = other.block[int(other.block[at.VALUES]) :][:count]
+        if other.block[int(other.block[at.TAKEN]) : int(other.block[at.NEW])].any():
+            self._count_samples(t)
+
     def snapshot(self) -> Floats:
         """Return the block, from which `resume` goes on."""
         return self.block.copy()

@@ -24,7 +24,7 @@ from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.stepper.compiled_steps import Ending
+from symbody.simulation.stepper.compiled_steps import Ending, Steps
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.step_problem import StepProblem
 from symbody.simulation.stepper.watched_steps import OTHERWISE, just_happened
@@ -120,6 +120,12 @@ class SeparateMotions:
         """Go on from numbers that `snapshot` returned."""
         if self._sampler is not None:
             self._sampler.resume(kept)
+            self._show_samples()
+
+    def follow(self, others: Steps) -> None:
+        """Go on with the held values of others, which computed with other values of parameters."""
+        if isinstance(others, SeparateMotions) and self._sampler is not None and others._sampler is not None:
+            self._sampler.follow(others._sampler, self._numbers.t)
             self._show_samples()
 
     def copy(self, problem: StepProblem, numbers: StepNumbers) -> SeparateMotions:
