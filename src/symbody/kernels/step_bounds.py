@@ -60,17 +60,6 @@ def bound_step(B: Reals, t: float, h: float) -> int:
     return -1
 
 
-def jump_margin(B: Reals, t: float) -> float:
-    """Return by how much a step that ends at a time has to be shorter, as something jumps there; 0 for most."""
-    direction = B[DIRECTION]
-    place = int(B[NEXT_BREAK])
-    while (B[place + BREAK_TIME] - t) * direction < -B[place + BREAK_MARGIN]:
-        place = place + BREAK_SIZE
-    if B[place + BREAK_JUMPS] != 0.0 and (B[place + BREAK_TIME] - t) * direction <= B[place + BREAK_MARGIN]:
-        return B[place + BREAK_MARGIN]
-    return 0.0
-
-
 def plan_trial(B: Reals, t: float, h: float) -> None:
     """Set `LENGTH` and `T_NEW` of the next trial; the length is 0 where steps are too short to go on.
 
@@ -89,8 +78,11 @@ def plan_trial(B: Reals, t: float, h: float) -> None:
     if B[AFTER_REJECTION] == 0.0 and abs(ahead) <= 10.0 * EPSILON * abs(t_end):
         allowed = abs(ahead)  # an event that acts may lie so close to the end
     if abs(ahead) <= allowed and abs(ahead) <= B[MAX_STEP] * (1.0 + 1e-9):
-        B[LENGTH] = ahead - direction * jump_margin(B, t_end)
+        B[LENGTH] = ahead
         B[T_NEW] = t_end
+        if place >= 0 and B[place + BREAK_JUMPS] != 0.0:
+            if abs(B[place + BREAK_TIME] - t_end) <= B[place + BREAK_MARGIN]:
+                B[LENGTH] = ahead - direction * B[place + BREAK_MARGIN]
         return
     if place >= 0:
         end = B[place + BREAK_TIME]
