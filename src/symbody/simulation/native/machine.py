@@ -60,13 +60,6 @@ class WatchedMotion(NamedTuple):
     look: Callable[..., int]
 
 
-class SampledMotion(NamedTuple):
-    """The kernels of one motion with held values, with events and without."""
-
-    advance_sampled: Callable[..., int]
-    advance_sampled_watched: Callable[..., int]
-
-
 class Sampling(NamedTuple):
     """The kernels of held values outside the compiled loop."""
 
@@ -76,9 +69,15 @@ class Sampling(NamedTuple):
 
 
 @once
-def sampled_motion() -> SampledMotion:
+def advance_sampled() -> Callable[..., int]:
     """Return the integrator of one motion with held values, ready to be called."""
-    return SampledMotion(*_functions("sampled_motion", *SampledMotion._fields))
+    return _functions("sampled_motion", "advance_sampled", light=True)[0]
+
+
+@once
+def advance_sampled_watched() -> Callable[..., int]:
+    """Return the integrator of one motion with held values and events, ready to be called."""
+    return _functions("sampled_motion", "advance_sampled_watched")[0]
 
 
 @once

@@ -189,7 +189,7 @@ def _check_direction(signals: Sequence[Signal], span: tuple[float, float]) -> No
     if span[1] < span[0]:
         listed = ", ".join(signal.name for signal in signals)
         raise UsageError(
-            Problem("signal.backwards", "t_end", f"the motion runs backwards, and {listed} are sampled",
+            Problem("signal.backwards", "t_end", f"time runs backwards, and values are sampled: {listed}",
                     "a held value follows from what came before",
                     "let time rise, or form the equations of sb.without_sampling(model)")
         )  # fmt: skip

@@ -13,7 +13,7 @@ from symbody.kernels import watch_block as watch_at
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers, state_of
 from symbody.simulation.native.description import Record, RightHandSide
-from symbody.simulation.native.machine import address, sampled_motion, sampling
+from symbody.simulation.native.machine import address, advance_sampled, advance_sampled_watched, sampling
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -96,9 +96,7 @@ class SampledLoop:
         while code == run_at.NO_SAMPLE_ROOM:
             own = self.sampler.block, self._numbers
             arrays = (block, *own, *_places(record), self.sampler.record)
-            code = sampled_motion().advance_sampled(
-                rhs, projector, self._address, *map(address, arrays), trials
-            )
+            code = advance_sampled()(rhs, projector, self._address, *map(address, arrays), trials)
             self._make_room(code)
         return code
 
@@ -124,9 +122,7 @@ class SampledLoop:
         while code == run_at.NO_SAMPLE_ROOM:
             own = self.sampler.block, self._numbers
             arrays = (*blocks, *own, *_places(record), happened, self.sampler.record)
-            code = sampled_motion().advance_sampled_watched(
-                *functions, self._address, *map(address, arrays), trials
-            )
+            code = advance_sampled_watched()(*functions, self._address, *map(address, arrays), trials)
             self._make_room(code)
         return code
 

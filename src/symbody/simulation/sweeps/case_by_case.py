@@ -31,7 +31,7 @@ def reason_for_simulate(
     """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
     reasons = {
         "events are watched": has_events,
-        f"{', '.join(law.name for law in laws.held.values())} are sampled": bool(laws.held),
+        f"values are sampled ({', '.join(law.name for law in laws.held.values())})": bool(laws.held),
         f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
         f"{type(integrator).__name__} takes its steps in Python": not isinstance(
             integrator, Explicit | FixedStep | None
