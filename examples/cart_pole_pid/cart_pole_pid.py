@@ -32,7 +32,7 @@ print("without samples:", lin.verdict, lin.eigenvalues.round(2))
 
 run = sb.simulate(eqs, 10.0, {"theta": "15 deg"}, times=np.linspace(0.0, 10.0, 10_001))
 print(run)
-print("samples:", run.held.t.size, "of", ", ".join(run.held.names))
+print("samples:", run.held_values.t.size, "of", ", ".join(run.held_values.names))
 
 fig, (upper, middle, lower) = plt.subplots(3, 1, figsize=(7, 7), layout="constrained")
 upper.plot(run.t, run["x"], label="x [m]")
@@ -93,7 +93,7 @@ for k in range(100):
 exact = sb.simulate(eqs, 1.0, {"theta": "15 deg"}, rtol=1e-12, atol=1e-13)
 found = [exact[name][-1] for name in ("x", "theta", "x_dot", "theta_dot")]
 assert np.abs(np.array(found) - y).max() < 1e-9
-servo = exact.held.values[exact.held.names.index("servo")]
+servo = exact.held_values.values[exact.held_values.names.index("servo")]
 assert np.abs(servo[:-1] - forces).max() < 1e-7
 
 # References

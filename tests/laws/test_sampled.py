@@ -58,9 +58,11 @@ def check(seeds: Iterable[int]) -> None:
             assert getattr(run, name).tobytes() == getattr(plain, name).tobytes(), (seed, name)
         if not plain.success or plain.t[-1] == span[0]:
             continue
-        assert run.held is not None
-        sampled += run.held.t.size
-        instants = run.held.t[np.isclose((run.held.t - span[0]) / (0.05 * unit) % 1.0, 0.0, atol=1e-9)]
+        assert run.held_values is not None
+        sampled += run.held_values.t.size
+        instants = run.held_values.t[
+            np.isclose((run.held_values.t - span[0]) / (0.05 * unit) % 1.0, 0.0, atol=1e-9)
+        ]
         found = run.at(instants)
         size = np.abs(found["sampled_place"]).max()
         np.testing.assert_allclose(found["sampled_place"], found[str(more[1].output)], atol=1e-12 * size)

@@ -30,15 +30,15 @@ def test_values_of_two_rates_follow_the_order_of_the_model(force: str) -> None:
     run = sb.simulate(cart(b, a, c, force=force), 1.0, times=TENTHS)  # b has what a was before
     np.testing.assert_array_equal(run["b"], [0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9])
     np.testing.assert_array_equal(run["c"], run["b"] + 10 * run["a"])
-    assert run.held is not None
-    assert run.held.t.size == 11  # 0.3 and 3*0.1 are one instant
+    assert run.held_values is not None
+    assert run.held_values.t.size == 11  # 0.3 and 3*0.1 are one instant
 
 
 def test_a_ring_of_values_has_the_delay_of_a_sample() -> None:
     eqs = cart(sb.Signal("a", "b + 1", sample=0.1), sb.Signal("b", "2*a", sample=0.1), force="a")
     run = sb.simulate(eqs, 0.3)
-    assert run.held is not None
-    np.testing.assert_array_equal(run.held.values, [[1, 3, 7, 15], [2, 6, 14, 30]])
+    assert run.held_values is not None
+    np.testing.assert_array_equal(run.held_values.values, [[1, 3, 7, 15], [2, 6, 14, 30]])
 
 
 @pytest.mark.parametrize("start", [0.0, 5.0])
@@ -46,14 +46,14 @@ def test_a_million_samples_do_not_drift(start: float) -> None:
     eqs = cart(sb.Signal("n", "n + 1", sample=1e-3), force="sin(n)")
     run = sb.simulate(eqs, (start, start + 1000.0), times=[start + 1000.0], max_steps=10_000_000)
     assert run["n"][0] == 1_000_001
-    assert run.held is not None
-    np.testing.assert_allclose(run.held.t, start + 1e-3 * np.arange(1_000_001), rtol=1e-15)
+    assert run.held_values is not None
+    np.testing.assert_allclose(run.held_values.t, start + 1e-3 * np.arange(1_000_001), rtol=1e-15)
 
 
 def test_a_sample_time_may_leave_the_end_between_two_samples() -> None:
     run = sb.simulate(cart(sb.Signal("n", "n + 1", sample=0.3), force="n"), 1.0)
-    assert run.held is not None
-    np.testing.assert_allclose(run.held.t, [0.0, 0.3, 0.6, 0.9], rtol=1e-15)
+    assert run.held_values is not None
+    np.testing.assert_allclose(run.held_values.t, [0.0, 0.3, 0.6, 0.9], rtol=1e-15)
     wanted, speed, place = [1, 2, 3, 4], 1.0, 0.0
     for force, length in zip(wanted, [0.3, 0.3, 0.3, 0.1], strict=True):
         place += speed * length + force * length**2 / 2
@@ -78,8 +78,8 @@ def test_what_an_event_sets_is_sampled_at_the_same_instant() -> None:
     push = sb.Event("t - 0.5", action={"x_dot": "x_dot + 1"})
     for times in (None, np.linspace(0, 1, 5)):
         run = sb.simulate(eqs, 1.0, events=push, times=times)
-        assert run.held is not None
-        np.testing.assert_allclose(run.held.values[0], [1, 1, 2, 2, 2], rtol=1e-14)
+        assert run.held_values is not None
+        np.testing.assert_allclose(run.held_values.values[0], [1, 1, 2, 2, 2], rtol=1e-14)
         assert [event.t for event in run.events] == [0.5]
 
 

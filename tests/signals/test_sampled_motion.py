@@ -77,8 +77,10 @@ def test_a_sampled_pid_holds_a_pole_as_in_scipy(dt: float, t_end: float) -> None
     state, forces = piecewise(digital_pid(dt, 8.0), dt, t_end)
     ends = [run[name][-1] for name in ("x", "theta", "x_dot", "theta_dot")]
     np.testing.assert_allclose(ends, state, atol=1e-9)
-    assert run.held is not None
-    np.testing.assert_allclose(run.held.values[run.held.names.index("servo")], forces, atol=1e-9)
+    assert run.held_values is not None
+    np.testing.assert_allclose(
+        run.held_values.values[run.held_values.names.index("servo")], forces, atol=1e-9
+    )
     assert min(forces) == -8.0 and -7.0 < max(forces) < 8.0  # a limit was met, and left
 
 

@@ -63,7 +63,7 @@ class Signal(Element):
         check_sample(arguments, self.sample)
         if self.sample is not None and self.rate is not None:
             why = "a rate is integrated from instant to instant, a held value stays the same between samples"
-            cure = f"write the value after one sample: value = {self._stepped!r}, or leave sample out"
+            cure = f"write the value after one sample: value = {self._next_value!r}, or leave sample out"
             arguments.add("signal.sampled_rate", "sample", "a state with a rate is not sampled", why, cure)
         if (given == ["value"] or given == ["output"]) and self.sample is None:
             if self.initial.constant() != 0:
@@ -73,7 +73,7 @@ class Signal(Element):
                 arguments.add("signal.initial", "initial", what, why, cure)
 
     @property
-    def _stepped(self) -> str:
+    def _next_value(self) -> str:
         return f"{self.name} + {self.sample}*({self.rate})"
 
 

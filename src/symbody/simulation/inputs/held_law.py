@@ -23,7 +23,7 @@ class HeldSource(Protocol):
         """Return a value at present."""
         ...
 
-    def at(self, name: str, t: Floats) -> Floats:
+    def values_at(self, name: str, t: Floats) -> Floats:
         """Return a value at times (N,) that the motion has passed."""
         ...
 
@@ -39,9 +39,9 @@ class HeldLaw:
         """Return the value at present."""
         return self.source.current(self.name)
 
-    def at(self, t: Floats) -> Floats:
+    def values_at(self, t: Floats) -> Floats:
         """Return the values at times (N,) that the motion has passed."""
-        return self.source.at(self.name, t)
+        return self.source.values_at(self.name, t)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +66,7 @@ class HeldRecord:
         """Return the last value."""
         return float(self.values[self.names.index(name), -1])
 
-    def at(self, name: str, t: Floats) -> Floats:
+    def values_at(self, name: str, t: Floats) -> Floats:
         """Return a value at times (N,); at a sample it is new already."""
         values: Floats = self.values[self.names.index(name)][places_in(self.t, t)]
         return values
@@ -80,7 +80,7 @@ class _NotYet:
         """Return no number."""
         return math.nan
 
-    def at(self, name: str, t: Floats) -> Floats:
+    def values_at(self, name: str, t: Floats) -> Floats:
         """Return no numbers."""
         return np.full(np.shape(t), math.nan)
 

@@ -75,19 +75,19 @@ class InputLaws:
                 values[row] = self.evaluate(*point)
         for place, table in self.tables.items():
             values[:, place] = table.at(t)
-        for place, law in self.held.items():
-            values[:, place] = law.at(t)
+        for place, law in self.held_laws.items():
+            values[:, place] = law.values_at(t)
         return values
 
     @property
-    def held(self) -> dict[int, HeldLaw]:
+    def held_laws(self) -> dict[int, HeldLaw]:
         """Those among `callbacks` that are held values, by their places."""
         return {k: law for k, law in enumerate(self.callbacks.values()) if isinstance(law, HeldLaw)}
 
     @property
     def need_python(self) -> bool:
         """Whether some callbacks are more than tables and held values, which compiled loops read."""
-        return len(self.tables) + len(self.held) < len(self.callbacks)
+        return len(self.tables) + len(self.held_laws) < len(self.callbacks)
 
     def table_numbers(self) -> Floats:
         """Return all tables as `symbody.kernels.tables` reads them, nothing where Python has to be called."""

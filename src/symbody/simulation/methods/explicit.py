@@ -105,8 +105,7 @@ def integrate(
     Parameters
     ----------
     address, work_size, tables : int, int, array
-        A function of generated code, see `kernels.language.Function`, its doubles of scratch, and its inputs
-        that are tables, see `kernels.tables`.
+        A function of generated code, see `kernels.language.Function`, its scratch, and `kernels.tables`.
     times : array, optional
         The samples to store, in the order of the motion; by default every step is stored.
     rtol, atol : float, float or (n_u + n_q,) array
@@ -117,10 +116,9 @@ def integrate(
         Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step, and to
         stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
-        Called about 20 times a second with the share of the span that is done; returning False ends the run.
+        Called now and then with the share of the span that is done; returning False ends the run.
     projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
-        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`; bound steps;
-        change inputs at instants of their own.
+        Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs.
 
     Raises
     ------

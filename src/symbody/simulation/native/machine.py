@@ -60,7 +60,7 @@ class WatchedMotion(NamedTuple):
     look: Callable[..., int]
 
 
-class Sampling(NamedTuple):
+class SampleKernels(NamedTuple):
     """The kernels of held values outside the compiled loop."""
 
     take_samples: Callable[..., int]
@@ -81,9 +81,9 @@ def advance_sampled_watched() -> Callable[..., int]:
 
 
 @once
-def sampling() -> Sampling:
+def sample_kernels() -> SampleKernels:
     """Return what takes samples, ready to be called."""
-    return Sampling(*_functions("sampling", *Sampling._fields, light=True))
+    return SampleKernels(*_functions("sampling", *SampleKernels._fields, light=True))
 
 
 @once

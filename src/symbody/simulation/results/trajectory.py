@@ -118,7 +118,7 @@ class Trajectory(SampleTable):
         return {} if self.provenance is None else self.provenance.parameters
 
     @property
-    def held(self) -> HeldRecord | None:
+    def held_values(self) -> HeldRecord | None:
         """The values that were held between samples, and when these were taken; None without any."""
         return None if self.provenance is None else self.provenance.held
 
@@ -184,8 +184,8 @@ class Trajectory(SampleTable):
             if name in names:
                 row: Floats = array[names.index(name)]
                 return row
-        if self.held is not None and name in self.held.names:
-            return self.held.at(name, self.t)
+        if self.held_values is not None and name in self.held_values.names:
+            return self.held_values.values_at(name, self.t)
         return self.stored.get(name)
 
     def state_arrays(self) -> tuple[Floats, Floats]:

@@ -79,9 +79,9 @@ class HeldSignals:
         """Return a value at present."""
         return self._sampler(name).current(name)
 
-    def at(self, name: str, t: Floats) -> Floats:
+    def values_at(self, name: str, t: Floats) -> Floats:
         """Return a value at times (N,) that the motion has passed."""
-        return self._sampler(name).at(name, t)
+        return self._sampler(name).values_at(name, t)
 
     def _sampler(self, name: str) -> Sampler:
         return next(sampler for sampler in (self.active, *self.passive) if name in sampler.names)
@@ -115,9 +115,9 @@ class HeldSignals:
         if formulas:
             functions.append(problem.compile_outputs(["energy", *formulas]))
         read = {name for function in functions for name in inputs_read(function)} & set(self.names)
-        return self._needed(read, problem) if read else read
+        return self._sources_of(read, problem) if read else read
 
-    def _needed(self, names: Iterable[str], problem: SimulationProblem) -> set[str]:
+    def _sources_of(self, names: Iterable[str], problem: SimulationProblem) -> set[str]:
         """Return the values from which some are computed, through others too."""
         model = self._eqs.model
         signals = {signal.name: signal for signal in (*model.signals, *model.held_signals)}

@@ -61,6 +61,6 @@ def _values_of_others(held: HeldSignals, own: Sampler, t: float) -> Iterator[tup
             if sampler is not held.active:
                 yield value.slot, sampler.current(value.name)
             elif held.names.index(value.name) < first:
-                yield value.slot, float(sampler.at(value.name, np.array([t]))[0])
+                yield value.slot, float(sampler.values_at(value.name, np.array([t]))[0])
             else:
-                yield value.slot, sampler.before(value.name, t)
+                yield value.slot, sampler.value_before(value.name, t)

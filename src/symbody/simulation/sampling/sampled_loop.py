@@ -13,7 +13,12 @@ from symbody.kernels import watch_block as watch_at
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers, state_of
 from symbody.simulation.native.description import Record, RightHandSide
-from symbody.simulation.native.machine import address, advance_sampled, advance_sampled_watched, sampling
+from symbody.simulation.native.machine import (
+    address,
+    advance_sampled,
+    advance_sampled_watched,
+    sample_kernels,
+)
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -67,7 +72,9 @@ class SampledLoop:
         t = float(block[run_at.TIME])
         self.sampler.rewind(t)
         self.take(t, state_of(block))
-        sampling().show_values(address(self.sampler.block), address(block[int(block[run_at.FUNCTION]) :]))
+        sample_kernels().show_values(
+            address(self.sampler.block), address(block[int(block[run_at.FUNCTION]) :])
+        )
 
     def take(self, t: float, x: Floats) -> None:
         """Take the samples that are due at a time and state (u, q, s, ..).
@@ -78,12 +85,12 @@ class SampledLoop:
             If a function fails.
         """
         sampler = self.sampler
-        if not sampling().is_due(address(sampler.block), t):
+        if not sample_kernels().is_due(address(sampler.block), t):
             return
         if sampler.block[at.RECORDED] == sampler.block[at.ROOM]:
             sampler.grow()
         places = map(address, (self._numbers, sampler.block, sampler.record))
-        if sampling().take_samples(self._address, *places, t, address(x)):
+        if sample_kernels().take_samples(self._address, *places, t, address(x)):
             self._raise_fault()
 
     def show_inputs(self, slots: NDArray[np.intp], values: Floats) -> None:
@@ -130,7 +137,7 @@ class SampledLoop:
         """Show the functions of events all values."""
         for place in (watch_at.NUMBERS, watch_at.ACTIONS):
             if watch[place]:
-                sampling().show_values(address(self.sampler.block), address(watch[int(watch[place]) :]))
+                sample_kernels().show_values(address(self.sampler.block), address(watch[int(watch[place]) :]))
 
     def _make_room(self, code: int) -> None:
         if code == run_at.NO_SAMPLE_ROOM:

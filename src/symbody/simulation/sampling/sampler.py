@@ -94,7 +94,7 @@ class Sampler:
         """Return a value at present."""
         return float(self.block[int(self.block[at.VALUES]) + self.names.index(name)])
 
-    def at(self, name: str, t: Floats) -> Floats:
+    def values_at(self, name: str, t: Floats) -> Floats:
         """Return a value at times (N,) that the motion has passed."""
         rows = self.record[: int(self.block[at.RECORDED])]
         if not len(rows):
@@ -102,7 +102,7 @@ class Sampler:
         values: Floats = rows[places_in(rows[:, 0], np.asarray(t)), 1 + self.names.index(name)]
         return values
 
-    def before(self, name: str, t: float) -> float:
+    def value_before(self, name: str, t: float) -> float:
         """Return a value just before a time that the motion has passed."""
         rows = self.record[: int(self.block[at.RECORDED])]
         margin = ONE_INSTANT * max(abs(t), abs(float(self.block[at.START])))
@@ -184,4 +184,4 @@ def held_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | N
     t = t[np.diff(t, prepend=-np.inf) > 2.0 * ONE_INSTANT * np.maximum(np.abs(t), abs(float(t[0])))]
     by_name: Mapping[str, HeldRecord] = {name: record for record in records for name in record.names}
     names = tuple(name for name in order if name in by_name)
-    return HeldRecord(names, t, np.stack([by_name[name].at(name, t) for name in names]))
+    return HeldRecord(names, t, np.stack([by_name[name].values_at(name, t) for name in names]))

@@ -31,7 +31,9 @@ def reason_for_simulate(
     """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
     reasons = {
         "events are watched": has_events,
-        f"values are sampled ({', '.join(law.name for law in laws.held.values())})": bool(laws.held),
+        f"values are sampled ({', '.join(law.name for law in laws.held_laws.values())})": bool(
+            laws.held_laws
+        ),
         f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
         f"{type(integrator).__name__} takes its steps in Python": not isinstance(
             integrator, Explicit | FixedStep | None
@@ -77,5 +79,5 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         run.stored["work"],
         () if parts is None else tuple(parts.starts.tolist()),
         () if parts is None else parts.modes,
-        run.held,
+        run.held_values,
     )

@@ -87,20 +87,20 @@ class Evaluation:
     def provenance(self, case: int) -> Provenance | None:
         """Return what one case was computed from."""
         return provenance_of(
-            self.eqs, self.table.values(case)[0], self.laws, held=self._held(case),
+            self.eqs, self.table.values(case)[0], self.laws, held=self._held_values(case),
             switches=switches(self.eqs.formed),
         )  # fmt: skip
 
     def _inputs(self, cases: NDArray[np.intp], t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the inputs of each sample (N, n), held values as each case had them."""
         values = self.laws.values(t, q, u)
-        for case in np.unique(cases).tolist() if self.laws.held else ():
-            held, inside = self._held(case), cases == case
-            for place, law in self.laws.held.items():
-                values[inside, place] = np.nan if held is None else held.at(law.name, t[inside])
+        for case in np.unique(cases).tolist() if self.laws.held_laws else ():
+            held, inside = self._held_values(case), cases == case
+            for place, law in self.laws.held_laws.items():
+                values[inside, place] = np.nan if held is None else held.values_at(law.name, t[inside])
         return values
 
-    def _held(self, case: int) -> HeldRecord | None:
+    def _held_values(self, case: int) -> HeldRecord | None:
         return self.details[case].held if case in self.details else None
 
     def _has_modes(self, case: int) -> bool:
