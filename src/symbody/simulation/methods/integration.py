@@ -28,6 +28,8 @@ from symbody.simulation.methods.stiff import Stiff, run_stiff
 from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before
+from symbody.simulation.sampling.sampled_loop import SampledLoop
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED
 
@@ -105,6 +107,9 @@ def _run_method(
     watch: EventWatch | None,
 ) -> tuple[RawRun, Notes]:
     """Return the run by a method that can hold the constraints, and what to note about it."""
+    held = integration.problem.sampler is not None
+    if held:
+        _check_held(integration.problem, integrator, constraints)
     if isinstance(constraints, GGL):
         return run_ggl(integration, integrator if isinstance(integrator, Stiff) else Stiff(), watch)
     if isinstance(constraints, Partition):
@@ -112,14 +117,31 @@ def _run_method(
         return run_partition(integration, constraints, explicit, watch)
     if isinstance(integrator, Stiff):
         return run_stiff(integration, integrator, constraints, watch), ()
-    if integrator is not None:
-        return run_explicit(integration, integrator, closing, watch), ()
+    if integrator is not None or held:
+        return run_explicit(integration, integrator or DEFAULT, closing, watch), ()
     raw = run_explicit(integration, DEFAULT, closing, watch, stop_when_stiff=True)
     if raw.status is not Status.STIFF or raw.dense_output is None:
         return raw, ()
     if watch is None and _steps_left(raw.dense_output, integration.span[1]) < BEARABLE:
         return run_explicit(integration, DEFAULT, closing, watch), ()  # events would be noted twice
     return _continue_stiff(integration, raw, raw.dense_output(raw.reached), constraints, watch)
+
+
+def _check_held(problem: SimulationProblem, integrator: Integrator | None, constraints: Constraints) -> None:
+    """Refuse methods that take no samples on the way."""
+    if isinstance(integrator, Stiff):
+        where, name, fix = "integrator", "sb.Stiff()", "sb.Explicit() or sb.FixedStep(h)"
+    elif isinstance(constraints, GGL | Partition):
+        where, name = "constraints", f"sb.{type(constraints).__name__}()"
+        fix = "sb.Projection() or sb.Baumgarte()"
+    else:
+        return
+    listed = ", ".join([] if problem.sampler is None else problem.sampler.names)
+    raise UsageError(
+        Problem("simulation.sampled", where, f"{name} does not sample {listed}",
+                "values are held between samples in the loop of explicit methods alone",
+                f"use {fix}, or form the equations of sb.without_sampling(model)")
+    )  # fmt: skip
 
 
 def run_explicit(
@@ -165,6 +187,7 @@ def run_explicit(
         projector=projector,
         watch=watch,
         breakpoints=integration.breakpoints,
+        held=None if problem.sampler is None else SampledLoop(problem, problem.sampler),
     )
     if python_laws is None:
         return run()

@@ -99,6 +99,10 @@ class Steps(Protocol):
         """Go on from numbers that `snapshot` returned."""
         ...
 
+    def follow(self, others: Steps) -> None:
+        """Go on from what others computed with other values of parameters."""
+        ...
+
     def copy(self, problem: StepProblem, numbers: StepNumbers) -> Steps:
         """Return what goes on from here with other numbers."""
         ...
@@ -163,9 +167,10 @@ class CompiledSteps:
         numbers.array[:] = self._numbers.array
         return made
 
-    def take_lengths(self, others: CompiledSteps) -> None:
+    def follow(self, others: Steps) -> None:
         """Go on with the step lengths of others, which computed with other values of parameters."""
-        self._block[_KEPT] = others._block[_KEPT]
+        if isinstance(others, CompiledSteps):
+            self._block[_KEPT] = others._block[_KEPT]
 
     @property
     def _state_names(self) -> tuple[str, ...]:

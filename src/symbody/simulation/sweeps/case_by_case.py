@@ -28,6 +28,9 @@ OTHERS: Final = 100
 def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
     """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
     reasons = {
+        f"values are sampled ({', '.join(law.name for law in laws.held_laws.values())})": bool(
+            laws.held_laws
+        ),
         f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
         f"{type(integrator).__name__} takes its steps in Python": not isinstance(
             integrator, Explicit | FixedStep | None
@@ -74,4 +77,5 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         run.stored["work"][:samples],
         () if parts is None else tuple(parts.starts.tolist()),
         () if parts is None else parts.modes,
+        run.held_values,
     )
