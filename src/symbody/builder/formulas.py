@@ -13,7 +13,8 @@ from symbody.expr.language.formula import Formula
 # Texts of the model file that are names, addresses or words.
 _WORDS: Final = frozenset(
     "name type between axis axes angles coordinate coordinates speed_names resolved_in on reaction_on path "
-    "kind outside color file inputs layout version coupled speeds first second output prefix share columns units".split()
+    "kind outside color file inputs layout version coupled speeds first second output "
+    "prefix share columns units".split()
 )
 _MOST: Final = 2000  # formulas of a model that are shown
 _LONGEST: Final = 2000  # characters of one

@@ -1,4 +1,4 @@
-"""Which elements read names that others bring: the wires of the diagram, as the readers of formulas see them."""
+"""Which elements read names that others bring: the wires of the diagram, as formulas are read."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ class Sources:
 def model_wires(data: Mapping[str, Any]) -> list[Wire]:
     """Return who reads what of whom, in the order of the readers.
 
-    A wire has ``source`` and ``target``, pointers such as ``"/signal/0"`` or ``"/inputs/1"``; ``names``, as the
-    formulas of the target write them; and ``roots``, the symbols whose rates these are, or they themselves.
+    A wire has ``source`` and ``target``, pointers such as ``"/signal/0"`` or ``"/inputs/1"``; ``names``, as
+    the formulas of the target write them; and ``roots``, the symbols whose rates they are, or themselves.
     Entries that are no elements yet are read as far as their formulas are some.
     """
     sources = find_sources(data)
@@ -155,7 +155,7 @@ def _readings(kind: str, entry: Mapping[str, Any], sources: Sources) -> Iterator
 
 
 def _addresses(output: str, sources: Sources) -> list[str]:
-    """Return the words of an output's name that may be addresses, ``frame r arm.tip ground ground y``: 3 to 5."""
+    """Return the words of an output that may be addresses, of ``frame r arm.tip ground ground y`` 3 to 5."""
     words = output_words(output, sources.elements)
     return words[2:5] if words[:1] == ["frame"] else words
 
