@@ -7,7 +7,7 @@ import type { Size, Spot } from "./layout";
 const LEFT = 40;
 const BESIDE = 40;
 const BELOW = 30;
-const LONG = 1.9; // how much wider than high the whole is
+const LONG = 3; // how much wider than high the whole is
 
 /** Signals that read each other, arranged from the spot [0, 0]. */
 interface Cluster {

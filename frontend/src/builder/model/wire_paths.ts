@@ -37,10 +37,11 @@ export function wireCurve(source: WireEnd, target: WireEnd): Curve {
   const end = leaving(target, source, -1);
   const [dx, dy] = [end.at[0] - start.at[0], end.at[1] - start.at[1]];
   // what leads to a signal bends late, what comes from it early: the two ways between the same boxes are apart
-  const reach = Math.max(LEAST, (target.sided ? 0.45 : 0.3) * Math.hypot(dx, dy));
+  const [share, most] = target.sided ? [0.45, 140] : [0.3, 70];
+  const reach = Math.max(LEAST, share * Math.hypot(dx, dy));
   const isBack = source.sided && target.sided && dx < 0;
   const swing = isBack ? Math.max(90, 0.3 * -dx) : 0;
-  const control = ({ at, outward }: Leaving): Spot => [at[0] + outward[0] * Math.min(reach, 220), at[1] + outward[1] * Math.min(reach, 140) + swing];
+  const control = ({ at, outward }: Leaving): Spot => [at[0] + outward[0] * Math.min(reach, 220), at[1] + outward[1] * Math.min(reach, most) + swing];
   return [start.at, control(start), control(end), end.at];
 }
 
