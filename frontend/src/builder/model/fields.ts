@@ -50,8 +50,10 @@ const TIPS: Readonly<Record<string, string>> = { name: "Messages and outputs cal
 
 export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean): Field {
   const description = textOf(node["description"] ?? TIPS[key]);
-  const units = /\s*\[([^\]]+)\]/.exec(description);
-  const tip = description.replace(/\s*\[[^\]]+\]/g, "").trim();
+  const control = controlOf(schema, key, node);
+  // a unit among the words of named formulas is that of one of them
+  const units = control.kind === "map" ? null : /\s*\[([^\]]+)\]/.exec(description);
+  const tip = units === null ? description : description.replace(/\s*\[[^\]]+\]/g, "").trim();
   return {
     key,
     label: labelOf(key),
@@ -60,7 +62,7 @@ export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, requi
     tip: units?.[1]?.includes(",") === true ? description : tip,
     required,
     default: node["default"] ?? null,
-    control: controlOf(schema, key, node),
+    control,
   };
 }
 

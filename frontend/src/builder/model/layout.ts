@@ -5,17 +5,13 @@ import { diagramOf, topologyOf, type DiagramGraph, type DiagramNode } from "./gr
 import { GROUND, INPUTS, layoutNameOf, referenceText } from "./entries";
 import { arrangedSignals } from "./signal_layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
+import type { Size, Spot } from "./spots";
 import type { Json, Model } from "../types";
 
-export type Spot = readonly [number, number];
+export type { Size, Spot };
 export type Side = "left" | "right" | "top" | "bottom";
 export const SIDES: readonly Side[] = ["left", "right", "top", "bottom"];
 export const GRID = 10;
-
-export interface Size {
-  readonly width: number;
-  readonly height: number;
-}
 
 /** Return the size that a node is drawn with. */
 export function sizeOf(node: DiagramNode): Size {
@@ -155,8 +151,19 @@ export function spotsOf(data: Model, graph: DiagramGraph): ReadonlyMap<string, S
   }
   if (open.length === 0) return spots;
   const automatic = automaticSpots(graph);
-  for (const node of open) spots.set(node.id, freeSpot(automatic.get(node.id) ?? [40, 40], node, graph, spots));
+  const beside = spotBelow(graph, spots);
+  for (const node of open) {
+    const usual = automatic.get(node.id) ?? [40, 40];
+    spots.set(node.id, freeSpot(node.kind === "signal" && beside !== null ? beside : usual, node, graph, spots));
+  }
   return spots;
+}
+
+/** Return a spot below all nodes that have one; null where none has. */
+function spotBelow({ nodes }: DiagramGraph, spots: ReadonlyMap<string, Spot>): Spot | null {
+  const placed = nodes.filter((each) => spots.has(each.id));
+  if (placed.length === 0) return null;
+  return [Math.min(...placed.map((each) => spots.get(each.id)![0])), 40 + Math.max(...placed.map((each) => spots.get(each.id)![1] + sizeOf(each).height))];
 }
 
 function spotFrom(value: Json | undefined): Spot | null {

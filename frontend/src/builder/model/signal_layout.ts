@@ -2,7 +2,7 @@
 
 import { Graph, layout as arrange } from "@dagrejs/dagre";
 import type { DiagramGraph, DiagramNode } from "./graph";
-import type { Size, Spot } from "./layout";
+import type { Size, Spot } from "./spots";
 
 const LEFT = 40;
 const BESIDE = 40;

@@ -139,7 +139,8 @@ function ReferencePart({ of, pointer, list, index, label }: { readonly of: "fram
 const GROUPED_CONTROLS: { readonly [K in FieldKind["kind"]]?: (props: FieldProps, control: Extract<FieldKind, { kind: K }>) => ReactElement } = {
   vector: ({ field, pointer, value }, { labels }) => {
     const usual = isArray(field.default) ? field.default : [];
-    return <VectorInput pointer={pointer} value={isArray(value) ? value : usual} labels={labels} label={field.label} />;
+    const mayLack = !field.required && field.default === null;
+    return <VectorInput pointer={pointer} value={isArray(value) ? value : usual} labels={labels} label={field.label} fill={mayLack ? "" : "0"} />;
   },
   axis: ({ field, pointer, value }) => <AxisControl pointer={pointer} value={value ?? field.default} label={field.label} />,
   axes: ({ field, pointer, value }, { count }) => <AxesControl pointer={pointer} value={value ?? field.default} count={count} label={field.label} />,
