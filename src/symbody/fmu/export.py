@@ -141,7 +141,7 @@ def _write(
     token = _token(program, variables, version)
     name = program.eqs.model.name
     described = Described(
-        name, f"multibody model {name}", identifier(file.stem), token, variables, len(program.events), SPAN,
+        name, f"multibody model {name}", identifier(file.stem), token, variables, program.indicator_count, SPAN,
         "derivatives" in program.functions,
     )  # fmt: skip
     text = _source_files(program, variables, token, version)

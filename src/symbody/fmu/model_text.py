@@ -43,7 +43,7 @@ _BLOCK_PLACES: Final = (
 _PURPOSES: Final = {
     "motion": "SB_MOTION", "slope": "SB_SLOPE", "output": "SB_OUTPUT", "derivatives": "SB_DERIVATIVES",
     "sensitivities": "SB_SENSITIVITIES", "indicators": "SB_INDICATORS", "action": "SB_ACTION",
-    "parameters": "SB_PARAMETERS", "projection": "SB_PROJECTING", "assembly": "SB_ASSEMBLING",
+    "parameters": "SB_PARAMETERS", "sides": "SB_SIDES", "projection": "SB_PROJECTING", "assembly": "SB_ASSEMBLING",
 }  # fmt: skip
 _FUNCTION: Final = """
 typedef struct {
@@ -73,6 +73,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _flags("sb_is_fixed", [name in given.fixed for name in given.arguments]),
         _flags("sb_closes", program.closing_parameters),
         _table("int", "sb_directions", (str(event.direction) for event in program.events)),
+        _flags("sb_is_floor", [condition.is_floor for condition in program.conditions]),
         _flags("sb_stops", [event.action == "stop" for event in program.events]),
         _table("int", "sb_action_events", (str(event) for event, _ in program.actions)),
         _table("int", "sb_action_states", (str(state) for _, state in program.actions)),
@@ -116,7 +117,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_R": n_r, "SB_P": len(program.parameters.arguments),
         "SB_CALCULATED": len(program.parameters.calculated), "SB_CONSTRAINTS": output.sizes[0],
         "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
-        "SB_EVENTS": len(program.events), "SB_ACTIONS": len(program.actions), "SB_SLOPES": rows * (n + n_r),
+        "SB_EVENTS": len(program.events), "SB_CONDITIONS": len(program.conditions),
+        "SB_WATCHED": program.indicator_count, "SB_ACTIONS": len(program.actions), "SB_SLOPES": rows * (n + n_r),
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
         "SB_HELD": assembly_block.HELD, "SB_IS_CLOSED": int("assembly" in functions),

@@ -9,9 +9,13 @@ from typing import Final
 
 import numpy as np
 
+from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.fmu.conditions import OUTPUT, Condition, condition_output, find_conditions
+from symbody.fmu.freezing import Branches
 from symbody.fmu.functions import Floats, ModelFunction, dependencies, make_function
 from symbody.fmu.parameters import FmuParameters
 from symbody.kernels import assembly as at
@@ -37,6 +41,7 @@ MOST_TRIALS: Final = 2**52
 FUNCTION: Final = "mechanism_"  # begins the names of functions in C
 SPAN: Final = 10.0  # seconds of the default experiment
 RTOL: Final = 1e-8
+_POINTS: Final = 3  # at which conditions are recognized
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +62,9 @@ class FmuProgram:
         What is watched.
     functions : mapping of str to ModelFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
-        sensitivities, indicators, action, parameters.
+        sensitivities, indicators, action, parameters, sides.
+    conditions : tuple of Condition
+        What decides the branches that are frozen between events of model exchange.
     """
 
     eqs: EquationSet
@@ -66,6 +73,7 @@ class FmuProgram:
     outputs: tuple[str, ...]
     events: tuple[Event, ...]
     functions: Mapping[str, ModelFunction]
+    conditions: tuple[Condition, ...]
 
     @property
     def x0(self) -> Floats:
@@ -85,6 +93,11 @@ class FmuProgram:
         speeds = scales.displacements(self.eqs) / scales.time
         signals = np.ones(len(self.eqs.signal_state_names))
         return np.concatenate([speeds, scales.coordinates(self.eqs), signals])
+
+    @property
+    def indicator_count(self) -> int:
+        """How many numbers are watched in model exchange."""
+        return len(self.events) + len(self.conditions)
 
     @property
     def is_projected(self) -> bool:
@@ -190,20 +203,25 @@ def make_program(
     motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
     stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
     stabilized = stabilizing.applied(eqs) if eqs.multiplier_names else eqs
-    functions = _Functions(parameters)
+    conditions = find_conditions(eqs)
+    functions = _Functions(parameters, len(conditions))
+    sides = with_outputs(eqs, [condition_output(conditions)])
+    branches = functions.branches(motion, sides, conditions)
     made = {
         "motion": functions.make(eqs, "motion", ["xdot"]),
-        "slope": functions.make(stabilized, "slope", ["xdot"]),
-        "output": functions.make(eqs, "output", ["constraints", "energy", *outputs]),
+        "slope": functions.make(stabilized, "slope", ["xdot"], branches),
+        "output": functions.make(eqs, "output", ["constraints", "energy", *outputs], branches),
     }
     if motion.is_closed:
         made["projection"] = functions.make(eqs, "projection", PROJECTED)
         made["assembly"] = functions.make(eqs, "assembly", ASSEMBLED)
     if eqs.state_names:
         by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
-        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"])
+        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches)
         shown = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
-        made["sensitivities"] = functions.make(eqs, "sensitivities", shown)
+        made["sensitivities"] = functions.make(eqs, "sensitivities", shown, branches)
+    if conditions:
+        made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
     if events:
         made["indicators"] = functions.make(eqs, "indicators", [str(event.expression) for event in events])
     actions = [str(value) for event in events for value in event.mapping.values()]
@@ -213,20 +231,42 @@ def make_program(
         made["parameters"] = functions.make(
             eqs, "parameters", [f"({name})" for name in parameters.calculated]
         )
-    return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made)
+    return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made, conditions)
 
 
 @dataclass(frozen=True, slots=True)
 class _Functions:
-    """Makes functions of the same parameters."""
+    """Makes functions of the same parameters, behind which p holds the sides of conditions."""
 
     parameters: FmuParameters
+    condition_count: int
 
-    def make(self, eqs: EquationSet, name: str, outputs: Sequence[str]) -> ModelFunction:
+    def make(
+        self, eqs: EquationSet, name: str, outputs: Sequence[str], branches: Branches | None = None
+    ) -> ModelFunction:
         given = self.parameters
+        values = np.concatenate([given.values, np.zeros(self.condition_count)])
         return make_function(
-            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, given.values
+            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, values, branches
         )
+
+    def branches(
+        self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...]
+    ) -> Branches | None:
+        """Return the branches with what decides them, at some points about the first state."""
+        if not conditions:
+            return None
+        sequence = self.make(sides, "sides", [OUTPUT]).sequence
+        n_u, n_r = len(sides.speed_names), len(sides.input_names)
+        x, p = motion.integration.state, self.parameters.values.tolist()
+        points = []
+        for k in range(_POINTS):
+            moved = [float(value) + math.sin(1.0 + 7.0 * k + i) for i, value in enumerate(x)]
+            r = [math.cos(2.0 + 5.0 * k + i) for i in range(n_r)]
+            points.append({"t": [0.37 + k], "q": moved[n_u:], "u": moved[:n_u], "r": r, "p": p})
+        values = tuple(tuple(evaluate_sequence(sequence, point)[0]) for point in points)
+        are_floors = tuple(condition.is_floor for condition in conditions)
+        return Branches(tuple(points), values, are_floors, len(p))
 
 
 def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:

@@ -200,14 +200,21 @@ def _outputs(program: FmuProgram) -> Iterator[FmuVariable]:
 
 
 def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
-    if not program.events:
-        return
-    depends = _dependencies(program, program.functions["indicators"])
-    for k, event in enumerate(program.events):
-        yield FmuVariable(
-            f"event.{variable_name(event.label)}", "local", "continuous",
-            description=f"passes zero at event {event.label}", dependencies=depends[k],
-        )  # fmt: skip
+    if program.events:
+        depends = _dependencies(program, program.functions["indicators"])
+        for event, read in zip(program.events, depends, strict=True):
+            yield _indicator(
+                f"event.{variable_name(event.label)}", f"passes zero at event {event.label}", read
+            )
+    if program.conditions:
+        depends = _dependencies(program, program.functions["sides"])
+        for k, (condition, read) in enumerate(zip(program.conditions, depends, strict=True), start=1):
+            words = f"passes zero where a condition in {', '.join(condition.reads)} changes"
+            yield _indicator(f"condition[{k}]", words, read)
+
+
+def _indicator(name: str, words: str, read: tuple[tuple[int, str], ...]) -> FmuVariable:
+    return FmuVariable(name, "local", "continuous", description=words, dependencies=read)
 
 
 def _dependencies(program: FmuProgram, function: ModelFunction) -> list[tuple[tuple[int, str], ...]]:

@@ -14,7 +14,8 @@ enum {
     AT_CALCULATED = AT_P + SB_P,
     AT_OUTPUTS = AT_CALCULATED + SB_CALCULATED,
     AT_INDICATORS = AT_OUTPUTS + SB_SHOWN,
-    AT_END = AT_INDICATORS + SB_EVENTS
+    AT_CONDITIONS = AT_INDICATORS + SB_EVENTS,
+    AT_END = AT_CONDITIONS + SB_CONDITIONS
 };
 
 typedef struct {
@@ -156,7 +157,8 @@ static int get_value(Instance *instance, const char *function, unsigned referenc
     else if (reference < AT_OUTPUTS) *value = m->calculated[reference - AT_CALCULATED];
     else if (reference == AT_OUTPUTS) *value = violation(m->outputs);
     else if (reference < AT_INDICATORS) *value = m->outputs[SB_CONSTRAINTS + reference - AT_OUTPUTS - 1];
-    else *value = m->indicators[reference - AT_INDICATORS];
+    else if (reference < AT_CONDITIONS) *value = m->indicators[reference - AT_INDICATORS];
+    else *value = condition_indicator(m, (int)(reference - AT_CONDITIONS));
     return STATUS_OK;
 }
 
@@ -262,14 +264,27 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     *has_changed |= acted;
     look_for_jump(m);
     *next = m->jump;
+    m->valid = 0; /* branches are decided anew, behind a jump in time */
+    if (SB_CONDITIONS) need(m, HAS_INDICATORS);
     keep_settled(m);
+    return STATUS_OK;
+}
+
+static int event_indicators(Instance *instance, const char *function, double *values)
+{
+    Motion *m = &instance->motion;
+    int k;
+    if (need(m, HAS_INDICATORS) != SOLVED)
+        return fail(instance, STATUS_DISCARD, function, "events have no value in this state");
+    memcpy(values, m->indicators, SB_EVENTS * sizeof(double));
+    for (k = 0; k < SB_CONDITIONS; k++) values[SB_EVENTS + k] = condition_indicator(m, k);
     return STATUS_OK;
 }
 
 static void completed_step(Instance *instance, int *enters_events)
 {
     Motion *m = &instance->motion;
-    *enters_events = note_events(m);
+    *enters_events = note_events(m) | have_conditions_changed(m);
     if (is_open(m)) *enters_events = m->must_project = 1;
 }
 

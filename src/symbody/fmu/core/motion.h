@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, STEP = 16, TERMINATED = 32 };
-enum { HAS_SLOPE = 1, HAS_OUTPUTS = 2, HAS_INDICATORS = 4, HAS_CALCULATED = 8, HAS_SLOPES = 16 };
+enum { HAS_SLOPE = 1, HAS_OUTPUTS = 2, HAS_INDICATORS = 4, HAS_CALCULATED = 8, HAS_SLOPES = 16, HAS_SIDES = 32 };
 enum { SOLVED, UNSOLVED, NOT_CLOSED };
 
 typedef struct {
@@ -24,7 +24,9 @@ typedef struct {
     double x[SB_X + 1], settled_x[SB_X + 1];
     double r[SB_R + 1];
     double p[SB_P + 1], settled_p[SB_P + 1];
-    double slope[SB_X + 1], outputs[SB_OUTPUTS + 1], indicators[SB_EVENTS + 1], calculated[SB_CALCULATED + 1];
+    double side_of_condition[SB_CONDITIONS + 1]; /* which branches are taken in model exchange */
+    double slope[SB_X + 1], outputs[SB_OUTPUTS + 1], calculated[SB_CALCULATED + 1];
+    double indicators[SB_EVENTS + 1], conditions[SB_CONDITIONS + 1];
     double slopes[SB_SLOPES + 1];
     double pieces[SB_PIECES + 1], ends[2];
     double pool[SB_POOL];
@@ -38,6 +40,7 @@ static void write_arguments(Motion *m, const SbFunction *f)
     double *p = numbers + (int)numbers[SB_P_PLACE], *c = numbers + (int)numbers[SB_C_PLACE];
     memcpy(numbers + SB_R_PLACE, m->r, SB_R * sizeof(double));
     memcpy(p, m->p, SB_P * sizeof(double));
+    memcpy(p + SB_P, m->side_of_condition, SB_CONDITIONS * sizeof(double));
     if (f->values) f->values(none, none, none, none, p, c, c, m->pool + SB_SCRATCH);
 }
 
@@ -186,9 +189,12 @@ static int are_finite(const double *values, int count)
     return 1;
 }
 
+static void decide(Motion *m);
+
 static int need(Motion *m, int what)
 {
     renew_arguments(m);
+    if (SB_CONDITIONS && m->mode != CONTINUOUS && !(m->valid & HAS_SIDES)) decide(m);
     if ((m->valid & what) == what) return SOLVED;
     if (what == HAS_SLOPE) {
         if (compute(m, &sb_functions[SB_SLOPE], m->x, m->slope) || !are_finite(m->slope, SB_X)) return UNSOLVED;
@@ -201,6 +207,7 @@ static int need(Motion *m, int what)
             return UNSOLVED;
     } else if (what == HAS_INDICATORS) {
         if (SB_EVENTS && compute(m, &sb_functions[SB_INDICATORS], m->x, m->indicators)) return UNSOLVED;
+        if (SB_CONDITIONS && compute(m, &sb_functions[SB_SIDES], m->x, m->conditions)) return UNSOLVED;
     } else if (what == HAS_CALCULATED) {
         if (SB_CALCULATED && compute(m, &sb_functions[SB_PARAMETERS], m->x, m->calculated)) return UNSOLVED;
     }
@@ -213,6 +220,65 @@ static int need(Motion *m, int what)
 static int side_of(double value)
 {
     return value > 0.0 ? 1 : value < 0.0 ? -1 : 0;
+}
+
+/* Conditions: branches are decided here, outside continuous time, and stay as they are within it. */
+
+static double decided_side(int k, double value)
+{
+    return sb_is_floor[k] ? floor(value) : (double)side_of(value);
+}
+
+/* Where what decides is zero, the side it comes to does: by two small steps, since its rate may be zero, too. */
+static double side_to_come(Motion *m, int k)
+{
+    double x[SB_X + 1], slope[SB_X + 1], values[SB_CONDITIONS + 1], now = m->time, step = 1e-6;
+    int i, j, status = 0;
+    memcpy(x, m->x, sizeof x);
+    for (j = 0; j < 2 && status == 0; j++) {
+        status = compute(m, &sb_functions[SB_SLOPE], x, slope);
+        for (i = 0; i < SB_X; i++) x[i] += step * slope[i];
+        m->time += step;
+    }
+    if (status == 0) status = compute(m, &sb_functions[SB_SIDES], x, values);
+    m->time = now;
+    return status ? 0.0 : decided_side(k, values[k]);
+}
+
+static void decide(Motion *m)
+{
+    double values[SB_CONDITIONS + 1];
+    int k, trial, changed = 1;
+    for (trial = 0; changed && trial < SB_CONDITIONS + 2; trial++) { /* one may depend on another */
+        changed = 0;
+        if (compute(m, &sb_functions[SB_SIDES], m->x, values)) return;
+        for (k = 0; k < SB_CONDITIONS; k++) {
+            double side = decided_side(k, values[k]);
+            if (values[k] == (sb_is_floor[k] ? side : 0.0)) side = side_to_come(m, k);
+            if (m->side_of_condition[k] == side) continue;
+            m->side_of_condition[k] = side;
+            m->has_arguments = 0;
+            changed = 1;
+        }
+    }
+    renew_arguments(m);
+    m->valid |= HAS_SIDES;
+}
+
+/* What passes zero where a branch ends. */
+static double condition_indicator(const Motion *m, int k)
+{
+    double value = m->conditions[k], side = m->side_of_condition[k];
+    return sb_is_floor[k] ? (value - side) * (side + 1.0 - value) : value;
+}
+
+static int have_conditions_changed(Motion *m)
+{
+    int k;
+    if (!SB_CONDITIONS || need(m, HAS_INDICATORS) != SOLVED) return 0;
+    for (k = 0; k < SB_CONDITIONS; k++)
+        if (m->conditions[k] != 0.0 && decided_side(k, m->conditions[k]) != m->side_of_condition[k]) return 1;
+    return 0;
 }
 
 /* Note which events have happened since the side of each was looked at; return whether any has. */
