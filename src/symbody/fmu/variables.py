@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.ropes import with_taut
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.fmu.functions import Floats, ModelFunction, Symbols, are_symbols, dependencies
@@ -74,7 +75,8 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     if "assembly" not in program.functions:
         return (True,) * len(eqs.state_names)
     residual, by_q, _, jacobian = _constraint_values(program)
-    chosen = eqs.mobility.independent_speeds if eqs.multiplier_names else range(n_u)
+    free = with_taut(program.motion.eqs, ())  # nothing is held at first
+    chosen = free.mobility.independent_speeds if free.multiplier_names else range(n_u)
     preferred = {eqs.speed_names[k] for k in chosen}
     free_u = _free_columns(jacobian, np.array([name in preferred for name in eqs.speed_names]))
     count = len(eqs.formed.holonomic)
@@ -98,7 +100,7 @@ def _constraint_values(program: FmuProgram) -> list[Floats]:
     n_u, x = len(eqs.speed_names), program.x0.tolist()
     point = {
         "t": [0.0], "q": x[n_u:], "u": x[:n_u], "r": [0.0] * len(eqs.input_names),
-        "p": program.parameters.values.tolist(),
+        "p": [*program.parameters.values.tolist(), *[0.0] * len(program.modal.arguments)],
     }  # fmt: skip
     values = evaluate_sequence(function.sequence, point)
     shapes = [output.shape for output in function.sequence.outputs]
@@ -191,10 +193,11 @@ def _outputs(program: FmuProgram) -> Iterator[FmuVariable]:
     )  # fmt: skip
     place = count
     for output in function.sequence.outputs[1:]:
+        name = program.modal.plain_name(output.name)
         for k in range(len(output.values)):
             yield FmuVariable(
-                entry_name(output.name, output.shape, k), "output", "continuous", "calculated",
-                unit=units.get(output.name, ""), description=output.name, dependencies=depends[place],
+                entry_name(name, output.shape, k), "output", "continuous", "calculated",
+                unit=units.get(name, ""), description=name, dependencies=depends[place],
             )  # fmt: skip
             place += 1
 
@@ -211,6 +214,10 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
         for k, (condition, read) in enumerate(zip(program.conditions, depends, strict=True), start=1):
             words = f"passes zero where a condition in {', '.join(condition.reads)} changes"
             yield _indicator(f"condition[{k}]", words, read)
+    for element in program.modal.elements:
+        end = "goes slack or taut" if element.is_rope else "sticks or slips"
+        words = f"passes zero where {'rope' if element.is_rope else 'joint'} {element.name} {end}"
+        yield FmuVariable(f"mode.{variable_name(element.name)}", "local", "continuous", description=words)
 
 
 def _indicator(name: str, words: str, read: tuple[tuple[int, str], ...]) -> FmuVariable:

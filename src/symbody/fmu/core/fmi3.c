@@ -3,6 +3,10 @@
 #include "fmi3Functions.h"
 #include "model.h"
 #include "motion.h"
+#include "conditions.h"
+#include "modes.h"
+#include "events.h"
+#include "steps.h"
 #include "instance.h"
 
 #define ANY (INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP | TERMINATED)

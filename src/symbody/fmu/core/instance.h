@@ -15,7 +15,8 @@ enum {
     AT_OUTPUTS = AT_CALCULATED + SB_CALCULATED,
     AT_INDICATORS = AT_OUTPUTS + SB_SHOWN,
     AT_CONDITIONS = AT_INDICATORS + SB_EVENTS,
-    AT_END = AT_CONDITIONS + SB_CONDITIONS
+    AT_ELEMENTS = AT_CONDITIONS + SB_CONDITIONS,
+    AT_END = AT_ELEMENTS + SB_ELEMENTS
 };
 
 typedef struct {
@@ -100,11 +101,19 @@ static void free_instance(Instance *instance)
 /* Values that were set before and in initialization mode hold, the others follow from them. */
 static int prepare(Instance *instance, const char *function)
 {
+    static const int none[SB_ELEMENTS + 1] = {0};
     Motion *m = &instance->motion;
-    if (m->is_settled || !(m->mode & (INSTANTIATED | INITIALIZATION))) return STATUS_OK;
-    if (settle(m, sb_is_given) == SOLVED) return STATUS_OK;
+    if (!(m->mode & (INSTANTIATED | INITIALIZATION))) return STATUS_OK;
+    if (!m->is_settled) {
+        release(m);
+        if (settle(m, sb_is_given) != SOLVED)
+            return fail(instance, STATUS_ERROR, function,
+                "no configuration near the one before fulfils the constraints with the values that were set");
+    }
+    if (!SB_ELEMENTS || m->has_modes) return STATUS_OK;
+    if (switch_modes(m, none) == SOLVED) return STATUS_OK;
     return fail(instance, STATUS_ERROR, function,
-        "no configuration near the one before fulfils the constraints with the values that were set");
+        "no way of sticking and slipping, and of ropes taut and slack, fits the values that were set");
 }
 
 static int enter_initialization(Instance *instance, double start, int has_stop, double stop, double tolerance)
@@ -158,7 +167,8 @@ static int get_value(Instance *instance, const char *function, unsigned referenc
     else if (reference == AT_OUTPUTS) *value = violation(m->outputs);
     else if (reference < AT_INDICATORS) *value = m->outputs[SB_CONSTRAINTS + reference - AT_OUTPUTS - 1];
     else if (reference < AT_CONDITIONS) *value = m->indicators[reference - AT_INDICATORS];
-    else *value = condition_indicator(m, (int)(reference - AT_CONDITIONS));
+    else if (reference < AT_ELEMENTS) *value = condition_indicator(m, (int)(reference - AT_CONDITIONS));
+    else *value = m->indicators[SB_EVENTS + reference - AT_ELEMENTS];
     return STATUS_OK;
 }
 
@@ -176,6 +186,7 @@ static int set_parameter(Instance *instance, const char *function, unsigned refe
     m->has_arguments = 0;
     m->valid = 0;
     m->is_fresh = 1;
+    if (m->mode & early) m->has_modes = 0;
     if (sb_closes[k]) m->is_settled = 0;
     return STATUS_OK;
 }
@@ -188,6 +199,7 @@ static int set_value(Instance *instance, const char *function, unsigned referenc
     if (reference >= AT_R && reference < AT_P) {
         if (m->r[reference - AT_R] == value) return STATUS_OK;
         m->r[reference - AT_R] = value;
+        if (m->mode & (INSTANTIATED | INITIALIZATION)) m->has_modes = 0;
         m->has_arguments = 0;
         m->valid = 0;
         m->is_fresh = 1;
@@ -200,6 +212,7 @@ static int set_value(Instance *instance, const char *function, unsigned referenc
         if (!(m->mode & (INSTANTIATED | INITIALIZATION)))
             return fail_about(instance, function, reference, "can be set before initialization mode ends only");
         m->x[k] = value;
+        m->has_modes = 0;
         m->is_settled = 0;
         m->valid = 0;
         return STATUS_OK;
@@ -235,8 +248,9 @@ static int set_values(
 static void log_event(Instance *instance, int k)
 {
     char text[512];
+    int reference = k < SB_EVENTS ? AT_INDICATORS + k : AT_ELEMENTS + k - SB_EVENTS;
     if (!instance->logs_events) return;
-    snprintf(text, sizeof text, "%s at t = %.17g", sb_names[AT_INDICATORS + k], instance->motion.time);
+    snprintf(text, sizeof text, "%s at t = %.17g", sb_names[reference], instance->motion.time);
     deliver(instance, STATUS_OK, "logEvents", text);
 }
 
@@ -257,7 +271,7 @@ static int update(Instance *instance, const char *function, int *has_changed, in
         m->must_project = 0;
         *has_changed = 1;
     }
-    for (k = 0; k < SB_EVENTS; k++)
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++)
         if (m->pending[k]) log_event(instance, k);
     acted = act(m, must_stop);
     if (acted < 0) return fail(instance, STATUS_ERROR, function, "the state after an event has no solution");
@@ -278,12 +292,14 @@ static int event_indicators(Instance *instance, const char *function, double *va
         return fail(instance, STATUS_DISCARD, function, "events have no value in this state");
     memcpy(values, m->indicators, SB_EVENTS * sizeof(double));
     for (k = 0; k < SB_CONDITIONS; k++) values[SB_EVENTS + k] = condition_indicator(m, k);
+    memcpy(values + SB_EVENTS + SB_CONDITIONS, m->indicators + SB_EVENTS, SB_ELEMENTS * sizeof(double));
     return STATUS_OK;
 }
 
 static void completed_step(Instance *instance, int *enters_events)
 {
     Motion *m = &instance->motion;
+    if (SB_ELEMENTS) note_rates(m);
     *enters_events = note_events(m) | have_conditions_changed(m);
     if (is_open(m)) *enters_events = m->must_project = 1;
 }
