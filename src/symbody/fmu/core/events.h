@@ -1,8 +1,19 @@
 /* Events: each watches a number that passes zero. The end of a mode is one, too: its number falls to zero. */
 
-static int falls(int k) { return k >= SB_EVENTS || sb_directions[k] <= 0; }
+/* The side of what is watched. That of a mode has to become more than rounding before it can come to zero. */
+static int side_of_watched(const Motion *m, int k, double value)
+{
+    if (k < SB_EVENTS) return side_of(value);
+    return value > m->slight[k - SB_EVENTS] ? 1 : value < -m->slight[k - SB_EVENTS] ? -1 : 0;
+}
 
-static int rises(int k) { return k < SB_EVENTS && sb_directions[k] >= 0; }
+/* Whether an event has happened since a side. A value that is zero belongs to the side where it comes to. */
+static int has_happened(const Motion *m, int k, double value)
+{
+    int before = m->side[k], now = side_of_watched(m, k, value);
+    if (k >= SB_EVENTS) return before > 0 ? value <= 0.0 : now < 0;
+    return (before > 0 && now <= 0 && sb_directions[k] <= 0) || (before < 0 && now >= 0 && sb_directions[k] >= 0);
+}
 
 /* Note which events have happened since the side of each was looked at; return whether any has. */
 static int note_events(Motion *m)
@@ -10,12 +21,11 @@ static int note_events(Motion *m)
     int k, any = 0;
     if (!(SB_EVENTS + SB_ELEMENTS) || need(m, HAS_INDICATORS) != SOLVED) return 0;
     for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
-        int now = side_of(m->indicators[k]), before = m->side[k];
-        /* a value that is zero belongs to the side where it comes to */
-        int has_fallen = before > 0 && now <= 0, has_risen = before < 0 && now >= 0;
-        if ((has_fallen && falls(k)) || (has_risen && rises(k))) m->pending[k] = any = 1;
+        int now = side_of_watched(m, k, m->indicators[k]), before = m->side[k];
+        int has_passed = (before > 0 && now <= 0) || (before < 0 && now >= 0);
+        if (has_happened(m, k, m->indicators[k])) m->pending[k] = any = 1;
         if (now != 0) m->side[k] = now;
-        else if (has_fallen || has_risen) m->side[k] = 0;
+        else if (has_passed && k < SB_EVENTS) m->side[k] = 0;
     }
     return any;
 }
@@ -25,9 +35,15 @@ static void look_at_sides(Motion *m)
     int k;
     if (!(SB_EVENTS + SB_ELEMENTS) || need(m, HAS_INDICATORS) != SOLVED) return;
     for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
-        m->side[k] = side_of(m->indicators[k]);
+        m->side[k] = side_of_watched(m, k, m->indicators[k]);
         m->pending[k] = 0;
     }
+}
+
+/* What an importer watches of a mode: not zero where the mode begins. */
+static double shown_indicator(const Motion *m, int k)
+{
+    return m->indicators[SB_EVENTS + k] + (m->side[SB_EVENTS + k] == 0 ? 2.0 * m->slight[k] : 0.0);
 }
 
 /* Set what the events noted set. Returns whether values changed, -1 for a fault. */

@@ -168,7 +168,7 @@ static int get_value(Instance *instance, const char *function, unsigned referenc
     else if (reference < AT_INDICATORS) *value = m->outputs[SB_CONSTRAINTS + reference - AT_OUTPUTS - 1];
     else if (reference < AT_CONDITIONS) *value = m->indicators[reference - AT_INDICATORS];
     else if (reference < AT_ELEMENTS) *value = condition_indicator(m, (int)(reference - AT_CONDITIONS));
-    else *value = m->indicators[SB_EVENTS + reference - AT_ELEMENTS];
+    else *value = shown_indicator(m, (int)(reference - AT_ELEMENTS));
     return STATUS_OK;
 }
 
@@ -292,7 +292,7 @@ static int event_indicators(Instance *instance, const char *function, double *va
         return fail(instance, STATUS_DISCARD, function, "events have no value in this state");
     memcpy(values, m->indicators, SB_EVENTS * sizeof(double));
     for (k = 0; k < SB_CONDITIONS; k++) values[SB_EVENTS + k] = condition_indicator(m, k);
-    memcpy(values + SB_EVENTS + SB_CONDITIONS, m->indicators + SB_EVENTS, SB_ELEMENTS * sizeof(double));
+    for (k = 0; k < SB_ELEMENTS; k++) values[SB_EVENTS + SB_CONDITIONS + k] = shown_indicator(m, k);
     return STATUS_OK;
 }
 

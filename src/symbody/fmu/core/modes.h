@@ -303,8 +303,11 @@ static int switch_modes(Motion *m, const int *ended)
     set_modes(m, trial.modes);
     memcpy(m->x, trial.x, sizeof trial.x);
     for (k = 0; k < SB_ELEMENTS; k++) {
-        const double *e = now + MEASURES * k;
+        const double *e = trial.e + MEASURES * k;
         m->level[k] = sb_is_rope[k] && fabs(e[SLACKNESS]) <= AT_LENGTH * e[LENGTH] ? e[SLACKNESS] : 0.0;
+        m->slight[k] = sb_is_rope[k]
+            ? (m->mode_of[k] ? slight_tension(e) * BALANCED / CANCELLED : AT_LENGTH * e[LENGTH])
+            : m->mode_of[k] ? slow_rate(m, k) : BALANCED * e[LIMIT];
     }
     m->valid = 0;
     m->has_modes = m->is_fresh = 1;
@@ -319,10 +322,7 @@ static int have_ended(Motion *m, int *ended)
     if (!SB_ELEMENTS) return 0;
     measure(m, m->x, e);
     for (k = 0; k < SB_ELEMENTS; k++) {
-        const double *own = e + MEASURES * k;
-        double slight = sb_is_rope[k] ? (m->mode_of[k] ? slight_tension(own) * BALANCED / CANCELLED : AT_LENGTH * own[LENGTH])
-            : m->mode_of[k] ? slow_rate(m, k) : BALANCED * own[LIMIT];
-        ended[k] = m->pending[SB_EVENTS + k] || !(mode_indicator(m, k, own) >= -slight);
+        ended[k] = m->pending[SB_EVENTS + k] || !(mode_indicator(m, k, e + MEASURES * k) >= -m->slight[k]);
         any |= ended[k];
     }
     return any;

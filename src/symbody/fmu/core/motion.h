@@ -26,7 +26,7 @@ typedef struct {
     double r[SB_R + 1];
     double p[SB_P + 1], settled_p[SB_P + 1];
     double side_of_condition[SB_CONDITIONS + 1]; /* which branches are taken in model exchange */
-    double modes[SB_MODES + 1], level[SB_ELEMENTS + 1], fastest;
+    double modes[SB_MODES + 1], level[SB_ELEMENTS + 1], slight[SB_ELEMENTS + 1], fastest;
     double slope[SB_X + 1], outputs[SB_OUTPUTS + 1], calculated[SB_CALCULATED + 1];
     double indicators[SB_EVENTS + SB_ELEMENTS + 1], conditions[SB_CONDITIONS + 1];
     double slopes[SB_SLOPES + 1];
@@ -157,13 +157,17 @@ static double violation(const double *outputs)
     return worst;
 }
 
+static int project_place(Motion *m, double *x)
+{
+    if (!SB_PROJECTED) return SOLVED;
+    renew_arguments(m);
+    return isfinite(symbody_project(SB_PROJECTION, m->pool + SB_BLOCK, clock_of(m), x)) ? SOLVED : NOT_CLOSED;
+}
+
 static int project_state(Motion *m)
 {
-    if (SB_PROJECTED) {
-        renew_arguments(m);
-        if (!isfinite(symbody_project(SB_PROJECTION, m->pool + SB_BLOCK, clock_of(m), m->x))) return NOT_CLOSED;
-        m->valid = 0;
-    }
+    if (project_place(m, m->x) != SOLVED) return NOT_CLOSED;
+    if (SB_PROJECTED) m->valid = 0;
     return SOLVED;
 }
 

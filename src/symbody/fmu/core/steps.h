@@ -73,13 +73,11 @@ static int has_event(Motion *m, double time)
     int k, status;
     state_at(m, time, x);
     m->time = time;
+    if (time < m->to) project_place(m, x); /* as it is shown */
     status = watch(m, x, values);
     m->time = now;
-    for (k = 0; k < SB_EVENTS + SB_ELEMENTS && status == 0; k++) {
-        int side = side_of(values[k]);
-        if (m->side[k] > 0 && side <= 0 && falls(k)) return 1;
-        if (m->side[k] < 0 && side >= 0 && rises(k)) return 1;
-    }
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS && status == 0; k++)
+        if (has_happened(m, k, values[k])) return 1;
     return 0;
 }
 
