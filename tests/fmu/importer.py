@@ -17,6 +17,8 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 import symbody as sb
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+KINDS = ("ModelExchange", "CoSimulation")
+VERSIONS = ("2.0", "3.0")
 CLASSES = {
     ("2.0", "ModelExchange"): FMU2Model,
     ("2.0", "CoSimulation"): FMU2Slave,

@@ -20,7 +20,7 @@ from fmpy.validation import validate_fmu
 
 import symbody as sb
 from symbody.fmu import binaries
-from tests.fmu.importer import EXAMPLES, example, instance, pendulum, simulate, states
+from tests.fmu.importer import EXAMPLES, KINDS, VERSIONS, example, instance, pendulum, simulate, states
 from tests.laws.mechanisms import random_mechanism
 from tests.laws.model_files import model_with_state
 
@@ -33,8 +33,6 @@ SCHEMAS = {
     "2.0": Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd",
     "3.0": Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3ModelDescription.xsd",
 }
-KINDS = ("ModelExchange", "CoSimulation")
-VERSIONS = ("2.0", "3.0")
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -1,7 +1,7 @@
 """Conditions in the formulas of a model: the branches that stay as they are between events of model exchange.
 
 ``if(x > 0, a, b)``, min, max, abs, sign and floor have branches. Each is decided by one number that passes
-zero, or by the whole number below a value. An FMU decides in event mode, and keeps to it until the next event.
+zero, or by the whole number below a value. An FMU decides in event mode, and keeps to it until the next.
 """
 
 from __future__ import annotations

@@ -36,8 +36,8 @@ _BLOCK_PLACES: Final = (
     "RTOL",
     "VECTORS", "STATE_OLD", "KERNEL", "STEPS", "SAMPLES", "AFTER_REJECTION", "STIFF_VOTES", "OTHER_VOTES",
     "UNJUDGED", "NEXT_BREAK", "FIRST_BREAK", "BREAK_TIME", "BREAK_JUMPS", "BREAK_MARGIN", "BREAK_SIZE",
-    "PROJECTOR", "P_FUNCTION", "P_OUT", "P_OUT_SIZE", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED", "COLLAPSED",
-    "NOT_FINITE", "SINGULAR", "TOO_MANY",
+    "PROJECTOR", "P_FUNCTION", "P_OUT", "P_OUT_SIZE", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED",
+    "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY",
 )  # fmt: skip
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
@@ -122,7 +122,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
         "SB_EVENTS": len(program.events), "SB_CONDITIONS": len(program.conditions),
         "SB_ELEMENTS": len(program.modal.elements), "SB_MODES": len(program.modal.arguments),
-        "SB_WATCHED": program.indicator_count, "SB_ACTIONS": len(program.actions), "SB_SLOPES": rows * (n + n_r),
+        "SB_WATCHED": program.indicator_count, "SB_ACTIONS": len(program.actions),
+        "SB_SLOPES": rows * (n + n_r),
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
         "SB_HELD": assembly_block.HELD, "SB_IS_CLOSED": int("assembly" in functions),
@@ -135,7 +136,9 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
     texts = {
-        "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale), "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share), "SB_OPEN": repr(OPEN),
+        "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
+        "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),
+        "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
         "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip

@@ -54,7 +54,7 @@ class ModalEquations:
     elements : tuple of SwitchingElement
         Joints, then ropes.
     arguments : tuple of str
-        Of each joint the direction of slip, -1, 0 or 1, and 1 while it is held; of each rope 1 while it is taut.
+        Of each joint the direction of slip, -1, 0 or 1, and 1 while it is held; of each rope 1 while taut.
     measures : tuple of str
         Outputs: `MEASURES` of each element.
     words : mapping of output to output
@@ -83,7 +83,9 @@ def modal_equations(eqs: EquationSet) -> ModalEquations:
     if not joints and not lines:
         return ModalEquations(eqs)
     arguments = _free_names(
-        formed, [f"{word}_{name}" for name in joints for word in ("slip", "hold")] + [f"taut_{name}" for name in lines]
+        formed,
+        [f"{word}_{name}" for name in joints for word in ("slip", "hold")]
+        + [f"taut_{name}" for name in lines],
     )
     symbols = {name: Symbol(name, SymbolKind.PARAMETER) for name in arguments}
     names = Names(formed.names.graph, {**formed.names.symbols, **symbols}, formed.names.values)
@@ -175,8 +177,8 @@ def _slackness(formed: EquationsOfMotion, row: ConstraintEquation) -> tuple[Expr
     """Return the negative value of a row, with its first and second rate."""
     graph, zero = formed.graph, number(formed.graph, 0)
     rate, acceleration = -row.drift, row.gamma
-    for u, slope in row.jacobian.items():
-        rate = rate - slope * Expr(graph, u)
+    for node, slope in row.jacobian.items():
+        rate = rate - slope * Expr(graph, node)
     for u, speed in zip(formed.u, formed.kinematics.speeds, strict=True):
         acceleration = acceleration - row.jacobian.get(speed, zero) * symbol(graph, u.derivative)
     return -row.value, rate, acceleration

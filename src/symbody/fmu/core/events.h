@@ -73,7 +73,13 @@ static int set_states(Motion *m, int *must_stop)
    a fault. */
 static int act(Motion *m, int *must_stop)
 {
-    int ended[SB_ELEMENTS + 1], changed = set_states(m, must_stop);
+    int k, ended[SB_ELEMENTS + 1], changed;
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++)
+        if (m->pending[k] && m->happened_count < SB_KEPT) {
+            m->happened[m->happened_count] = k;
+            m->happened_at[m->happened_count++] = m->time;
+        }
+    changed = set_states(m, must_stop);
     if (changed >= 0 && have_ended(m, ended)) {
         changed = switch_modes(m, ended) == SOLVED ? 1 : -1;
         look_at_sides(m);

@@ -245,20 +245,24 @@ static int set_values(
 
 /* Event mode. */
 
-static void log_event(Instance *instance, int k)
+static void log_events(Instance *instance)
 {
+    Motion *m = &instance->motion;
     char text[512];
-    int reference = k < SB_EVENTS ? AT_INDICATORS + k : AT_ELEMENTS + k - SB_EVENTS;
-    if (!instance->logs_events) return;
-    snprintf(text, sizeof text, "%s at t = %.17g", sb_names[reference], instance->motion.time);
-    deliver(instance, STATUS_OK, "logEvents", text);
+    int i;
+    for (i = 0; i < m->happened_count && instance->logs_events; i++) {
+        int k = m->happened[i], reference = k < SB_EVENTS ? AT_INDICATORS + k : AT_ELEMENTS + k - SB_EVENTS;
+        snprintf(text, sizeof text, "%s at t = %.17g", sb_names[reference], m->happened_at[i]);
+        deliver(instance, STATUS_OK, "logEvents", text);
+    }
+    m->happened_count = 0;
 }
 
 /* One update of discrete states; `next` becomes the time of the next event, infinite without one. */
 static int update(Instance *instance, const char *function, int *has_changed, int *must_stop, double *next)
 {
     Motion *m = &instance->motion;
-    int k, acted;
+    int acted;
     *has_changed = *must_stop = 0;
     if (!m->is_settled) {
         if (settle_anew(m) != SOLVED)
@@ -271,9 +275,8 @@ static int update(Instance *instance, const char *function, int *has_changed, in
         m->must_project = 0;
         *has_changed = 1;
     }
-    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++)
-        if (m->pending[k]) log_event(instance, k);
     acted = act(m, must_stop);
+    log_events(instance);
     if (acted < 0) return fail(instance, STATUS_ERROR, function, "the state after an event has no solution");
     *has_changed |= acted;
     look_for_jump(m);
@@ -318,6 +321,7 @@ static int do_step(Instance *instance, const char *function, double start, doubl
     if (settle_anew(m) != SOLVED)
         return fail(instance, STATUS_ERROR, function, "the constraints cannot be fulfilled with these parameters");
     code = go_to(m, start + length, must_stop);
+    log_events(instance);
     if (code == SB_RUNNING) return STATUS_OK;
     snprintf(text, sizeof text, "the motion cannot go on from t = %.17g: %s", m->time,
         code == SB_SINGULAR ? "the accelerations have no solution"

@@ -10,6 +10,7 @@
 enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, STEP = 16, TERMINATED = 32 };
 enum { HAS_SLOPE = 1, HAS_OUTPUTS = 2, HAS_INDICATORS = 4, HAS_CALCULATED = 8, HAS_SLOPES = 16, HAS_SIDES = 32 };
 enum { SOLVED, UNSOLVED, NOT_CLOSED };
+#define SB_KEPT 64
 
 typedef struct {
     int mode, valid, code;
@@ -20,6 +21,8 @@ typedef struct {
     int must_project;     /* the state is to be brought back onto the constraints in event mode */
     int has_modes, mode_of[SB_ELEMENTS + 1]; /* see modes.h */
     int side[SB_EVENTS + SB_ELEMENTS + 1], pending[SB_EVENTS + SB_ELEMENTS + 1];
+    int happened_count, happened[SB_KEPT];  /* events that are not yet logged */
+    double happened_at[SB_KEPT];
     double time, from, to, stop;
     double jump, jump_margin, past_jump; /* next jump of what depends on time alone; behind the last one */
     double x[SB_X + 1], settled_x[SB_X + 1];
