@@ -14,7 +14,7 @@ from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree, Type
 from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
-from symbody.fmu.variables import FmuVariable, held_states, independent_states
+from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import assembly as assembly_block
 from symbody.kernels import block
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -62,6 +62,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
     pool, places = _pool(program)
     filled = np.flatnonzero(pool)
     eqs, given = program.eqs, program.parameters
+    free = [variable.initial == "exact" for variable in variables[1 : 1 + len(eqs.state_names)]]
     tables = [
         _table("int", "sb_places", map(str, filled)),
         _numbers("sb_values", pool[filled]),
@@ -69,8 +70,8 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _numbers("sb_nominal", program.nominal),
         _numbers("sb_p", given.values),
         _numbers("sb_scales", program.constraint_scales),
-        _flags("sb_is_given", independent_states(program)),
-        _flags("sb_is_held", held_states(program)),
+        _flags("sb_is_given", free),
+        _flags("sb_is_held", held_states(program.eqs, free)),
         _flags("sb_is_fixed", [name in given.fixed for name in given.arguments]),
         _flags("sb_closes", program.closing_parameters),
         _table("int", "sb_directions", (str(event.direction) for event in program.events)),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -85,13 +85,10 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     return (*free_u, *free_q, *(True for _ in eqs.signal_state_names))
 
 
-def held_states(program: FmuProgram) -> tuple[bool, ...]:
+def held_states(eqs: EquationSet, are_free: Iterable[bool]) -> tuple[bool, ...]:
     """Return which states keep the values that were set: not quaternions, which are normalized."""
-    loose = {name for group in program.eqs.quaternions for name in group}
-    return tuple(
-        free and name not in loose
-        for name, free in zip(program.eqs.state_names, independent_states(program), strict=True)
-    )
+    loose = {name for group in eqs.quaternions for name in group}
+    return tuple(free and name not in loose for name, free in zip(eqs.state_names, are_free, strict=True))
 
 
 def _constraint_values(program: FmuProgram) -> list[Floats]:
