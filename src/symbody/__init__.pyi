@@ -107,7 +107,6 @@ from .equations import separate_derivatives as separate_derivatives
 # their code
 from .codegen import CompiledFunction as CompiledFunction
 from .codegen import compile as compile
-from .codegen import generate_code as generate_code
 
 # its configurations
 from .analysis import Redundancy as Redundancy
@@ -140,6 +139,7 @@ from .simulation import Projection as Projection
 from .simulation import Status as Status
 from .simulation import Table as Table
 from .simulation import Trajectory as Trajectory
+from .simulation import generate_code as generate_code
 from .simulation import generate_simulation as generate_simulation
 from .simulation import simulate as simulate
 from .simulation import Samples as Samples

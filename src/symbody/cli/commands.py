@@ -27,7 +27,7 @@ from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
 from symbody.cli.stages import StageBar
 from symbody.cli.summary import summary
-from symbody.codegen.compile import generate_code
+from symbody.simulation.programs.generate_code import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.outputs.equation_lines import equation_lines

@@ -9,6 +9,7 @@ from .methods.fixed_step import FixedStep as FixedStep
 from .methods.gear_gupta_leimkuhler import GGL as GGL
 from .methods.partition import Partition as Partition
 from .methods.stiff import Stiff as Stiff
+from .programs.generate_code import generate_code as generate_code
 from .programs.generate_simulation import generate_simulation as generate_simulation
 from .results.trajectory import Trajectory as Trajectory
 from .simulate import simulate as simulate

@@ -20,7 +20,7 @@ from symbody.builder.tasks.formula_blocks import (
 from symbody.builder.tasks.options import EquationOptions, read_options
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.term_sources import term_sources
-from symbody.codegen.compile import generate_code
+from symbody.simulation.programs.generate_code import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.formulations.registry import formulation_types

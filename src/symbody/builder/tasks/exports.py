@@ -12,7 +12,7 @@ from symbody.builder.task_failure import Report
 from symbody.builder.tasks.equations import equation_tabs
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.simulation import kept_run
-from symbody.codegen.compile import generate_code
+from symbody.simulation.programs.generate_code import generate_code
 from symbody.equations.form import form_equations
 from symbody.formats.python_script import model_to_script
 from symbody.model.model import Model
