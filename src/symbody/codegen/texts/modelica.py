@@ -1,8 +1,8 @@
 """Modelica text of a sequence: one flat model, whose equations are those of the sequence.
 
-Values that are read once stand where they are read, all others are variables. Linear systems are written out as
-equations, which the tool solves. What only one branch of a choice reads, and what is not defined everywhere, is
-computed in that branch alone: a Modelica tool stops at a division by zero, wherever it stands.
+Values that are read once stand where they are read, all others are variables. Linear systems are written out
+as equations, which the tool solves. What only one branch of a choice reads, and what is not defined
+everywhere, is computed in that branch alone: a Modelica tool stops at a division by zero, wherever it stands.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Final
 
 from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.lowering import constant_values, integer_exponent, refuse_user_functions
+from symbody.codegen.texts.choices import Path, find_choices
 from symbody.codegen.texts.modelica_names import quoted_names
 from symbody.codegen.texts.text_dialect import operation_formats
 from symbody.expr import opcodes as op
@@ -48,10 +49,10 @@ _FORMATS: Final = operation_formats(
 # Read several times in their format.
 _REPEATED: Final = frozenset({op.SIGN, op.EQ})
 # Not defined, or not finite, for some numbers.
-_PARTIAL: Final = frozenset({op.DIV, op.POW, op.SQRT, op.LOG, op.ASIN, op.ACOS, op.TAN, op.EXP, op.SINH, op.COSH})
+_PARTIAL: Final = frozenset(
+    {op.DIV, op.POW, op.SQRT, op.LOG, op.ASIN, op.ACOS, op.TAN, op.EXP, op.SINH, op.COSH}
+)
 _TOKEN: Final = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"|\S")
-
-Path = tuple[tuple[int, bool], ...]  # choices on the way to a value, and whether their condition holds
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +141,7 @@ class _ModelWriter:
         self._first = "z"
         while any(re.fullmatch(rf"'?{self._first}\d+(_\d+)?'?", word) for word in words):
             self._first += "z"
-        self._paths, self._reads = _paths_and_reads(sequence)
+        self._paths, self._reads = find_choices(sequence)
         self._texts: dict[int, tuple[str, int]] = {}  # each value as an operand, and how tightly it binds
         self._variables: list[str] = []
         self._equations: list[str] = []
@@ -162,7 +163,7 @@ class _ModelWriter:
             yield from (f"  {line}" for line in self._initial_equations())
         yield "equation"
         for line in (*self._equations, *states, *shown):
-            yield from _broken(f"  {line};")
+            yield from _break_line(f"  {line};")
         yield f"end {name};"
 
     # Declarations
@@ -171,7 +172,8 @@ class _ModelWriter:
         declared, words = self._declared, self._words
         outputs = {output.name: output for output in self._sequence.outputs[1:]}
         for entry in declared.parameters:
-            yield f"  parameter Real {words[entry.name]}{_attributes(entry.unit)} = {_number(entry.value or 0.0)};"
+            value = _number(entry.value or 0.0)
+            yield f"  parameter Real {words[entry.name]}{_attributes(entry.unit)} = {value};"
         for entry in declared.inputs:
             yield f"  input Real {words[entry.name]}{_attributes(entry.unit, 'start=0.0')};"
         for entry in declared.states:
@@ -216,12 +218,12 @@ class _ModelWriter:
     def _text(self, value: int, binding: int = 0) -> str:
         """Return a value as an operand, in brackets if it binds less tightly."""
         if value not in self._texts:
-            for k in self._missing(value):
+            for k in self._new_values(value):
                 self._texts[k] = self._write(k, self._sequence.operations[k])
         text, strength = self._texts[value]
         return f"({text})" if strength < binding else text
 
-    def _missing(self, value: int) -> list[int]:
+    def _new_values(self, value: int) -> list[int]:
         """Return what has to be written before and with a value, in order."""
         found: set[int] = set()
         ahead = [value]
@@ -247,6 +249,8 @@ class _ModelWriter:
         if code == op.SADDLE:
             self._linear_system(k, operation)
             return "", _ATOM
+        if code == op.ADD and self._positive(operands[1])[1]:  # a + (-b) is a - b, to the bit
+            code, operands = op.SUB, (operands[0], self._positive(operands[1])[0])
         strengths = _OPERANDS.get(code, (0, 0, 0))
         if code in _REPEATED:
             self._name_operands(operands)
@@ -315,40 +319,21 @@ class _ModelWriter:
         for value, unknown, is_subtracted in pairs:
             if self._constants.get(value) == 0.0:
                 continue
+            value, is_negated = self._positive(value)
+            is_subtracted ^= is_negated
             is_one = self._constants.get(value) == 1.0
             term = unknown if is_one else f"{self._text(value, 2)} * {unknown}"
-            if is_subtracted:
-                text += f" - {term}"
-            else:
-                text += f" + {term}" if text else term
-        return text.strip() or "0.0"
+            sign = "-" if is_subtracted else "+"
+            text = f"{text} {sign} {term}" if text else f"-{term}" if is_subtracted else term
+        return text or "0.0"
 
-
-def _paths_and_reads(sequence: Sequence) -> tuple[list[Path], list[int]]:
-    """Return for each value the choices that all its readers share, and how often it is read."""
-    count = len(sequence.operations)
-    paths: list[Path | None] = [None] * count
-    reads = [0] * count
-    for output in sequence.outputs:
-        for value in output.values:
-            paths[value] = ()
-            reads[value] += 1
-    for k in range(count - 1, -1, -1):
-        path, operation = paths[k], sequence.operations[k]
-        if path is None:
-            continue
-        for place, value in enumerate(operation.operands):
-            here = (*path, (k, place == 1)) if operation.op == op.SELECT and place > 0 else path
-            before = paths[value]
-            paths[value] = here if before is None else _shared(before, here)
-            reads[value] += 1
-    return [path or () for path in paths], reads
-
-
-def _shared(first: Path, second: Path) -> Path:
-    pairs = zip(first, second, strict=False)
-    count = next((k for k, (a, b) in enumerate(pairs) if a != b), min(len(first), len(second)))
-    return first[:count]
+    def _positive(self, value: int) -> tuple[int, bool]:
+        """Return a value without the signs in front of it, and whether they change its sign."""
+        is_negated = False
+        while self._sequence.operations[value].op == op.NEG:
+            (value,) = self._sequence.operations[value].operands
+            is_negated = not is_negated
+        return value, is_negated
 
 
 def _indices(shape: tuple[int, ...], place: int) -> str:
@@ -379,14 +364,14 @@ def _fill(kind: str, names: Items[str]) -> Iterator[str]:
     line = f"  {kind} "
     for k, name in enumerate(names):
         end = ";" if k + 1 == len(names) else ","
-        if len(line) + len(name) > _WIDTH:
+        if len(line) + len(name) >= _WIDTH:
             yield line.rstrip()
             line = "    "
         line += f"{name}{end} "
     yield line.rstrip()
 
 
-def _broken(line: str) -> Iterator[str]:
+def _break_line(line: str) -> Iterator[str]:
     """Break a line that is too long behind one of its blanks outside quotes."""
     while len(line) > _WIDTH:
         places = [match.end() for match in re.finditer(r"(?:'(?:[^'\\]|\\.)*'|[^' ])+ ", line)]

@@ -31,9 +31,7 @@ _CLOSED: Final = ("constraints", "velocity_constraints")
 _FACTOR: Final = re.compile(r"([A-Za-z]+)(?:\^(-?\d+))?")
 
 
-def modelica_model(
-    eqs: EquationSet, outputs: tuple[str, ...], parameters: Mapping[str, Value] | None
-) -> str:
+def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mapping[str, Value] | None) -> str:
     """Return the Modelica model of a mechanism.
 
     Parameters
@@ -119,9 +117,8 @@ def _free_states(eqs: EquationSet, state: State) -> tuple[bool, ...]:
     """Return which states (u, q, s) are chosen where the others follow from the constraints."""
     q, u, s = (np.array(list(group.values())) for group in (state.q, state.u, state.s))
     function = compile(eqs, ["position_jacobian", "jacobian"], state.parameters, quick=True)
-    signals = {"s": s} if s.size else {}
-    inputs = np.zeros(len(eqs.input_names))
-    by_q, jacobian = (np.asarray(value) for value in function(state.t, q, u, inputs, **signals))
+    values = function(state.t, q, u, np.zeros(len(eqs.input_names)), s=s)
+    by_q, jacobian = (np.asarray(value) for value in values)
     chosen = {eqs.speed_names[k] for k in eqs.mobility.independent_speeds}
     speeds = _free_columns(jacobian, [name in chosen for name in eqs.speed_names])
     positions = _free_columns(
@@ -132,19 +129,19 @@ def _free_states(eqs: EquationSet, state: State) -> tuple[bool, ...]:
 
 def _free_columns(matrix: Floats, is_preferred: list[bool]) -> list[bool]:
     """Return which variables of linear equations are chosen, those preferred as far as possible."""
-    rest = matrix / np.maximum(np.abs(matrix).max(axis=1, initial=0.0, keepdims=True), 1e-300)
+    matrix = matrix / np.maximum(np.abs(matrix).max(axis=1, initial=0.0, keepdims=True), 1e-300)
     free = [True] * matrix.shape[1]
     order = sorted(range(len(free)), key=lambda k: is_preferred[k])
     for wanted in (False, True):
         columns = [k for k in order if is_preferred[k] is wanted]
-        while columns and rest.shape[0]:
-            sizes = np.abs(rest[:, columns])
+        while columns and matrix.shape[0]:
+            sizes = np.abs(matrix[:, columns])
             row, place = divmod(int(sizes.argmax()), len(columns))
             if sizes[row, place] < 1e-9:
                 break
             column = columns.pop(place)
-            pivot = rest[row] / rest[row, column]
-            rest = np.delete(rest - np.outer(rest[:, column], pivot), row, axis=0)
+            pivot = matrix[row] / matrix[row, column]
+            matrix = np.delete(matrix - np.outer(matrix[:, column], pivot), row, axis=0)
             free[column] = False
     return free
 
@@ -177,10 +174,10 @@ def _product(text: str) -> str | None:
 def _remarks(eqs: EquationSet, free: tuple[str, ...], *, is_closed: bool) -> Iterator[str]:
     yield "Written by symbody from a model; SI units."
     if is_closed:
-        yield "Constraints enter by accelerations with Baumgarte's terms, which keep loops closed; lambda and the"
-        yield "accelerations follow from the linear system below. First values that are not fixed are solved for."
+        yield "Constraints enter as accelerations, with Baumgarte's terms, which keep loops closed. Those and"
+        yield "multipliers follow from linear equations. First values that are not fixed are solved for."
     if eqs.quaternions and is_closed:
-        yield "With quaternions all first values are fixed: another length or position has to be assembled anew."
+        yield "There are quaternions: all first values are fixed, and fit the values of parameters below."
     model = eqs.model
     tables = [table.name for table in model.tables] if isinstance(model, Model) else []
     inputs = [name for name in tables if name in eqs.input_names]
