@@ -19,6 +19,7 @@ from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.sequence import Output
 from tests.codegen.sequences import EXACT, LIBRARY, random_sequence
 from tests.problems.mechanisms import EXAMPLES, equations_of
+from tests.problems.test_mobility import parallelograms_inside
 
 rumoca = pytest.importorskip("rumoca", reason="needs the package rumoca")
 
@@ -56,7 +57,8 @@ def test_another_length_closes_the_loop_anew() -> None:
     eqs = equations_of("slider_crank")
     text = sb.generate_code(eqs, [], "modelica")
     length = next(word for word in eqs.parameter_names if re.search(rf"\b{word}\(unit=\"m\"\)", text))
-    value = 1.05 * float(eqs.model.parameters[length].text)
+    (number,) = re.findall(rf"\b{length}\(unit=\"m\"\) = ([^;]+);", text)
+    value = 1.05 * float(number)
     changed = re.sub(rf"(\b{length}\(unit=\"m\"\)) = [^;]+;", rf"\1 = {value!r};", text)
     result = simulate(changed, {"F": 0.0}, 0.5)
     assert np.abs(np.asarray(result["m.constraints[1]"])).max() < 1e-6
@@ -144,6 +146,18 @@ def test_motions_that_change_their_equations_are_refused() -> None:
         sb.generate_code(sb.form_equations(model), [], "modelica")
     assert caught.value.problems[0].code == "modelica.motion"
     assert "joints stick and slip" in caught.value.problems[0].what
+
+
+def test_constraints_that_follow_from_others_are_refused() -> None:
+    with pytest.raises(SymbodyError) as caught:
+        sb.generate_code(sb.form_equations(parallelograms_inside()), [], "modelica")
+    assert caught.value.problems[0].code == "modelica.constraints"
+
+
+def test_a_compiled_function_is_no_model() -> None:
+    function = sb.compile(equations_of("cart_pole"), "udot")
+    with pytest.raises(SymbodyError, match="generate_code"):
+        function.source("modelica")
 
 
 def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

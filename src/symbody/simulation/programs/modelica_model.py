@@ -51,10 +51,11 @@ def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mappi
     _check_motion(eqs)
     state = assemble(eqs, parameters=parameters or {})
     if state.has_dependent_constraints:
-        raise _refusal(
-            eqs, "some of its constraints follow from others in the closed mechanism",
-            "a Modelica tool would meet a singular linear system",
-            "free the joints that hold twice (eqs.redundancy() names them), or write an FMU by save_fmu",
+        raise UsageError(
+            Problem("modelica.constraints", eqs.model.name,
+                    "some constraints of this mechanism follow from others where it is closed",
+                    "a Modelica tool would meet a singular linear system",
+                    "free what joints hold twice (sb.redundancy(eqs) names it), or write an FMU by save_fmu")
         )  # fmt: skip
     free = _plain_parameters(eqs) if parameters is None else ()
     stabilized = Baumgarte().applied(eqs) if eqs.multiplier_names else eqs
@@ -77,15 +78,12 @@ def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mappi
 def _check_motion(eqs: EquationSet) -> None:
     reason = reason_for_simulate(eqs, InputLaws({}, {}, (), {}), None, None, has_events=False)
     if reason:
-        raise _refusal(
-            eqs, reason, "a Modelica model keeps its equations",
-            "give friction a smooth law and springs in the place of ropes, or take simulate",
+        raise UsageError(
+            Problem("modelica.motion", eqs.model.name,
+                    f"this mechanism is no Modelica model: {reason}",
+                    "a Modelica model keeps its equations",
+                    "give friction a smooth law and springs in the place of ropes, or take simulate")
         )  # fmt: skip
-
-
-def _refusal(eqs: EquationSet, reason: str, why: str, fix: str) -> UsageError:
-    what = f"this mechanism is no Modelica model: {reason}"
-    return UsageError(Problem("modelica.motion", eqs.model.name, what, why, fix))
 
 
 def _plain_parameters(eqs: EquationSet) -> tuple[str, ...]:
@@ -131,9 +129,8 @@ def _free_columns(matrix: Floats, is_preferred: list[bool]) -> list[bool]:
     """Return which variables of linear equations are chosen, those preferred as far as possible."""
     matrix = matrix / np.maximum(np.abs(matrix).max(axis=1, initial=0.0, keepdims=True), 1e-300)
     free = [True] * matrix.shape[1]
-    order = sorted(range(len(free)), key=lambda k: is_preferred[k])
     for wanted in (False, True):
-        columns = [k for k in order if is_preferred[k] is wanted]
+        columns = [k for k, preferred in enumerate(is_preferred) if preferred is wanted]
         while columns and matrix.shape[0]:
             sizes = np.abs(matrix[:, columns])
             row, place = divmod(int(sizes.argmax()), len(columns))
