@@ -132,6 +132,7 @@ from .simulation import Baumgarte as Baumgarte
 from .simulation import Event as Event
 from .simulation import Explicit as Explicit
 from .simulation import FixedStep as FixedStep
+from .simulation import FmuInput as FmuInput
 from .simulation import GGL as GGL
 from .simulation import Partition as Partition
 from .simulation import Stiff as Stiff

@@ -1,5 +1,6 @@
 from . import progress_bar as progress_bar
 from .events.events import Event as Event
+from .inputs.fmu_input import FmuInput as FmuInput
 from .inputs.tables import Table as Table
 from .inverse.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .methods.constraints import Baumgarte as Baumgarte

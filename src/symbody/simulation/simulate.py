@@ -21,8 +21,10 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, check_events
+from symbody.simulation.co_simulation.run_with_fmus import run_with_fmus
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
@@ -59,7 +61,7 @@ def simulate(
         Overrides values of the model.
     inputs : mapping of name to expression, table or callable
         In t, states and parameters, as ``{"F": "sin(omega*t)"}``; a `Table` or (times, values); a slow
-        function f(t, q, u) that returns a number. Others are 0.
+        function f(t, q, u) that returns a number; an `FmuInput`. Others are 0.
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
@@ -85,7 +87,8 @@ def simulate(
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
-    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
+    fmus = {name: law for name, law in inputs.items() if isinstance(law, FmuInput)}
+    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
     notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
@@ -94,7 +97,10 @@ def simulate(
     with show_progress(progress, "motion") as report:
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
-        run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
+        if fmus:
+            run, problem = run_with_fmus(plan, fmus)
+        else:
+            run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
     return _annotate(run, eqs, problem, first, notes)
 
 
