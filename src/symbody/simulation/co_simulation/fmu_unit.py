@@ -20,9 +20,7 @@ _REALS: Final = frozenset({"Real", "Float64"})
 
 
 @contextmanager
-def open_unit(
-    inputs: Mapping[str, FmuInput], start: float, values: Sequence[float]
-) -> Iterator[FmuUnit]:
+def open_unit(inputs: Mapping[str, FmuInput], start: float, values: Sequence[float]) -> Iterator[FmuUnit]:
     """Give an instance of an FMU that is initialized; it ends with the block, whatever happens there.
 
     Parameters
@@ -206,9 +204,7 @@ def _read_description(fmpy: Any, law: FmuInput, where: str) -> Any:
     return description
 
 
-def variable_places(
-    description: Any, law: FmuInput, outputs: Sequence[str], where: str
-) -> dict[str, int]:
+def variable_places(description: Any, law: FmuInput, outputs: Sequence[str], where: str) -> dict[str, int]:
     """Return the value references of what is read and set.
 
     Raises
@@ -217,7 +213,9 @@ def variable_places(
         With every variable that is not there, or is no real number.
     """
     variables = {variable.name: variable for variable in description.modelVariables}
-    reals = {name for name, variable in variables.items() if variable.type in _REALS and not variable.dimensions}
+    reals = {
+        name for name, variable in variables.items() if variable.type in _REALS and not variable.dimensions
+    }
     purposes = (("output", outputs), ("reads", [*law.reads]), ("parameters", [*law.parameters]))
     problems = []
     for purpose, names in purposes:

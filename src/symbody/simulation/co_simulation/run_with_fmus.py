@@ -29,11 +29,10 @@ Floats = NDArray[np.float64]
 # Shares of the shortest step within which two times are one.
 _ONE_INSTANT: Final = 1e-6
 _MOST_NOTES: Final = 8
+_ZERO: Final = Table((0.0, 1.0), (0.0, 0.0))
 
 
-def run_with_fmus(
-    plan: MotionPlan, inputs: Mapping[str, FmuInput]
-) -> tuple[Trajectory, SimulationProblem]:
+def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Trajectory, SimulationProblem]:
     """Return a motion whose `inputs` FMUs compute, and its problem with what they computed as tables.
 
     Raises
@@ -64,7 +63,7 @@ def run_with_fmus(
             values = _values(_with_values(problem, held), reader, start, x)
             unit = stack.enter_context(open_unit(group, start, values))
             units.append(_Sampled(group, unit, reader, start))
-        return _Run(plan, units, held).go()
+        return _Run(plan, units, held, _with_values(problem, held)).go()
 
 
 @dataclass(slots=True)
@@ -100,11 +99,22 @@ class _Sampled:
 
 @dataclass(slots=True)
 class _Run:
-    """The motion so far."""
+    """The motion so far.
+
+    Attributes
+    ----------
+    held : dict of str to float
+        The inputs at present, which `problem` has as constants.
+    record : list of (float, dict)
+        When samples were taken, and what was held from then on.
+    stored, steps : int
+        How many samples of the motion there are, and how many steps were tried.
+    """
 
     plan: MotionPlan
     units: Sequence[_Sampled]
     held: dict[str, float]
+    problem: SimulationProblem
     parts: list[Trajectory] = field(default_factory=list)
     record: list[tuple[float, dict[str, float]]] = field(default_factory=list)
     stored: int = 0
@@ -129,17 +139,17 @@ class _Run:
 
     def _sample(self, t: float, x: Floats, width: float) -> None:
         """Let those FMUs compute that are due, all from the values held until now."""
-        problem = _with_values(self.plan.integration.problem, self.held)
         due = [unit for unit in self.units if unit.due <= t + width]
-        given = [_values(problem, unit.reader, t, x) for unit in due]
+        given = [_values(self.problem, unit.reader, t, x) for unit in due]
         for unit, values in zip(due, given, strict=True):
             self.held = {**self.held, **unit.sample(values)}
         self.record.append((t, self.held))
+        self.problem = _with_values(self.problem, self.held)
 
     def _part(self, x: Floats, span: tuple[float, float], width: float) -> Trajectory:
         integration = self.plan.integration
         part = integration.part(x, span, self._times(span, width), self.steps)
-        part = replace(part, problem=_with_values(integration.problem, self.held))
+        part = replace(part, problem=self.problem)
         plan = replace(self.plan, integration=part)
         run = run_switching(plan) if switches(integration.eqs.formed) else run_with_jumps(plan)
         self.parts.append(run)
@@ -187,7 +197,7 @@ def _steps(times: list[float], values: list[float]) -> Table:
 
 def _with_values(problem: SimulationProblem, held: Mapping[str, float]) -> SimulationProblem:
     """Return a problem whose inputs have constant values."""
-    tables = {name: Table((0.0, 1.0), (value, value)) for name, value in held.items()}
+    tables = {name: _ZERO.raised(value) for name, value in held.items()}
     return replace(problem, laws=_with_tables(problem.laws, tables))
 
 
@@ -235,7 +245,8 @@ def _values(problem: SimulationProblem, reader: CompiledFunction | None, t: floa
     n_u = len(problem.eqs.speed_names)
     u, q = x[:n_u], x[n_u:]
     inputs = np.array(problem.laws.evaluate(t, q, u))
-    values = [float(value) for value in reader(t, q, u, inputs)]
+    computed = reader(t, q, u, inputs)
+    values = [float(value) for value in (computed if len(reader.outputs) > 1 else (computed,))]
     faults = list(_not_finite(reader, values))
     if faults:
         what = f"at t = {t:.9g} s {', '.join(faults)}"
