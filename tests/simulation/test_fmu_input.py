@@ -8,8 +8,9 @@ import re
 import shutil
 import zipfile
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -24,10 +25,12 @@ pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compile
 GAINS = {"Kx": 1.0, "Kv": 2.0, "Kt": -30.0, "Kw": -8.0, "Ki": 0.5}
 READS = {"x": "x", "v": "x_dot", "phi": "theta", "w": "theta_dot"}
 STEP = 0.01
+Version = Literal["2.0", "3.0"]
+Maker = Callable[[Version], Path]
 
 
 @pytest.fixture(scope="module")
-def controller(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def controller(tmp_path_factory: pytest.TempPathFactory) -> Maker:
     """Return the FMU of a controller of the cart-pole: state feedback and a filtered position."""
     folder = tmp_path_factory.mktemp("controllers")
     eqs = sb.form_equations(
@@ -44,7 +47,7 @@ def controller(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path
         )
     )
 
-    def make(version: str) -> Path:
+    def make(version: Version) -> Path:
         path = folder / f"controller_{version[0]}.fmu"
         if not path.exists():
             sb.save_fmu(eqs, path, version, outputs=["F", "twice", "root"], sources=False)
@@ -58,7 +61,7 @@ def in_python(end: float, gains: Mapping[str, float] = GAINS, *, is_late: bool =
     stepper = sb.Stepper(equations_of("cart_pole"), STEP, initial={"theta": 0.2}, rtol=1e-11)
     e, F = 0.0, gains["Kt"] * 0.2
     for _ in range(round(end / STEP)):
-        x, v, phi, w = (stepper[name] for name in READS.values())
+        x, v, phi, w = (float(stepper[name]) for name in READS.values())
         e = x + (e - x) * math.exp(-STEP)
         new = (gains["Kx"] * x + gains["Kv"] * v + gains["Kt"] * phi + gains["Kw"] * w) + gains["Ki"] * e
         stepper.step(F=float(F if is_late else new))
@@ -72,7 +75,7 @@ def balance(law: sb.FmuInput, end: float = 2.0, **more: Any) -> sb.Trajectory:
 
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 @pytest.mark.parametrize("is_late", [False, True])
-def test_loop_equals_steps_in_python(controller: Callable[[str], Path], version: str, is_late: bool) -> None:
+def test_loop_equals_steps_in_python(controller: Maker, version: Version, is_late: bool) -> None:
     law = sb.FmuInput(controller(version), "F", READS, STEP, is_late=is_late)
     run, stepper = balance(law), in_python(2.0, is_late=is_late)
     assert run.success
@@ -80,7 +83,7 @@ def test_loop_equals_steps_in_python(controller: Callable[[str], Path], version:
         assert run[name][-1] == pytest.approx(stepper[name], abs=1e-9), name
 
 
-def test_values_are_held_between_samples(controller: Callable[[str], Path]) -> None:
+def test_values_are_held_between_samples(controller: Maker) -> None:
     times = np.linspace(0.0, 0.1, 41)
     run = balance(sb.FmuInput(controller("2.0"), "F", READS, STEP), 0.1, times=times)
     assert (run.t == times).all()
@@ -93,15 +96,15 @@ def test_values_are_held_between_samples(controller: Callable[[str], Path]) -> N
     assert every["energy"] - every["energy"][0] == pytest.approx(every["work"], abs=1e-8)
 
 
-def test_saved_motion_knows_its_inputs(controller: Callable[[str], Path], tmp_path: Path) -> None:
+def test_saved_motion_knows_its_inputs(controller: Maker, tmp_path: Path) -> None:
     run = balance(sb.FmuInput(controller("2.0"), "F", READS, STEP), 0.1, times=np.linspace(0.0, 0.095, 20))
     run.save(tmp_path / "run.npz")
-    again = sb.load_trajectory(tmp_path / "run.npz")
+    again = sb.Trajectory.load(tmp_path / "run.npz")
     assert again["F"] == pytest.approx(run["F"], abs=1e-15)
     assert again["x_ddot"] == pytest.approx(run["x_ddot"], abs=1e-9)
 
 
-def test_parameters_expressions_and_last_piece(controller: Callable[[str], Path]) -> None:
+def test_parameters_expressions_and_last_piece(controller: Maker) -> None:
     gains = GAINS | {"Kt": -40.0}
     reads = READS | {"phi": "2*theta - 'theta'"}
     law = sb.FmuInput(controller("2.0"), "F", reads, STEP, {"Kt": -40.0})
@@ -109,7 +112,7 @@ def test_parameters_expressions_and_last_piece(controller: Callable[[str], Path]
     assert balance(law, 0.0351).t[-1] == 0.0351  # no whole number of steps
 
 
-def test_inputs_by_one_instance(controller: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_inputs_by_one_instance(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
     calls = watch_instances(monkeypatch)
     reads = {"x": "theta1", "v": "theta1_dot"}
     eqs = equations_of("rr_robot")
@@ -121,7 +124,7 @@ def test_inputs_by_one_instance(controller: Callable[[str], Path], monkeypatch: 
     assert calls == ["instantiate", "terminate", "freeInstance"]
 
 
-def test_samples_of_different_steps(controller: Callable[[str], Path]) -> None:
+def test_samples_of_different_steps(controller: Maker) -> None:
     eqs = equations_of("rr_robot")
     name = eqs.coordinate_names[0]
     laws = {
@@ -134,7 +137,7 @@ def test_samples_of_different_steps(controller: Callable[[str], Path]) -> None:
     assert changes["T2"] == pytest.approx([0.15, 0.3, 0.45])
 
 
-def test_loops_stay_closed_and_events_stop(controller: Callable[[str], Path]) -> None:
+def test_loops_stay_closed_and_events_stop(controller: Maker) -> None:
     law = sb.FmuInput(controller("2.0"), "F", {"x": "s", "v": "s_dot"}, 0.02)
     eqs = equations_of("slider_crank")
     run = sb.simulate(eqs, 1.0, inputs={"F": law})
@@ -154,14 +157,14 @@ def problem_of(call: Callable[[], object]) -> Any:
     return caught.value.problems[0]
 
 
-def test_step_is_needed(controller: Callable[[str], Path]) -> None:
+def test_step_is_needed(controller: Maker) -> None:
     assert problem_of(lambda: sb.FmuInput(controller("2.0"), "F", READS)).code == "fmu_input.step"
     assert problem_of(lambda: sb.FmuInput(controller("2.0"), "F", READS, -1.0)).code == "fmu_input.step"
 
 
-def test_names_have_suggestions(controller: Callable[[str], Path]) -> None:
+def test_names_have_suggestions(controller: Maker) -> None:
     path = controller("2.0")
-    assert "'F'" in problem_of(lambda: balance(sb.FmuInput(path, "f", READS, STEP))).fix
+    assert "'twice'" in problem_of(lambda: balance(sb.FmuInput(path, "twic", READS, STEP))).fix
     fault = problem_of(lambda: balance(sb.FmuInput(path, "F", {"phy": "theta"}, STEP)))
     assert fault.code == "fmu_input.variable" and "'phi'" in fault.fix
     fault = problem_of(lambda: balance(sb.FmuInput(path, "F", {"theta": "phi"}, STEP)))
@@ -175,7 +178,7 @@ def test_names_have_suggestions(controller: Callable[[str], Path]) -> None:
     )
 
 
-def test_no_fmpy(controller: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_fmpy(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
     usual = importlib.import_module
 
     def refuse(name: str, *more: Any) -> Any:
@@ -196,7 +199,7 @@ def rewrite(path: Path, target: Path, change: Callable[[str, bytes], tuple[str, 
     return target
 
 
-def test_files_that_cannot_be_stepped_here(controller: Callable[[str], Path], tmp_path: Path) -> None:
+def test_files_that_cannot_be_stepped_here(controller: Maker, tmp_path: Path) -> None:
     path = controller("2.0")
 
     def for_another(entry: str, data: bytes) -> tuple[str, bytes]:
@@ -217,12 +220,13 @@ def test_files_that_cannot_be_stepped_here(controller: Callable[[str], Path], tm
         ),
     }
     for code, file in files.items():
-        assert problem_of(lambda file=file: balance(sb.FmuInput(file, "F", READS, STEP))).code == code
+        law = sb.FmuInput(file, "F", READS, STEP)
+        assert problem_of(partial(balance, law)).code == code
     missing = problem_of(lambda: balance(sb.FmuInput(tmp_path / "none.fmu", "F", READS, STEP)))
     assert missing.code == "fmu_input.file"
 
 
-def test_where_no_motion_is_computed_at_once(controller: Callable[[str], Path]) -> None:
+def test_where_no_motion_is_computed_at_once(controller: Maker) -> None:
     eqs, law = equations_of("cart_pole"), sb.FmuInput(controller("2.0"), "F", READS, STEP)
     calls: list[Callable[[], object]] = [
         lambda: sb.Stepper(eqs, 0.01, inputs={"F": law}),
@@ -253,23 +257,33 @@ def watch_instances(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return calls
 
 
-def test_instances_end_with_the_motion(
-    controller: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_instances_end_with_the_motion(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
     calls = watch_instances(monkeypatch)
-    law = sb.FmuInput(controller("2.0"), "F", READS, STEP)
+    law = sb.FmuInput(controller("2.0"), "F", {"x": "t"}, 0.05)
 
-    def fail(share: float) -> bool:
-        if share > 0.5:
+    def fail(t: float, q: object, u: object) -> float:
+        if t > 0.2:
             raise RuntimeError("broken off")
-        return True
+        return 0.0
 
-    with pytest.raises(RuntimeError, match="broken off"):
-        balance(law, progress=fail)
+    fault = problem_of(lambda: sb.simulate(equations_of("rr_robot"), 1.0, inputs={"T1": law, "T2": fail}))
+    assert "broken off" in fault.what
     assert calls == ["instantiate", "terminate", "freeInstance"]
 
 
-def test_numbers_that_are_none(controller: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_progress_ends_the_motion(controller: Maker) -> None:
+    shares: list[float] = []
+
+    def report(share: float) -> bool:
+        shares.append(share)
+        return share < 0.5
+
+    run = balance(sb.FmuInput(controller("2.0"), "F", READS, STEP), 1.0, progress=report)
+    assert run.status is sb.Status.INTERRUPTED and run.t[-1] == pytest.approx(0.5)
+    assert shares == sorted(shares) and len(shares) >= 49
+
+
+def test_numbers_that_are_none(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
     calls = watch_instances(monkeypatch)
     law = sb.FmuInput(controller("2.0"), "root", {"x": "10*t"}, STEP)
     fault = problem_of(lambda: balance(law))

@@ -20,11 +20,9 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
+from symbody.simulation.co_simulation.run_with_fmus import run_motion
 from symbody.simulation.events.events import Event, check_events
-from symbody.simulation.co_simulation.run_with_fmus import run_with_fmus
-from symbody.simulation.hybrid.rate_jumps import run_with_jumps
-from symbody.simulation.hybrid.switching import run_switching, switches
-from symbody.simulation.inputs.fmu_input import FmuInput
+from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
@@ -87,7 +85,6 @@ def simulate(
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
-    fmus = {name: law for name, law in inputs.items() if isinstance(law, FmuInput)}
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
@@ -97,10 +94,7 @@ def simulate(
     with show_progress(progress, "motion") as report:
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
-        if fmus:
-            run, problem = run_with_fmus(plan, fmus)
-        else:
-            run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
+        run, problem = run_motion(plan, inputs)
     return _annotate(run, eqs, problem, first, notes)
 
 

@@ -46,7 +46,8 @@ def open_unit(inputs: Mapping[str, FmuInput], start: float, values: Sequence[flo
     outputs = [each.output for each in inputs.values()]
     places = variable_places(description, law, outputs, where)
     folder = fmpy.extract(law.path)
-    unit = FmuUnit(_instance(description, folder), law, where, places)
+    is_third = description.fmiVersion.startswith("3.")
+    unit = FmuUnit(_instance(description, folder), law, where, places, is_third=is_third)
     try:
         unit.begin(start, values)
         yield unit
@@ -64,9 +65,13 @@ class FmuUnit:
         FMPy's, not yet instantiated.
     places : mapping of str to int
         Value references of all variables that are set or read.
+    is_third : bool
+        Whether it is of FMI 3.0.
     """
 
-    def __init__(self, fmu: Any, law: FmuInput, where: str, places: Mapping[str, int]) -> None:
+    def __init__(
+        self, fmu: Any, law: FmuInput, where: str, places: Mapping[str, int], *, is_third: bool
+    ) -> None:
         self._fmu = fmu
         self._law = law
         self._where = where
@@ -76,7 +81,7 @@ class FmuUnit:
         self._time = 0.0
         self._is_alive = False
         self._worst = 0
-        is_third = hasattr(fmu, "setFloat64")
+        self._is_third = is_third
         self._set = fmu.setFloat64 if is_third else fmu.setReal
         self._get = fmu.getFloat64 if is_third else fmu.getReal
 
@@ -94,11 +99,11 @@ class FmuUnit:
             self._is_alive = True
             if self._parameters:
                 self._set(self._parameters, [float(value) for value in self._law.parameters.values()])
-            if hasattr(self._fmu, "setupExperiment"):  # FMI 2.0
+            if self._is_third:
+                self._fmu.enterInitializationMode(startTime=start)
+            else:
                 self._fmu.setupExperiment(startTime=start)
                 self._fmu.enterInitializationMode()
-            else:
-                self._fmu.enterInitializationMode(startTime=start)
             self._give(values)
             self._fmu.exitInitializationMode()
 
@@ -174,8 +179,9 @@ def _fmpy(where: str) -> Any:
 def _read_description(fmpy: Any, law: FmuInput, where: str) -> Any:
     """Return the description of an FMU that can be stepped on this machine."""
     try:
-        description = fmpy.read_model_description(law.path)
-        platforms = fmpy.supported_platforms(law.path)
+        with open(law.path, "rb") as file:  # FMPy leaves a file open that it refuses
+            description = fmpy.read_model_description(file)
+            platforms = fmpy.supported_platforms(file)
     except (OSError, zipfile.BadZipFile, KeyError) as error:
         raise UsageError(
             Problem("fmu_input.file", where, f"{law.path} cannot be read as an FMU: {error}", "",

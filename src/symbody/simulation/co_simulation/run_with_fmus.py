@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -30,6 +30,18 @@ Floats = NDArray[np.float64]
 _ONE_INSTANT: Final = 1e-6
 _MOST_NOTES: Final = 8
 _ZERO: Final = Table((0.0, 1.0), (0.0, 0.0))
+
+
+def run_motion(plan: MotionPlan, inputs: Mapping[str, object]) -> tuple[Trajectory, SimulationProblem]:
+    """Return a motion whose `inputs` FMUs may compute, and its problem.
+
+    Raises
+    ------
+    UsageError, SimulationError
+        As `run_with_fmus`.
+    """
+    fmus = {name: law for name, law in inputs.items() if isinstance(law, FmuInput)}
+    return run_with_fmus(plan, fmus) if fmus else (_run_part(plan), plan.integration.problem)
 
 
 def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Trajectory, SimulationProblem]:
@@ -62,114 +74,132 @@ def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Tra
         for group, reader in zip(groups.values(), readers, strict=True):
             values = _values(_with_values(problem, held), reader, start, x)
             unit = stack.enter_context(open_unit(group, start, values))
-            units.append(_Sampled(group, unit, reader, start))
-        return _Run(plan, units, held, _with_values(problem, held)).go()
+            units.append(_SampledUnit(group, unit, reader, start))
+        return _Run(plan, units, held).go()
 
 
-@dataclass(slots=True)
-class _Sampled:
-    """An FMU with the inputs it computes, and when it takes its next sample."""
+class _SampledUnit:
+    """An FMU with the inputs it computes, and when it takes its next sample.
 
-    inputs: Mapping[str, FmuInput]
-    unit: FmuUnit
-    reader: CompiledFunction | None
-    start: float
-    samples: int = 0
+    Attributes
+    ----------
+    reader : CompiledFunction or None
+        What computes the values that it reads.
+    period : float
+        Seconds between samples.
+    """
 
-    @property
-    def period(self) -> float:
-        """Seconds between samples."""
-        return next(iter(self.inputs.values())).period
+    def __init__(
+        self, inputs: Mapping[str, FmuInput], unit: FmuUnit, reader: CompiledFunction | None, start: float
+    ) -> None:
+        self.reader = reader
+        self.period = next(iter(inputs.values())).period
+        self._inputs = inputs
+        self._unit = unit
+        self._start = start
+        self._samples = 0
 
     @property
     def due(self) -> float:
         """When the next sample is taken [s]."""
-        return self.start + self.samples * self.period
+        return self._start + self._samples * self.period
 
     def sample(self, values: Sequence[float]) -> dict[str, float]:
         """Take a step; return the new values of the inputs."""
-        late = {name: self.unit.output(law.output) for name, law in self.inputs.items() if law.is_late}
-        self.unit.step(values, self.due, self.period)
-        self.samples += 1
-        return {
-            name: late[name] if law.is_late else self.unit.output(law.output)
-            for name, law in self.inputs.items()
-        }
+        laws = self._inputs
+        before = {name: self._unit.output(law.output) for name, law in laws.items() if law.is_late}
+        self._unit.step(values, self.due, self.period)
+        self._samples += 1
+        behind = {name: self._unit.output(law.output) for name, law in laws.items() if not law.is_late}
+        return before | behind
 
 
-@dataclass(slots=True)
 class _Run:
     """The motion so far.
 
-    Attributes
+    Parameters
     ----------
-    held : dict of str to float
-        The inputs at present, which `problem` has as constants.
-    record : list of (float, dict)
-        When samples were taken, and what was held from then on.
-    stored, steps : int
-        How many samples of the motion there are, and how many steps were tried.
+    plan : MotionPlan
+        Of the whole motion.
+    units : sequence of _SampledUnit
+        The FMUs, initialized.
+    held : mapping of str to float
+        The inputs before the first sample.
     """
 
-    plan: MotionPlan
-    units: Sequence[_Sampled]
-    held: dict[str, float]
-    problem: SimulationProblem
-    parts: list[Trajectory] = field(default_factory=list)
-    record: list[tuple[float, dict[str, float]]] = field(default_factory=list)
-    stored: int = 0
-    steps: int = 0
+    def __init__(self, plan: MotionPlan, units: Sequence[_SampledUnit], held: Mapping[str, float]) -> None:
+        self._plan = plan
+        self._units = units
+        self._held = dict(held)
+        self._problem = _with_values(plan.integration.problem, held)  # has what is held as constants
+        self._parts: list[Trajectory] = []
+        self._record: list[tuple[float, dict[str, float]]] = []  # samples, and what was held from then on
+        self._stored = 0  # samples of the motion
+        self._steps = 0
 
     def go(self) -> tuple[Trajectory, SimulationProblem]:
         """Return the whole motion, and its problem with tables for what was held."""
-        integration = self.plan.integration
+        try:
+            self._march()
+        except KeyboardInterrupt:  # between two parts: what came before is kept
+            if not self._parts:
+                raise
+            self._parts[-1] = replace(self._parts[-1], status=Status.INTERRUPTED)
+        return self._whole(), self._problem_of_record(self._plan.integration.span[1])
+
+    def _march(self) -> None:
+        """Go from sample to sample until the motion ends."""
+        integration = self._plan.integration
         (t, end), x = integration.span, integration.state
-        width = _ONE_INSTANT * min(unit.period for unit in self.units)
+        width = _ONE_INSTANT * min(unit.period for unit in self._units)
         while True:
             self._sample(t, x, width)
-            stop = min(unit.due for unit in self.units)
+            stop = min(unit.due for unit in self._units)
             stop = end if stop >= end - width else stop
             part = self._part(x, (t, stop), width)
             if part.status is not Status.SUCCESS or stop == end:
-                break
+                return
+            if integration.progress is not None:  # parts are too short for reports of their own
+                share = (stop - integration.span[0]) / (end - integration.span[0])
+                if integration.progress(share) is False:
+                    raise KeyboardInterrupt
             dense = part.dense_output
             x = np.zeros(0) if dense is None else np.array(dense(dense.breaks[-1:])[:, 0])
             t = stop
-        return self._whole(), self._problem_of_record(end)
 
     def _sample(self, t: float, x: Floats, width: float) -> None:
         """Let those FMUs compute that are due, all from the values held until now."""
-        due = [unit for unit in self.units if unit.due <= t + width]
-        given = [_values(self.problem, unit.reader, t, x) for unit in due]
+        due = [unit for unit in self._units if unit.due <= t + width]
+        given = [_values(self._problem, unit.reader, t, x) for unit in due]
         for unit, values in zip(due, given, strict=True):
-            self.held = {**self.held, **unit.sample(values)}
-        self.record.append((t, self.held))
-        self.problem = _with_values(self.problem, self.held)
+            self._held = {**self._held, **unit.sample(values)}
+        self._record.append((t, self._held))
+        self._problem = _with_values(self._problem, self._held)
 
     def _part(self, x: Floats, span: tuple[float, float], width: float) -> Trajectory:
-        integration = self.plan.integration
-        part = integration.part(x, span, self._times(span, width), self.steps)
-        part = replace(part, problem=self.problem)
-        plan = replace(self.plan, integration=part)
-        run = run_switching(plan) if switches(integration.eqs.formed) else run_with_jumps(plan)
-        self.parts.append(run)
-        self.stored += run.t.size
-        self.steps += run.statistics.accepted + (run.statistics.rejected or 0)
+        integration = self._plan.integration
+        part = integration.part(x, span, self._times(span, width), self._steps)
+        part = replace(part, problem=self._problem)
+        plan = replace(self._plan, integration=part)
+        run = _run_part(plan)
+        self._parts.append(run)
+        self._stored += run.t.size
+        self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
         return run
 
     def _times(self, span: tuple[float, float], width: float) -> Floats | None:
         """Return the times to store in a part; one at a sample belongs to the part behind."""
-        integration = self.plan.integration
+        integration = self._plan.integration
         if integration.times is None:
             return None
         times = np.asarray(integration.times, dtype=np.float64)
         is_last = span[1] == integration.span[1]
         last = times.size if is_last else int(np.searchsorted(times, span[1] - width))
-        return np.clip(times[self.stored : last], *span)
+        return np.clip(times[self._stored : last], *span)
 
     def _whole(self) -> Trajectory:
-        integration = self.plan.integration
-        run = concatenate(self.parts, [event for part in self.parts for event in part.events], {})
+        integration = self._plan.integration
+        run = concatenate(self._parts, [event for part in self._parts for event in part.events], {})
         if integration.times is not None:
             run = replace(run, t=np.asarray(integration.times)[: run.t.size].copy())
         if len(run.notes) > _MOST_NOTES:
@@ -179,14 +209,18 @@ class _Run:
 
     def _problem_of_record(self, end: float) -> SimulationProblem:
         """Return the problem with tables of the values that were held."""
-        t = [time for time, _ in self.record]
+        t = [time for time, _ in self._record]
         times = [time for pair in zip(t, [*t[1:], max(end, t[-1])], strict=True) for time in pair]
         tables = {
-            name: _steps(times, [held[name] for _, held in self.record for _ in range(2)])
-            for name in self.held
+            name: _steps(times, [held[name] for _, held in self._record for _ in range(2)])
+            for name in self._held
         }  # fmt: skip
-        problem = self.plan.integration.problem
+        problem = self._plan.integration.problem
         return replace(problem, laws=_with_tables(problem.laws, tables))
+
+
+def _run_part(plan: MotionPlan) -> Trajectory:
+    return run_switching(plan) if switches(plan.integration.eqs.formed) else run_with_jumps(plan)
 
 
 def _steps(times: list[float], values: list[float]) -> Table:
@@ -197,7 +231,7 @@ def _steps(times: list[float], values: list[float]) -> Table:
 
 def _with_values(problem: SimulationProblem, held: Mapping[str, float]) -> SimulationProblem:
     """Return a problem whose inputs have constant values."""
-    tables = {name: _ZERO.raised(value) for name, value in held.items()}
+    tables = {name: _ZERO.shift_values(value) for name, value in held.items()}
     return replace(problem, laws=_with_tables(problem.laws, tables))
 
 

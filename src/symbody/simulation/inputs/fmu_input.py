@@ -16,9 +16,9 @@ from symbody.errors import Problem, UsageError
 class FmuInput:
     """The law of an input that an FMU computes from samples of the motion, held between them.
 
-    At each sample the FMU is given what it `reads`, takes one step, and what it then has as its `output` is the
-    input until the next sample. It runs foreign code: use FMUs that you trust. Several inputs by one FMU, which
-    differ in their `output` alone, share one instance.
+    At each sample the FMU is given what it `reads` and takes one step; what it then has as its `output` is
+    the input until the next sample. This runs foreign code: use FMUs that you trust. Several inputs by one
+    FMU, which differ in their `output` alone, share one instance.
 
     Parameters
     ----------
@@ -34,8 +34,8 @@ class FmuInput:
     parameters : mapping of str to float
         What variables of the FMU are set to before it is initialized.
     is_late : bool
-        Whether an output acts only when the FMU's own time has reached it, one sample later; at first there is
-        what the FMU has after its initialization.
+        Whether an output acts only when the FMU's own time has reached it, one sample later; at first there
+        is what the FMU has after its initialization.
 
     Raises
     ------

@@ -110,7 +110,7 @@ class Table:
         times, values = zip(*read_points(place, place, *given), strict=True)
         return cls(times, values, kind, outside)
 
-    def raised(self, change: float) -> Table:
+    def shift_values(self, change: float) -> Table:
         """Return this table with all values larger by a number; nothing is checked again."""
         made = copy(self)
         pieces = self._pieces.copy()
