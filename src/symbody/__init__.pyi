@@ -109,7 +109,6 @@ from .equations import separate_derivatives as separate_derivatives
 # their code
 from .codegen import CompiledFunction as CompiledFunction
 from .codegen import compile as compile
-from .codegen import generate_code as generate_code
 
 # its configurations
 from .analysis import Redundancy as Redundancy
@@ -135,6 +134,7 @@ from .simulation import Baumgarte as Baumgarte
 from .simulation import Event as Event
 from .simulation import Explicit as Explicit
 from .simulation import FixedStep as FixedStep
+from .simulation import FmuInput as FmuInput
 from .simulation import GGL as GGL
 from .simulation import Partition as Partition
 from .simulation import Stiff as Stiff
@@ -142,6 +142,7 @@ from .simulation import Projection as Projection
 from .simulation import Status as Status
 from .simulation import Table as Table
 from .simulation import Trajectory as Trajectory
+from .simulation import generate_code as generate_code
 from .simulation import generate_simulation as generate_simulation
 from .simulation import simulate as simulate
 from .simulation import Samples as Samples

@@ -20,9 +20,9 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
+from symbody.simulation.co_simulation.run_with_fmus import run_motion
 from symbody.simulation.events.events import Event, check_events
-from symbody.simulation.hybrid.rate_jumps import run_with_jumps
-from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
@@ -61,7 +61,7 @@ def simulate(
         Overrides values of the model.
     inputs : mapping of name to expression, table or callable
         In t, states and parameters, as ``{"F": "sin(omega*t)"}``; a `Table` or (times, values); a slow
-        function f(t, q, u) that returns a number. Others are 0.
+        function f(t, q, u) that returns a number; an `FmuInput`. Others are 0.
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
@@ -87,7 +87,7 @@ def simulate(
     watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
     held = held_signals(eqs, span, parameters, initial, inputs)
     inputs, initial = {**inputs, **held.laws}, held.others(initial)
-    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
+    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = held.pose(pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first), watched)
     notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
@@ -96,7 +96,7 @@ def simulate(
     with show_progress(progress, "motion") as report:
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
-        run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
+        run, problem = run_motion(plan, inputs)
     return _annotate(run, problem, first, notes, held)
 
 

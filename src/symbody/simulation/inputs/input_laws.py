@@ -21,12 +21,13 @@ from symbody.errors import Problem, SimulationError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model
 from symbody.model.tables.lookup import Lookup
+from symbody.simulation.inputs.fmu_input import FmuInput, refuse_fmu_inputs
 from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.tables import Table, table_numbers
 
 Floats = NDArray[np.float64]
 Callback = Callable[[float, Floats, Floats], float]
-Law = Value | Table | tuple[ArrayLike, ArrayLike] | Callback
+Law = Value | Table | tuple[ArrayLike, ArrayLike] | Callback | FmuInput
 
 # Differences of a law are taken over a share of the state, or of this where the state is smaller.
 _SHARE: Final = 1.5e-8  # the root of what numbers are rounded by
@@ -136,21 +137,33 @@ def input_laws(
     given: Mapping[str, Law],
     span: tuple[float, float],
     coordinates: int | None = None,
+    *,
+    has_fmus: bool = False,
 ) -> InputLaws:
     """Return the laws of inputs; those without one are 0, and unknown names are left to `compile`.
+
+    Parameters
+    ----------
+    has_fmus : bool
+        Whether FMUs may compute inputs; these are 0 until a first sample is taken.
 
     Raises
     ------
     UsageError
-        If a table cannot be read or does not reach over the span.
+        If a table cannot be read or does not reach over the span, or FMUs have no place here.
     """
+    if not has_fmus:
+        refuse_fmu_inputs(given)
     formulas: dict[str, Value] = dict.fromkeys(names, 0)
     callbacks: dict[str, Callback] = {}
     long: dict[str, Table] = {}
     notes = []
     for name, law in given.items():
         table = Table(*law) if isinstance(law, tuple) else law
-        if isinstance(table, Table):
+        if isinstance(table, FmuInput):
+            long[name] = Table((0.0, 1.0), (0.0, 0.0))
+            callbacks[name] = long[name].reader()
+        elif isinstance(table, Table):
             table.check_span(name, *span)
             if table.is_short:
                 formulas[name] = table.formula()
