@@ -21,6 +21,7 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import assembly as at
 from symbody.kernels import block
 from symbody.kernels import first_state as places
@@ -35,6 +36,9 @@ _OUTPUTS: Final = (
 )  # fmt: skip
 # Speeds and coordinates above which rows are not made independent one by one.
 _MOST_STATES: Final = 300
+# Speeds from which on a tree has no code of its own for first states: compiling takes a share of the time to
+# the first motion then, and the code of motions gives the accelerations too.
+LARGE_TREE: Final = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +50,9 @@ class PlainState:
     start, q : (n_q,) array
         Where the search began, and where it ended.
     u, udot, multipliers : (n_u,), (n_u,), (n_c,) array
-    residual, kinetic_energy : float
+    residual : float
+    kinetic_energy : float or None
+        None where it was not computed.
     is_regular : bool
         Whether all constraints that are not 0 = 0 are independent by a wide margin.
     """
@@ -57,7 +63,7 @@ class PlainState:
     udot: Floats
     multipliers: Floats
     residual: float
-    kinetic_energy: float
+    kinetic_energy: float | None
     is_regular: bool
 
 
@@ -85,10 +91,40 @@ def plain_state(
     """
     if not is_plain(eqs, fixed, near):
         return None
+    if is_large_tree(eqs):
+        return _tree_state(eqs, fixed, near, values, t)
     function = plain_function(eqs, values[0], (), values[1])
     if function.signature.r:
         return None
     return plain_assembly(eqs, function).solve(function.constants(), mechanism, fixed, near, t)
+
+
+def is_large_tree(eqs: EquationSet) -> bool:
+    """Return whether there is nothing to close, and so much to compile that code should serve twice."""
+    return len(eqs.speed_names) >= LARGE_TREE and not (eqs.multiplier_names or eqs.quaternions)
+
+
+def _tree_state(
+    eqs: EquationSet,
+    fixed: Mapping[str, float],
+    near: Mapping[str, float],
+    values: tuple[Mapping[str, Value], Mapping[str, Value]],
+    t: float,
+) -> PlainState | None:
+    """Return the state of a tree, where every value is kept; None where accelerations do not exist."""
+    given = dict.fromkeys(eqs.input_names, 0) | dict(values[1])
+    function = bound_function(eqs, OF_STEPS, values[0], (), given)
+    if function.signature.r:
+        return None
+    chosen = {**near, **fixed}
+    q, u = (
+        np.array([chosen.get(name, 0.0) for name in names])
+        for names in (eqs.coordinate_names, eqs.speed_names)
+    )
+    udot = np.array(function(t, q, u)[0][: u.size])
+    if not np.isfinite(udot).all():
+        return None
+    return PlainState(q, q.copy(), u, udot, np.zeros(0), 0.0, None, True)
 
 
 def plain_function(

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.errors import Problem, UsageError
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import Baumgarte, Projection
@@ -146,7 +147,7 @@ def run_explicit(
     """
     problem, laws = integration.problem, integration.problem.laws
     # The work is one more state: the function writes its rate, the power, behind xdot.
-    function = problem.compile_outputs(("xdot", "power"))
+    function = problem.compile_outputs(OF_STEPS)
     python_laws = CallbackFunction(function, laws) if laws.need_python else None
     projector = NOTHING_TO_PROJECT if closing is None else closing.projector
     if isinstance(method, FixedStep):  # its steps never become shorter, however far one went
@@ -192,7 +193,9 @@ def work_tolerance(integration: IntegrationProblem) -> float:
     """
     problem, t, n_u, x = integration.problem, integration.span[0], integration.n_u, integration.state
     first = problem.first_numbers(t, x)
-    kinetic = problem.value("kinetic_energy", t, x[n_u:], x[:n_u]) if first is None else first.kinetic_energy
+    kinetic = None if first is None else first.kinetic_energy
+    if kinetic is None:
+        kinetic = problem.value("kinetic_energy", t, x[n_u:], x[:n_u])
     usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
     return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
 
