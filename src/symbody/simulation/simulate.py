@@ -73,7 +73,7 @@ def simulate(
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
     progress : bool or callable, optional
-        True shows a bar, also of the loop's compilation; a callable takes the share that is done, and ends
+        True shows a bar, with the stage of the work until the motion begins; a callable takes the share that is done, and ends
         the motion by returning False.
 
     Raises
@@ -86,12 +86,12 @@ def simulate(
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
-    first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
-    notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
-    notes += start_notes(problem, first, {**(guess or {}), **(initial or {})})
-    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     with show_progress(progress, "motion") as report:
+        first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
+        problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
+        notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
+        notes += start_notes(problem, first, {**(guess or {}), **(initial or {})})
+        x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
         run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)

@@ -40,7 +40,7 @@ def is_large(eqs: EquationSet) -> bool:
 def with_slopes_along(
     eqs: EquationSet, nodes: Sequence[int], by: Sequence[Symbol], others: Sequence[Roots]
 ) -> EquationSet:
-    """Return the equations with the derivatives of nodes along a direction, whose parts are further inputs."""
+    """Return the equations with the derivatives of nodes along a direction that further inputs form."""
     graph = eqs.formed.graph
     directions = {symbol: Symbol(f"along {symbol.label}", SymbolKind.INPUT) for symbol in by}
     tangents = {graph.symbol(symbol): graph.symbol(part) for symbol, part in directions.items()}
