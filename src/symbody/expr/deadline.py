@@ -112,7 +112,7 @@ def check() -> None:
 
 @contextmanager
 def watch_stages(watch: Callable[[str], object]) -> Iterator[None]:
-    """Call `watch` with the name of each stage that begins in this context, after those that watch already."""
+    """Call `watch` with the name of each stage that begins in this context; outer ones go on watching."""
     outer = _WATCH.get()
 
     def watch_all(stage: str) -> None:

@@ -73,8 +73,8 @@ def simulate(
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
     progress : bool or callable, optional
-        True shows a bar, with the stage of the work until the motion begins; a callable takes the share that is done, and ends
-        the motion by returning False.
+        True shows a bar, and until the motion begins the stage of the work; a callable takes the share that
+        is done, and ends the motion by returning False.
 
     Raises
     ------

@@ -210,7 +210,7 @@ def _first_kinetic_energy(integration: IntegrationProblem) -> float:
 
 
 def _rests(eqs: EquationSet) -> bool:
-    """Return whether the kinetic energy is identically zero where all speeds are: no motion in time drives."""
+    """Return whether the kinetic energy is identically zero where all speeds are zero."""
     graph = eqs.formed.graph
     still = {graph.symbol(speed): ZERO for speed in eqs.formed.u}
     return substitute(graph, [eqs.formed.kinetic_energy.index], still) == [ZERO]
