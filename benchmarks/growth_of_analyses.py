@@ -1,6 +1,7 @@
 """The growth of analyses with the number of bodies: forming, first and later motions, linear equations.
 
-Figures are seconds of the processor, of all threads together: other work on the computer counts little. The last row has the exponents of growth between the two sizes before it: 1 where twice the bodies take twice
+Figures are seconds of the processor, of all threads together: other work on the computer counts little.
+The last row has the exponents of growth between the two sizes before it: 1 where twice the bodies take twice
 the time.
 """
 
