@@ -74,7 +74,8 @@ def simulate(
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
     progress : bool or callable, optional
-        True shows a bar; a callable takes the share that is done, and ends the motion by returning False.
+        True shows a bar, and until the motion begins the stage of the work; a callable takes the share that
+        is done, and ends the motion by returning False.
 
     Raises
     ------
@@ -88,12 +89,14 @@ def simulate(
     held = held_signals(eqs, span, parameters, initial, inputs)
     inputs, initial = {**inputs, **held.laws}, held.others(initial)
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
-    first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    problem = held.pose(pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first), watched)
-    notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
-    notes += start_notes(problem, first, {**(guess or {}), **initial})
-    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     with show_progress(progress, "motion") as report:
+        first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
+        problem = held.pose(
+            pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first), watched
+        )
+        notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
+        notes += start_notes(problem, first, {**(guess or {}), **initial})
+        x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
         run, problem = run_motion(plan, inputs)

@@ -146,14 +146,19 @@ class _Point:
     def _moving_states(self, A: Floats, affine: Floats, kept: list[int]) -> list[int]:
         """Return the states that change at the point itself, beyond rounding."""
         sizes, independent = self.selection.sizes[kept], self.selection.speeds.independent
-        rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0)) if A.size else 0.0
         speeds = len(independent)
         values = np.array(list(self.state.u.values()))[list(independent)]
         reach = np.concatenate([np.abs(values), sizes[speeds:]])
         bounds = _AT_REST * (np.abs(A) @ reach)
-        bounds[speeds:] = np.maximum(bounds[speeds:], _AT_REST * rate * sizes[speeds:])
         least = _STILL * sizes / np.where(np.arange(sizes.size) < speeds, self.time**2, self.time)
-        return [k for k in range(len(affine)) if abs(affine[k]) > bounds[k] + least[k]]
+        moving = np.flatnonzero(np.abs(affine) > bounds + least)
+        if (
+            moving < speeds
+        ).all():  # all eigenvalues are needed for coordinates that change, and nothing else
+            return [int(k) for k in moving]
+        rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
+        bounds[speeds:] = np.maximum(bounds[speeds:], _AT_REST * rate * sizes[speeds:])
+        return [int(k) for k in moving if abs(affine[k]) > bounds[k] + least[k]]
 
     def _notes(self, moving: list[int], names: tuple[str, ...], affine: Floats) -> tuple[str, ...]:
         notes = [*self.selection.notes, *self.function.nonsmooth_notes(self.slopes)]

@@ -15,7 +15,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.errors import Problem, UsageError
+from symbody.expr.canonical import ZERO
+from symbody.expr.rewrite import substitute
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import Baumgarte, Projection
@@ -161,7 +165,7 @@ def run_explicit(
     """
     problem, laws = integration.problem, integration.problem.laws
     # The work is one more state: the function writes its rate, the power, behind xdot.
-    function = problem.compile_outputs(("xdot", "power"))
+    function = problem.compile_outputs(OF_STEPS)
     python_laws = CallbackFunction(function, laws) if laws.need_python else None
     projector = NOTHING_TO_PROJECT if closing is None else closing.projector
     if isinstance(method, FixedStep):  # its steps never become shorter, however far one went
@@ -206,11 +210,26 @@ def work_tolerance(integration: IntegrationProblem) -> float:
     Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism
     in fast motion would need steps without end.
     """
+    energy = CLOSED * integration.problem.scales.energy
+    usual = energy if integration.atol is None else integration.atol
+    return min(max(usual, integration.rtol * _first_kinetic_energy(integration)), sys.float_info.max)
+
+
+def _first_kinetic_energy(integration: IntegrationProblem) -> float:
     problem, t, n_u, x = integration.problem, integration.span[0], integration.n_u, integration.state
     first = problem.first_numbers(t, x)
-    kinetic = problem.value("kinetic_energy", t, x[n_u:], x[:n_u]) if first is None else first.kinetic_energy
-    usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
-    return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
+    if first is not None and first.kinetic_energy is not None:
+        return first.kinetic_energy
+    if not x[:n_u].any() and problem.eqs.plans.get("rests", partial(_rests, problem.eqs)):
+        return 0.0
+    return problem.value("kinetic_energy", t, x[n_u:], x[:n_u])
+
+
+def _rests(eqs: EquationSet) -> bool:
+    """Return whether the kinetic energy is identically zero where all speeds are zero."""
+    graph = eqs.formed.graph
+    still = {graph.symbol(speed): ZERO for speed in eqs.formed.u}
+    return substitute(graph, [eqs.formed.kinetic_energy.index], still) == [ZERO]
 
 
 def _steps_left(dense: DenseOutput, end: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.events.events import Occurrence
@@ -123,7 +124,7 @@ class CompiledSteps:
         self.occurrences: tuple[Occurrence, ...] = ()
         self._problem = problem
         self._numbers = numbers
-        self._function: CompiledFunction = problem.problem.compile_outputs(("xdot", "power"))
+        self._function: CompiledFunction = problem.problem.compile_outputs(OF_STEPS)
         self._closing = self._projection()
         self._laws = CallbackFunction(self._function, problem.problem.laws) if problem.calls_python else None
         numbers.array[stepping.INPUTS] = 0.0 if problem.calls_python else numbers.inputs.size
