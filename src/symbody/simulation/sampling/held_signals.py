@@ -22,6 +22,7 @@ from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.sampling.sampled_loop import SampledLoop
 from symbody.simulation.sampling.sampler import HeldValue, Sampler, held_of
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -99,7 +100,15 @@ class HeldSignals:
         self.active = self._make_sampler([value for value in self._values if value.name in read])
         runs = groupby(self._values, lambda value: value.name in read)
         self.passive = tuple(self._make_sampler(list(run)) for is_read, run in runs if not is_read)
-        return replace(problem, sampler=self.active) if read else problem
+        return self._sample_first(replace(problem, sampler=self.active)) if read else problem
+
+    def _sample_first(self, problem: SimulationProblem) -> SimulationProblem:
+        """Return the problem after the first samples: what follows from a state follows from them too."""
+        first = problem.first
+        if first is not None:
+            x = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
+            SampledLoop(problem, self.active).take(first.t, x)
+        return problem
 
     def place(self, laws: InputLaws) -> None:
         """Find the values among the inputs that compiled functions take; the motion may read all."""
