@@ -22,6 +22,7 @@ from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
+from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha, run_generalized_alpha
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.partition import Partition, run_partition
 from symbody.simulation.methods.stiff import Stiff, run_stiff
@@ -32,7 +33,7 @@ from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
-Integrator = Explicit | FixedStep | Stiff
+Integrator = Explicit | FixedStep | Stiff | GeneralizedAlpha
 Constraints = Projection | Baumgarte | GGL | Partition
 Notes = tuple[str, ...]
 
@@ -76,7 +77,7 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
     watch = integration.event_watch(closing)
     raw, notes = _run_method(integration, integrator, constraints, closing, watch)
-    step = integrator.step if isinstance(integrator, FixedStep) else None
+    step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
     return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
 
 
@@ -119,6 +120,8 @@ def _run_method(
         return run_partition(integration, constraints, explicit, watch)
     if isinstance(integrator, Stiff):
         return run_stiff(integration, integrator, constraints, watch), ()
+    if isinstance(integrator, GeneralizedAlpha):
+        return run_generalized_alpha(integration, integrator, closing, watch, work_tolerance(integration))
     if integrator is not None:
         return run_explicit(integration, integrator, closing, watch), ()
     raw = run_explicit(integration, DEFAULT, closing, watch, stop_when_stiff=True)

@@ -17,6 +17,7 @@ from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.methods.overconstrained import is_overconstrained
+from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -33,8 +34,8 @@ def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
     """Return why steps have to be motions of their own, empty where the compiled loop can take them."""
     settings = problem.settings
     eqs = settings.moving
-    if isinstance(settings.integrator, Stiff):
-        return "sb.Stiff() starts anew in each"
+    if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
+        return f"sb.{type(settings.integrator).__name__}() starts anew in each"
     if not isinstance(settings.constraints, Projection | Baumgarte | None):
         return f"sb.{type(settings.constraints).__name__}() starts anew in each"
     if switches(eqs.formed):
