@@ -140,7 +140,7 @@ def _compile_functions(integration: IntegrationProblem) -> tuple[CompiledFunctio
     problem = integration.problem
     eqs = drop_idle_rows(integration.eqs, problem.parameters)
     wider = with_state_jacobian(eqs, problem.laws.formulas, problem.laws.callbacks)
-    derivatives = integration.compile_outputs(STATE_JACOBIAN, wider).function
+    derivatives = replace(problem, eqs=wider).compile_outputs(STATE_JACOBIAN, quick=True)
     return problem.compile_outputs(("xdot", "power")), problem.compile_outputs("qdot"), derivatives
 
 
