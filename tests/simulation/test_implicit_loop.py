@@ -9,7 +9,7 @@ import pytest
 
 from symbody.codegen.llvm.kernel_library import compile_kernels
 from symbody.kernels import block as at
-from symbody.kernels import implicit_block as own
+from symbody.kernels import implicit_block as beside
 from symbody.kernels.dense_factors import factor_dense, solve_dense
 from symbody.kernels.implicit_machine import advance_implicit, begin_implicit
 from symbody.kernels.language import Reals
@@ -77,9 +77,9 @@ def test_factors_are_kept_while_the_method_converges() -> None:
     run.begin(record)
     assert run.advance(record, 10_000) == at.FINISHED
     assert run.block[at.ACCEPTED] == 300
-    assert run.array[own.DERIVATIVES_MADE] <= 3
-    assert run.array[own.FACTORS_MADE] <= 3 + run.array[own.DERIVATIVES_MADE]
-    assert run.array[own.ROUNDS] <= 3 * run.block[at.ACCEPTED]
+    assert run.array[beside.DERIVATIVES_MADE] <= 3
+    assert run.array[beside.FACTORS_MADE] <= 3 + run.array[beside.DERIVATIVES_MADE]
+    assert run.array[beside.ROUNDS] <= 3 * run.block[at.ACCEPTED]
 
 
 def test_factors_solve_and_singular_ones_are_seen() -> None:
@@ -93,5 +93,3 @@ def test_factors_solve_and_singular_ones_are_seen() -> None:
         left = matrix @ np.array([y[i] for i in range(n)])
         np.testing.assert_allclose(left, right, atol=1e-13 * np.linalg.cond(matrix))
     assert factor_dense(2, Reals([1.0, 2.0, 2.0, 4.0]), Reals.zeros(2)) == 0
-
-

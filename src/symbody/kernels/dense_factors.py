@@ -6,7 +6,7 @@ from symbody.kernels.language import Reals
 
 
 def factor_dense(n: int, S: Reals, pivots: Reals) -> int:
-    """Overwrite S (n, n) by its factors, `pivots` (n,) by the row that each went with; return 0 if singular."""
+    """Overwrite S (n, n) by its factors, `pivots` (n,) by rows to exchange; return 0 if it is singular."""
     for k in range(n):
         best = k
         largest = abs(S[k * n + k])

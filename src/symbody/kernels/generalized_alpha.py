@@ -1,26 +1,17 @@
-"""One step of the generalized-alpha method: Newton's method on the rates, and the local error.
+"""One step of the generalized-alpha method: Newton's method on the rates.
 
-Chung and Hulbert 1993; Arnold and Bruls 2007; Bruls and Cardona 2010. ``docs/derivations/generalized_alpha.md``
-derives every formula. `f` computes the slopes of all states, `k` the rates of coordinates, `d` the derivatives
-of the slopes by the states; `B` is the block of the motion, `A` what `implicit_block` names.
+Chung and Hulbert 1993; Arnold and Bruls 2007; Bruls and Cardona 2010; every formula is derived in
+``docs/derivations/generalized_alpha.md``. `f` computes the slopes of all states, `k` the rates of
+coordinates, `d` the derivatives of the slopes by the states; `B` is the block of the motion, `A` the array
+of `implicit_block`.
 """
 
 from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import (
-    ERROR_1,
-    KERNEL,
-    N_U,
-    STATE_NEW,
-    STATE_OLD,
-    TIME,
-    VECTOR_ROWS,
-    VECTORS,
-    N,
-)
-from symbody.kernels.dense_factors import factor_dense, solve_dense
+from symbody.kernels.block import KERNEL, N_U, STATE_NEW, STATE_OLD, TIME, VECTOR_ROWS, VECTORS, N
+from symbody.kernels.dense_factors import solve_dense
 from symbody.kernels.implicit_block import (
     ALPHA_F,
     ALPHA_M,
@@ -28,12 +19,9 @@ from symbody.kernels.implicit_block import (
     CONTRACTION,
     COORDINATES,
     CORRECTION,
-    DERIVATIVE_FUNCTION,
     DERIVATIVES,
-    DERIVATIVES_MADE,
     FACTORED_FOR,
     FACTORS,
-    FACTORS_MADE,
     GAMMA,
     HAS_DERIVATIVES,
     LAG,
@@ -45,14 +33,13 @@ from symbody.kernels.implicit_block import (
     RATES_NEW,
     RATES_USED,
     ROUNDS,
-    SLOPES_BEFORE,
     SLOPES_CHANGE,
     SLOPES_USED,
-    THROUGH_Q,
     TURN,
     UNKNOWNS,
 )
-from symbody.kernels.language import INFINITY, Function, Reals, is_finite, part, sqrt
+from symbody.kernels.language import Function, Reals, is_finite, part, sqrt
+from symbody.kernels.newton_matrix import make_derivatives, make_factors, place_of
 from symbody.kernels.runge_kutta import all_finite, call, copy, error_scale, evaluate
 
 # Newton's method leaves so much of the tolerated error. Its rounds with derivatives of another step, and with
@@ -66,14 +53,6 @@ FASTEST: Final = 1e-3
 # The middle of a step is found to this share of rounding or in so many rounds.
 MIDDLE_ROUNDS: Final = 12
 ROUNDING: Final = 2.3e-16
-
-
-def place_of(i: int, n_u: int, n_q: int) -> int:
-    """Return where entry i of v = (u, s) lies in x = (u, q, s)."""
-    place = i
-    if i >= n_u:
-        place = i + n_q
-    return place
 
 
 def scale_rates(B: Reals, A: Reals, h: float) -> None:
@@ -128,58 +107,6 @@ def smooth(n: int, S: Reals, pivots: Reals, y: Reals, scratch: Reals) -> None:
     solve_dense(n, S, pivots, scratch)
     for i in range(n):
         y[i] = 2.0 * y[i] - scratch[i]
-
-
-def make_derivatives(d: Function, B: Reals, A: Reals, t: float, x: Reals) -> int:
-    """Compute the derivatives of the slopes at a state; return 0 if they are not finite, else 1."""
-    n_u = int(B[N_U])
-    n_q = int(A[COORDINATES])
-    n_v = int(A[UNKNOWNS])
-    size = n_v + n_q
-    D = part(A, int(A[DERIVATIVES]), size * size)
-    P = part(A, int(A[THROUGH_Q]), n_v * n_u)
-    A[DERIVATIVES_MADE] = A[DERIVATIVES_MADE] + 1.0
-    A[FACTORED_FOR] = 0.0
-    if call(d, n_u, part(A, int(A[DERIVATIVE_FUNCTION]), 1), t, x, D) != 0:
-        return 0
-    if all_finite(size * size, D) == 0:
-        return 0
-    for i in range(n_v):
-        row = place_of(i, n_u, n_q) * size
-        for j in range(n_u):
-            P[i * n_u + j] = 0.0
-        for k in range(n_u, n_u + n_q):
-            slope = D[row + k]
-            if slope != 0.0:
-                for j in range(n_u):
-                    P[i * n_u + j] = P[i * n_u + j] + slope * D[k * size + j]
-    A[HAS_DERIVATIVES] = 1.0
-    return 1
-
-
-def make_factors(B: Reals, A: Reals, h: float) -> int:
-    """Factor the matrix of Newton's method for steps of length h; return 0 if it is singular, else 1."""
-    n_u = int(B[N_U])
-    n_q = int(A[COORDINATES])
-    n_v = int(A[UNKNOWNS])
-    size = n_v + n_q
-    D = part(A, int(A[DERIVATIVES]), size * size)
-    P = part(A, int(A[THROUGH_Q]), n_v * n_u)
-    S = part(A, int(A[FACTORS]), n_v * n_v)
-    share = (1.0 - A[ALPHA_F]) / (1.0 - A[ALPHA_M])
-    first = share * A[GAMMA] * h
-    second = share * A[BETA] * h * h
-    for i in range(n_v):
-        row = place_of(i, n_u, n_q) * size
-        for j in range(n_v):
-            S[i * n_v + j] = -first * D[row + place_of(j, n_u, n_q)]
-        for j in range(n_u):
-            S[i * n_v + j] = S[i * n_v + j] - second * P[i * n_u + j]
-        S[i * n_v + i] = S[i * n_v + i] + 1.0
-    A[FACTORS_MADE] = A[FACTORS_MADE] + 1.0
-    A[FACTORED_FOR] = h
-    A[CONTRACTION] = 1.0
-    return factor_dense(n_v, S, part(A, int(A[PIVOTS]), n_v))
 
 
 def turn(k: Function, B: Reals, A: Reals, t: float, x: Reals) -> int:
@@ -261,7 +188,7 @@ def correct(B: Reals, A: Reals, h: float) -> float:
 
 
 def iterate(f: Function, k: Function, B: Reals, A: Reals, h: float, most: int) -> int:
-    """Solve for the new state by Newton's method; return how many rounds it took, 0 if it did not get there."""
+    """Solve for the new state by Newton's method; return how many rounds that took, 0 if it failed."""
     n_v = int(A[UNKNOWNS])
     copy(n_v, part(A, int(A[RATES_USED]), n_v), part(A, int(A[RATES_NEW]), n_v))
     before = 0.0
@@ -288,7 +215,7 @@ def iterate(f: Function, k: Function, B: Reals, A: Reals, h: float, most: int) -
 def solve_step(f: Function, k: Function, d: Function, B: Reals, A: Reals, h: float) -> int:
     """Find the new state with the derivatives at hand, or with fresh ones; return 0 if that fails, else 1."""
     n = int(B[N])
-    for turn_number in range(2):
+    for trial in range(2):
         is_fresh = 0
         if A[HAS_DERIVATIVES] == 0.0:
             is_fresh = 1
@@ -302,7 +229,7 @@ def solve_step(f: Function, k: Function, d: Function, B: Reals, A: Reals, h: flo
         scale_rates(B, A, h)
         B[KERNEL] = 0.0
         most = PATIENCE
-        if is_fresh == 1 or turn_number == 1:
+        if is_fresh == 1 or trial == 1:
             most = MOST_ROUNDS
         rounds = iterate(f, k, B, A, h, most)
         if rounds > 0:
@@ -351,62 +278,3 @@ def renew_turn(k: Function, B: Reals, A: Reals, h: float) -> int:
         return 0
     copy(n_q, part(A, int(A[TURN]), n_q), part(B, VECTORS + (VECTOR_ROWS + 1) * n + n_u, n_q))
     return 1
-
-
-def raw_errors(B: Reals, A: Reals, h: float) -> None:
-    """Set `ERROR_1` to how far a rule of order 3 through the slopes leads from the new state."""
-    n = int(B[N])
-    V = part(B, VECTORS, VECTOR_ROWS * n)
-    K = part(B, VECTORS + VECTOR_ROWS * n, 2 * n)
-    past = part(A, int(A[SLOPES_BEFORE]), n)
-    change = part(A, int(A[SLOPES_CHANGE]), n)
-    before = A[LENGTH_BEFORE]
-    for i in range(n):
-        ahead = (K[n + i] - K[i]) / h
-        bend = (ahead - change[i]) / h
-        if before != 0.0:
-            bend = (ahead - (K[i] - past[i]) / before) / (h + before)
-        moved = V[STATE_NEW * n + i] - V[STATE_OLD * n + i]
-        V[ERROR_1 * n + i] = 0.5 * h * (K[i] + K[n + i]) - moved - h * h * h * bend / 6.0
-
-
-def filter_errors(B: Reals, A: Reals, h: float) -> None:
-    """Divide the errors by the matrix of Newton's method, so that fast damped motions count little."""
-    n = int(B[N])
-    n_u = int(B[N_U])
-    n_q = int(A[COORDINATES])
-    n_v = int(A[UNKNOWNS])
-    size = n_v + n_q
-    e = part(B, VECTORS + ERROR_1 * n, n)
-    y = part(A, int(A[CORRECTION]), n_v)
-    D = part(A, int(A[DERIVATIVES]), size * size)
-    share = h * A[GAMMA] * (1.0 - A[ALPHA_F]) / (1.0 - A[ALPHA_M])
-    for i in range(n_v):
-        place = place_of(i, n_u, n_q)
-        total = 0.0
-        for j in range(n_u, n_u + n_q):
-            total = total + D[place * size + j] * e[j]
-        y[i] = e[place] + share * total
-    solve_dense(n_v, part(A, int(A[FACTORS]), n_v * n_v), part(A, int(A[PIVOTS]), n_v), y)
-    for i in range(n_v):
-        e[place_of(i, n_u, n_q)] = y[i]
-    for i in range(n_u, n_u + n_q):
-        total = 0.0
-        for j in range(n_u):
-            total = total + D[i * size + j] * y[j]
-        e[i] = e[i] + share * total
-
-
-def local_error(B: Reals, A: Reals, h: float) -> float:
-    """Return the local error over its tolerance, infinite if it is not finite."""
-    n = int(B[N])
-    raw_errors(B, A, h)
-    filter_errors(B, A, h)
-    total = 0.0
-    for i in range(n):
-        share = B[VECTORS + ERROR_1 * n + i] / error_scale(B, n, i)
-        total = total + share * share
-    error = sqrt(total / max(n, 1))
-    if not is_finite(error):
-        return INFINITY
-    return error

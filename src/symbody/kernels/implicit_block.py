@@ -20,10 +20,11 @@ LAG: Final = 4
 COORDINATES: Final = 5  # how many there are in q
 UNKNOWNS: Final = 6  # how many there are in v
 
-# Where things begin: algorithmic rates at the last step's end, the same for the length of the step that is
-# tried, and at its end; the slopes of v at its start; the correction; the slopes one step before; how the slopes change at a start; a state
-# inside the step and the rates of coordinates there; the derivatives of all rates by all states, those of v by
-# u through q, factors and the order of their rows; the numbers of the functions of rates and derivatives.
+# Where things begin. Algorithmic rates at the last step's end, the same for the length of the step that is
+# tried, and at its end; the correction; slopes one step before; how slopes change at a start; a state inside
+# the step, and the rates of coordinates there; derivatives of all rates by all states; those of v by u
+# through q; factors, and rows that they exchange; numbers of the functions of rates and derivatives; slopes of
+# v at the start of the step.
 RATES: Final = 8
 RATES_USED: Final = 9
 RATES_NEW: Final = 10
@@ -38,18 +39,18 @@ FACTORS: Final = 18
 PIVOTS: Final = 19
 RATE_FUNCTION: Final = 20
 DERIVATIVE_FUNCTION: Final = 21
-SLOPES_USED: Final = 29
+SLOPES_USED: Final = 22
 
-# What is known: of which length [s] the last step was, 0 at a start; for which the factors are, 0 without any;
-# whether there are derivatives; how fast corrections shrink.
-LENGTH_BEFORE: Final = 22
-FACTORED_FOR: Final = 23
-HAS_DERIVATIVES: Final = 24
-CONTRACTION: Final = 25
+# How long the last step was [s], 0 at a start; for which length the factors are, 0 without any; whether there
+# are derivatives; how fast corrections shrink.
+LENGTH_BEFORE: Final = 23
+FACTORED_FOR: Final = 24
+HAS_DERIVATIVES: Final = 25
+CONTRACTION: Final = 26
 
 # Counters.
-DERIVATIVES_MADE: Final = 26
-FACTORS_MADE: Final = 27
-ROUNDS: Final = 28
+DERIVATIVES_MADE: Final = 27
+FACTORS_MADE: Final = 28
+ROUNDS: Final = 29
 
 HEADER: Final = 32

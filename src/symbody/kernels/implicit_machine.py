@@ -1,7 +1,8 @@
 """The integrator by the generalized-alpha method: steps of one motion, as `step_machine` takes explicit ones.
 
-The functions are f, slopes of all states; k, rates of coordinates; d, derivatives of the slopes by the states; g,
-which closes the constraints. `A` is the array of `implicit_block`; the other arrays are those of `step_machine`.
+The functions are f, slopes of all states; k, rates of coordinates; d, derivatives of the slopes by the
+states; g, which closes the constraints. `A` is the array of `implicit_block`, the other arrays are those of
+`step_machine`.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ from symbody.kernels.block import (
     VECTORS,
     N,
 )
-from symbody.kernels.generalized_alpha import finish_step, local_error, renew_turn, solve_step
+from symbody.kernels.generalized_alpha import finish_step, renew_turn, solve_step
 from symbody.kernels.implicit_block import (
     CONTRACTION,
     FACTORED_FOR,
@@ -55,6 +56,7 @@ from symbody.kernels.implicit_block import (
     SLOPES_CHANGE,
     UNKNOWNS,
 )
+from symbody.kernels.implicit_errors import local_error
 from symbody.kernels.language import INFINITY, Function, Reals, is_finite, part
 from symbody.kernels.power import power
 from symbody.kernels.projection import project_new_state
@@ -94,9 +96,7 @@ def set_out(f: Function, B: Reals, A: Reals) -> None:
     B[KERNEL] = 0.0
 
 
-def begin_implicit(
-    f: Function, B: Reals, A: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals
-) -> int:
+def begin_implicit(f: Function, B: Reals, A: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
     """Begin as `step_machine.begin` does."""
     code = begin(f, B, times, t, x, breaks)
     if code == RUNNING:
@@ -104,7 +104,9 @@ def begin_implicit(
     return code
 
 
-def attempt_implicit(f: Function, k: Function, d: Function, g: Function, B: Reals, A: Reals, h: float) -> float:
+def attempt_implicit(
+    f: Function, k: Function, d: Function, g: Function, B: Reals, A: Reals, h: float
+) -> float:
     """Try one step; return its error over the tolerance: infinite, or -1 where Newton's method fails."""
     if solve_step(f, k, d, B, A, h) == 0:
         return -1.0

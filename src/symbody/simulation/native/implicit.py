@@ -10,7 +10,7 @@ import numpy as np
 
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.kernels import block as at
-from symbody.kernels import implicit_block as own
+from symbody.kernels import implicit_block as beside
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import Floats, Record, RightHandSide
 from symbody.simulation.native.machine import address
@@ -76,19 +76,20 @@ def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float) -> Fl
     """Return what `implicit_block` names, for n states with the work and n_q coordinates."""
     n_u, n_v = functions.slopes.n_u, n - 1 - n_q
     sizes = {
-        own.RATES: n_v, own.RATES_USED: n_v, own.RATES_NEW: n_v, own.CORRECTION: n_v, own.SLOPES_USED: n_v, own.SLOPES_BEFORE: n,
-        own.SLOPES_CHANGE: n, own.MIDDLE: n, own.TURN: n_q, own.DERIVATIVES: (n - 1) ** 2,
-        own.THROUGH_Q: n_v * n_u, own.FACTORS: n_v**2, own.PIVOTS: n_v,
+        beside.RATES: n_v, beside.RATES_USED: n_v, beside.RATES_NEW: n_v, beside.CORRECTION: n_v,
+        beside.SLOPES_USED: n_v, beside.SLOPES_BEFORE: n, beside.SLOPES_CHANGE: n, beside.MIDDLE: n,
+        beside.TURN: n_q, beside.DERIVATIVES: (n - 1) ** 2,
+        beside.THROUGH_Q: n_v * n_u, beside.FACTORS: n_v**2, beside.PIVOTS: n_v,
     }  # fmt: skip
     turns, derivatives = function_numbers(functions.turns), function_numbers(functions.derivatives)
-    ends = own.HEADER + np.cumsum([0, *sizes.values()])
+    ends = beside.HEADER + np.cumsum([0, *sizes.values()])
     array = np.concatenate([np.zeros(ends[-1]), turns, derivatives])
     array[list(sizes)] = ends[:-1]
-    array[[own.RATE_FUNCTION, own.DERIVATIVE_FUNCTION]] = ends[-1], ends[-1] + turns.size
+    array[[beside.RATE_FUNCTION, beside.DERIVATIVE_FUNCTION]] = ends[-1], ends[-1] + turns.size
     weights = Weights.for_radius(rho)
-    array[[own.ALPHA_M, own.ALPHA_F, own.GAMMA, own.BETA]] = weights
-    array[own.LAG] = 0.0 if rho == 1.0 else weights.alpha_m - weights.alpha_f
-    array[[own.COORDINATES, own.UNKNOWNS]] = n_q, n_v
+    array[[beside.ALPHA_M, beside.ALPHA_F, beside.GAMMA, beside.BETA]] = weights
+    array[beside.LAG] = 0.0 if rho == 1.0 else weights.alpha_m - weights.alpha_f
+    array[[beside.COORDINATES, beside.UNKNOWNS]] = n_q, n_v
     return array
 
 
@@ -117,7 +118,7 @@ class ImplicitRun(NamedTuple):
         return implicit_machine().begin_implicit(self.functions.slopes.address, *map(address, places))
 
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:  # noqa: ARG002
-        """Try up to so many steps; return a code of `symbody.kernels.block`. Nothing is watched on the way."""
+        """Try up to so many steps; return a code of `symbody.kernels.block`. Nothing is watched."""
         show_room(self.block, record)
         places = (
             self.block, self.array, record.wanted, record.t, record.x, record.breaks, record.pieces

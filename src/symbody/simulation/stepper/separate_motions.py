@@ -15,9 +15,9 @@ from symbody.simulation.hybrid.rate_jumps import may_jump, run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.methods.overconstrained import is_overconstrained
-from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
