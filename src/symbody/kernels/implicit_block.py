@@ -23,8 +23,8 @@ UNKNOWNS: Final = 6  # how many there are in v
 # Where things begin. Algorithmic rates at the last step's end, the same for the length of the step that is
 # tried, and at its end; the correction; slopes one step before; how slopes change at a start; a state inside
 # the step, and the rates of coordinates there; derivatives of all rates by all states; those of v by u
-# through q; factors, and rows that they exchange; numbers of the functions of rates and derivatives; slopes of
-# v at the start of the step.
+# through q; factors, and rows that they exchange; numbers of the functions of rates and derivatives; slopes
+# of v at the start of the step.
 RATES: Final = 8
 RATES_USED: Final = 9
 RATES_NEW: Final = 10

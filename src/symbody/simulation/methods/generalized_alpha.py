@@ -79,14 +79,16 @@ class GeneralizedAlpha:
     def __post_init__(self) -> None:
         problems = []
         if not 0.0 <= self.rho <= 1.0:
-            what = f"rho = {self.rho!r} is not between 0 and 1"
-            fix = "give 0.9, 1 to damp nothing, or less to damp fast oscillations more"
-            problems.append(Problem("simulation.rho", "rho", what, "", fix))
+            problems.append(
+                Problem("simulation.rho", "rho", f"rho = {self.rho!r} is not between 0 and 1", "",
+                        "give 0.9, 1 to damp nothing, or less to damp fast oscillations more")
+            )  # fmt: skip
         for name, step in (("step", self.step), ("max_step", self.max_step)):
             if step is not None and not (step > 0.0 and math.isfinite(step)):
-                what = f"{name} = {step!r} is not a length of steps"
-                fix = f"leave {name} out, or give seconds, such as {name}=1e-3"
-                problems.append(Problem("simulation.implicit_step", name, what, "", fix))
+                problems.append(
+                    Problem("simulation.implicit_step", name, f"{name} = {step!r} is no length of steps", "",
+                            f"leave {name} out, or give seconds, such as {name}=1e-3")
+                )  # fmt: skip
         if problems:
             raise UsageError(*problems)
 
