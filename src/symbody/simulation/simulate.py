@@ -91,16 +91,22 @@ def simulate(
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     with show_progress(progress, "motion") as report:
         first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-        problem = held.pose(
-            pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first), watched
-        )
-        notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
-        notes += start_notes(problem, first, {**(guess or {}), **initial})
+        problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
+        problem = held.pose(problem, watched)
+        notes = _first_notes(problem, first, inputs, atol, {**(guess or {}), **initial})
         x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
-        plan = MotionPlan(integration, integrator, constraints)
-        run, problem = run_motion(plan, inputs)
+        run, problem = run_motion(MotionPlan(integration, integrator, constraints), inputs)
     return _annotate(run, problem, first, notes, held)
+
+
+def _first_notes(
+    problem: SimulationProblem, first: State, inputs: Mapping[str, Law], atol: float | None,
+    given: Mapping[str, Value],
+) -> tuple[str, ...]:  # fmt: skip
+    """Return what to note before a motion begins; `given` are the values that the caller has given."""
+    notes = (*_input_notes(first.eqs, inputs, problem.laws), *problem.scales.notes(first.eqs, atol))
+    return (*notes, *start_notes(problem, first, given))
 
 
 def _annotate(

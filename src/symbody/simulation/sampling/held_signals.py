@@ -20,6 +20,7 @@ from symbody.model.signals.signal import Signal
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
+from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.sampling.sampled_loop import SampledLoop
@@ -105,7 +106,8 @@ class HeldSignals:
     def _sample_first(self, problem: SimulationProblem) -> SimulationProblem:
         """Return the problem after the first samples: what follows from a state follows from them too."""
         first = problem.first
-        if first is not None:
+        waits = any(isinstance(law, FmuInput) for law in problem.laws.callbacks.values())
+        if first is not None and not waits:  # FMUs have no values yet
             x = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
             SampledLoop(problem, self.active).take(first.t, x)
         return problem
