@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -92,3 +94,19 @@ def test_prescribed_rates_may_jump_between_samples() -> None:
             v -= 1.0 if end == 0.33 else 0.0  # the cart stays, the carriage goes
     assert run["b"][-1] == pytest.approx(b, abs=1e-9)
     assert run["b_dot"][-1] == pytest.approx(v, abs=1e-9)
+
+
+def test_samples_read_what_fmus_compute(tmp_path: Path) -> None:
+    rail = sb.Prismatic("rail", "ground", sb.Body("Block", mass=1), coordinate="y")
+    clock = sb.form_equations(sb.Model("clock", [rail, sb.Signal("w", "3 + t")]))
+    sb.save_fmu(clock, tmp_path / "clock.fmu", outputs=["w"])
+    joint = sb.Prismatic(
+        "slide", "ground", sb.Body("Cart", mass=1), coordinate="x", force=sb.Drive(applied="n")
+    )
+    eqs = sb.form_equations(sb.Model("cart", [joint, sb.Signal("n", "F - x", sample=0.05)], inputs=["F"]))
+    law = sb.FmuInput(tmp_path / "clock.fmu", "w", step=0.1)
+    run = sb.simulate(eqs, 1.0, inputs={"F": law})
+    instants = np.arange(1, 20) * 0.05
+    before, behind = run.at(instants - 1e-9), run.at(instants + 0.02)
+    np.testing.assert_allclose(behind["n"], before["F"] - before["x"], atol=1e-7)
+    assert run["n"][0] == pytest.approx(3.1)

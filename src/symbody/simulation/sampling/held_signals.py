@@ -46,10 +46,15 @@ class HeldSignals:
         In the order of the model.
     start : float
         When samples are counted from [s].
+    waits : bool
+        Whether the first samples need what the motion computes first, as FMUs do.
     """
 
-    def __init__(self, eqs: EquationSet, values: Sequence[HeldValue], start: float) -> None:
+    def __init__(
+        self, eqs: EquationSet, values: Sequence[HeldValue], start: float, *, waits: bool = False
+    ) -> None:
         self._eqs = eqs
+        self._waits = waits
         self._start = start
         self._values = tuple(values)
         self.active = self._make_sampler(self._values)
@@ -106,8 +111,7 @@ class HeldSignals:
     def _sample_first(self, problem: SimulationProblem) -> SimulationProblem:
         """Return the problem after the first samples: what follows from a state follows from them too."""
         first = problem.first
-        waits = any(isinstance(law, FmuInput) for law in problem.laws.callbacks.values())
-        if first is not None and not waits:  # FMUs have no values yet
+        if first is not None and not self._waits:
             x = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
             SampledLoop(problem, self.active).take(first.t, x)
         return problem
@@ -182,7 +186,8 @@ def held_signals(
     starts = constant_values(eqs, {s.name: given.get(s.name, s.initial) for s in signals}, parameters)
     _check_steps(signals, steps, span)
     values = [HeldValue(s.name, s.output or str(s.value), 0, steps[s.name], starts[s.name]) for s in signals]
-    return HeldSignals(eqs, values, span[0])
+    waits = any(isinstance(law, FmuInput) for law in inputs.values())
+    return HeldSignals(eqs, values, span[0], waits=waits)
 
 
 def _check_inputs(signals: Sequence[Signal], inputs: Mapping[str, object]) -> None:
