@@ -25,9 +25,15 @@ from symbody.simulation.sweeps.sweep_job import SweepJob
 OTHERS: Final = 100
 
 
-def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
-    """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
+def reason_for_simulate(
+    eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object, has_events: bool = False
+) -> str:
+    """Return why `simulate` has to compute the cases, empty if the loop over many cases can.
+
+    That loop computes events, too; `has_events` is for what does not.
+    """
     reasons = {
+        "events are watched": has_events,
         f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
         f"{type(integrator).__name__} takes its steps in Python": not isinstance(
             integrator, Explicit | FixedStep | None
