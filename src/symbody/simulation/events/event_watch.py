@@ -15,7 +15,7 @@ from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import event_rows, with_cut_fit
 from symbody.simulation.native.description import Record
 from symbody.simulation.native.machine import address, watched_motion
-from symbody.simulation.native.segments import Cut
+from symbody.simulation.native.segments import Cut, HeldValues
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -114,16 +114,27 @@ class EventWatch:
         status = Status.CHATTERING if code == at.CHATTERS else Status.STOPPED
         return Cut(float(block[at.CUT]), before, after if code == at.GOES_ON else None, status)
 
-    def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
+    def advance(
+        self,
+        rhs: int,
+        projector: int,
+        block: Floats,
+        record: Record,
+        trials: int,
+        held: HeldValues | None = None,
+    ) -> int:
         """Try up to so many steps of the compiled loop, and let events happen; return the loop's code."""
         self._prepare(block)
+        functions = (rhs, projector, *self._functions.addresses)
         code = run_at.NO_EVENT_ROOM
         while code == run_at.NO_EVENT_ROOM:
             self._block[at.HAPPENED_ROOM] = len(self._happened)
-            arrays = (block, self._block, *self._places(record), self._happened)
-            code = watched_motion().advance_watched(
-                rhs, projector, *self._functions.addresses, *map(address, arrays), trials
-            )
+            if held is not None:
+                blocks = block, self._block
+                code = held.advance_watched(functions, blocks, record, self._happened, trials)
+            else:
+                arrays = (block, self._block, *self._places(record), self._happened)
+                code = watched_motion().advance_watched(*functions, *map(address, arrays), trials)
             if code == run_at.NO_EVENT_ROOM:
                 self._make_room()
         if code == run_at.EVENT_FAULT:

@@ -30,6 +30,11 @@ _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "look": (_INTEGER, [*[_POINTER] * 7, _INTEGER, _INTEGER]),
     "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
     "longest_step": (None, [_POINTER, _REAL, _POINTER]),
+    "advance_sampled": (_INTEGER, [*[_POINTER] * 6, *_RECORD, _POINTER, _INTEGER]),
+    "advance_sampled_watched": (_INTEGER, [*[_POINTER] * 10, *_RECORD, _POINTER, _POINTER, _INTEGER]),
+    "take_samples": (_INTEGER, [*[_POINTER] * 4, _REAL, _POINTER]),
+    "show_values": (None, [_POINTER, _POINTER]),
+    "is_due": (_INTEGER, [_POINTER, _REAL]),
     "run_cases": (_INTEGER, [*[_POINTER] * 3, *_CASES]),
     "run_watched_cases": (
         _INTEGER,
@@ -57,6 +62,32 @@ class WatchedMotion(NamedTuple):
     advance_watched: Callable[..., int]
     break_off: Callable[..., int]
     look: Callable[..., int]
+
+
+class SampleKernels(NamedTuple):
+    """The kernels of held values outside the compiled loop."""
+
+    take_samples: Callable[..., int]
+    show_values: Callable[..., None]
+    is_due: Callable[..., int]
+
+
+@once
+def advance_sampled() -> Callable[..., int]:
+    """Return the integrator of one motion with held values, ready to be called."""
+    return _functions("sampled_motion", "advance_sampled", light=True)[0]
+
+
+@once
+def advance_sampled_watched() -> Callable[..., int]:
+    """Return the integrator of one motion with held values and events, ready to be called."""
+    return _functions("sampled_motion", "advance_sampled_watched")[0]
+
+
+@once
+def sample_kernels() -> SampleKernels:
+    """Return what takes samples, ready to be called."""
+    return SampleKernels(*_functions("sampling", *SampleKernels._fields, light=True))
 
 
 @once

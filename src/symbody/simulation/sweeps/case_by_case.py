@@ -25,15 +25,12 @@ from symbody.simulation.sweeps.sweep_job import SweepJob
 OTHERS: Final = 100
 
 
-def reason_for_simulate(
-    eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object, has_events: bool = False
-) -> str:
-    """Return why `simulate` has to compute the cases, empty if the loop over many cases can.
-
-    That loop computes events, too; `has_events` is for what does not.
-    """
+def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
+    """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
     reasons = {
-        "events are watched": has_events,
+        f"values are sampled ({', '.join(law.name for law in laws.held_laws.values())})": bool(
+            laws.held_laws
+        ),
         f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
         f"{type(integrator).__name__} takes its steps in Python": not isinstance(
             integrator, Explicit | FixedStep | None
@@ -80,4 +77,5 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         run.stored["work"][:samples],
         () if parts is None else tuple(parts.starts.tolist()),
         () if parts is None else parts.modes,
+        run.held_values,
     )

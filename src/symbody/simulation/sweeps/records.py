@@ -19,6 +19,7 @@ from symbody.kernels import block as at
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import WatchedEvent
 from symbody.simulation.inputs.breakpoints import Breakpoints
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -160,6 +161,8 @@ class CaseDetails:
         The work done until each sample [J].
     starts, modes : tuples
         When the equations changed [s], and the modes from then on; see `hybrid.modes`.
+    held : HeldRecord, optional
+        Values that were held between samples.
     """
 
     notes: str
@@ -167,6 +170,7 @@ class CaseDetails:
     work: Floats | None = None
     starts: tuple[float, ...] = ()
     modes: tuple[tuple[int, ...], ...] = ()
+    held: HeldRecord | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

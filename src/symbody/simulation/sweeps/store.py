@@ -6,15 +6,16 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.events.events import Occurrence
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.results.archive import read_arrays
 from symbody.simulation.sweeps.records import CaseDetails, Chunk, LoopJob, Records
 
@@ -127,9 +128,17 @@ def _read_details(text: str) -> dict[int, CaseDetails]:
             None if about["work"] is None else np.array(about["work"], dtype=np.float64),
             tuple(map(float, about["starts"])),
             tuple(tuple(map(int, modes)) for modes in about["modes"]),
+            _held_record(about.get("held")),
         )
         for case, about in json.loads(text).items()
     }
+
+
+def _held_record(about: Mapping[str, Any] | None) -> HeldRecord | None:
+    if about is None:
+        return None
+    values = np.array(about["values"], dtype=np.float64)
+    return HeldRecord(tuple(about["names"]), np.array(about["t"], dtype=np.float64), values)
 
 
 def digest(job: LoopJob, chunk: Chunk) -> str:
