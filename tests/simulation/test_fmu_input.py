@@ -148,6 +148,17 @@ def test_loops_stay_closed_and_events_stop(controller: Maker) -> None:
     assert len(stopped.events) == 1
 
 
+def test_inputs_decide_when_a_formula_changes(controller: Maker) -> None:
+    body = sb.Body("Block", mass=1.0)
+    force = sb.Drive(applied="if(t*F > 0.52, 3, 0)")
+    rail = sb.Prismatic("rail", "ground", body, axis="x", coordinate="x", force=force)
+    eqs = sb.form_equations(sb.Model("block", [body, rail], (0, 0, 0), inputs=["F"]))
+    law = sb.FmuInput(controller("2.0"), "F", {"x": "1"}, 0.25, {"Ki": 0.0})
+    run = sb.simulate(eqs, 1.0, inputs={"F": law})
+    assert run["F"] == pytest.approx(np.ones(run.t.size))
+    assert run["x"][-1] == pytest.approx(1.5 * 0.48**2, abs=1e-12)
+
+
 # Faults
 
 
@@ -176,6 +187,22 @@ def test_names_have_suggestions(controller: Maker) -> None:
     assert problem_of(lambda: balance(sb.FmuInput(path, "F", READS, STEP, {"K": 1.0}))).where.endswith(
         "parameters"
     )
+
+
+def test_no_such_input(controller: Maker) -> None:
+    law = sb.FmuInput(controller("2.0"), "F", READS, STEP)
+    fault = problem_of(lambda: sb.simulate(equations_of("cart_pole"), 1.0, inputs={"G": law}))
+    assert fault.code == "fmu_input.unknown" and "F" in fault.fix
+
+
+def test_libraries_that_do_not_load(controller: Maker, tmp_path: Path) -> None:
+    path = rewrite(
+        controller("2.0"), tmp_path / "empty.fmu",
+        lambda entry, data: (entry, b"" if entry.endswith(".so") else data),
+    )  # fmt: skip
+    here = Path.cwd()
+    assert problem_of(partial(balance, sb.FmuInput(path, "F", READS, STEP))).code == "fmu_input.load"
+    assert Path.cwd() == here
 
 
 def test_no_fmpy(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
