@@ -36,6 +36,7 @@ from .model import Frame as Frame
 from .model import Free as Free
 from .model import Friction as Friction
 from .model import Gimbal as Gimbal
+from .model import Hysteresis as Hysteresis
 from .model import Include as Include
 from .model import Lookup as Lookup
 from .model import Model as Model
@@ -57,6 +58,7 @@ from .model import TorsionSpring as TorsionSpring
 from .model import TransferFunction as TransferFunction
 from .model import Universal as Universal
 from .model import Weld as Weld
+from .model import without_sampling as without_sampling
 
 # what is seen of it
 from .model import Box as Box
@@ -162,3 +164,4 @@ from .visual import save_plot as save_plot
 from .visual import Animation as Animation
 from .visual import animate as animate
 from .visual import save_animation as save_animation
+from .report import save_report as save_report

@@ -23,6 +23,7 @@ from symbody.cli.motion_lines import motion_json, motion_lines
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
 from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.pages import open_page, read_sliders, write_live_page, write_motion_page
+from symbody.cli.report_command import report
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
 from symbody.cli.stages import StageBar
@@ -52,6 +53,7 @@ app = typer.Typer(
 )
 command = partial(app.command, cls=FlagCommand)
 command()(fmu)
+command()(report)
 
 
 def _version(asked: bool) -> None:

@@ -22,6 +22,7 @@ from symbody.expr.language.formula import Formula
 from symbody.model.model import Model
 from symbody.model.tables.lookup import Lookup
 from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs, refuse_fmu_inputs
+from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.tables import Table, table_numbers
 
 Floats = NDArray[np.float64]
@@ -69,16 +70,25 @@ class InputLaws:
         """
         if not self.callbacks:
             return np.empty((t.size, 0))
-        if not self.need_python:
-            return np.stack([table.at(t) for table in self.tables.values()], axis=1)
-        return np.array([self.evaluate(*point) for point in zip(t.tolist(), q.T, u.T, strict=True)]).reshape(
-            t.size, len(self.callbacks)
-        )
+        values = np.zeros((t.size, len(self.callbacks)))
+        if self.need_python:
+            for row, point in enumerate(zip(t.tolist(), q.T, u.T, strict=True)):
+                values[row] = self.evaluate(*point)
+        for place, table in self.tables.items():
+            values[:, place] = table.at(t)
+        for place, law in self.held_laws.items():
+            values[:, place] = law.values_at(t)
+        return values
+
+    @property
+    def held_laws(self) -> dict[int, HeldLaw]:
+        """Those among `callbacks` that are held values, by their places."""
+        return {k: law for k, law in enumerate(self.callbacks.values()) if isinstance(law, HeldLaw)}
 
     @property
     def need_python(self) -> bool:
-        """Whether some callbacks are more than tables, which compiled loops read by themselves."""
-        return len(self.tables) < len(self.callbacks)
+        """Whether some callbacks are more than tables and held values, which compiled loops read."""
+        return len(self.tables) + len(self.held_laws) < len(self.callbacks)
 
     def table_numbers(self) -> Floats:
         """Return all tables as `symbody.kernels.tables` reads them, nothing where Python has to be called."""
@@ -162,6 +172,8 @@ def input_laws(
                 callbacks[name], long[name] = table.reader(), table
         elif isinstance(table, str | int | float | Formula) or not callable(table):
             formulas[name] = table
+        elif isinstance(table, HeldLaw):
+            callbacks[name] = table
         else:
             callbacks[name] = table
             notes.append(
