@@ -136,6 +136,7 @@ from .simulation import Explicit as Explicit
 from .simulation import FixedStep as FixedStep
 from .simulation import FmuInput as FmuInput
 from .simulation import GGL as GGL
+from .simulation import GeneralizedAlpha as GeneralizedAlpha
 from .simulation import Partition as Partition
 from .simulation import Stiff as Stiff
 from .simulation import Projection as Projection

@@ -8,6 +8,7 @@ from .methods.constraints import Projection as Projection
 from .methods.explicit import Explicit as Explicit
 from .methods.fixed_step import FixedStep as FixedStep
 from .methods.gear_gupta_leimkuhler import GGL as GGL
+from .methods.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
 from .methods.partition import Partition as Partition
 from .methods.stiff import Stiff as Stiff
 from .programs.generate_code import generate_code as generate_code

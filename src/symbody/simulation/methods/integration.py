@@ -26,6 +26,7 @@ from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
+from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha, run_generalized_alpha
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.partition import Partition, run_partition
 from symbody.simulation.methods.stiff import Stiff, run_stiff
@@ -38,7 +39,7 @@ from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
-Integrator = Explicit | FixedStep | Stiff
+Integrator = Explicit | FixedStep | Stiff | GeneralizedAlpha
 Constraints = Projection | Baumgarte | GGL | Partition
 Notes = tuple[str, ...]
 
@@ -82,7 +83,7 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
     watch = integration.event_watch(closing)
     raw, notes = _run_method(integration, integrator, constraints, closing, watch)
-    step = integrator.step if isinstance(integrator, FixedStep) else None
+    step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
     return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
 
 
@@ -121,6 +122,8 @@ def _run_method(
         return run_partition(integration, constraints, explicit, watch)
     if isinstance(integrator, Stiff):
         return run_stiff(integration, integrator, constraints, watch), ()
+    if isinstance(integrator, GeneralizedAlpha):
+        return run_generalized_alpha(integration, integrator, closing, watch, work_tolerance(integration))
     if integrator is not None or held:
         return run_explicit(integration, integrator or DEFAULT, closing, watch), ()
     raw = run_explicit(integration, DEFAULT, closing, watch, stop_when_stiff=True)
@@ -133,8 +136,9 @@ def _run_method(
 
 def _check_held(problem: SimulationProblem, integrator: Integrator | None, constraints: Constraints) -> None:
     """Refuse methods that take no samples on the way."""
-    if isinstance(integrator, Stiff):
-        where, name, fix = "integrator", "sb.Stiff()", "sb.Explicit() or sb.FixedStep(h)"
+    if isinstance(integrator, Stiff | GeneralizedAlpha):
+        where, name = "integrator", f"sb.{type(integrator).__name__}()"
+        fix = "sb.Explicit() or sb.FixedStep(h)"
     elif isinstance(constraints, GGL | Partition):
         where, name = "constraints", f"sb.{type(constraints).__name__}()"
         fix = "sb.Projection() or sb.Baumgarte()"

@@ -16,6 +16,7 @@ from symbody.simulation.hybrid.switching import run_switching, switches
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.methods.stiff import Stiff
@@ -38,8 +39,8 @@ def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
     eqs = settings.moving
     if held_later(eqs):
         return "values are sampled"
-    if isinstance(settings.integrator, Stiff):
-        return "sb.Stiff() starts anew in each"
+    if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
+        return f"sb.{type(settings.integrator).__name__}() starts anew in each"
     if not isinstance(settings.constraints, Projection | Baumgarte | None):
         return f"sb.{type(settings.constraints).__name__}() starts anew in each"
     if switches(eqs.formed):
