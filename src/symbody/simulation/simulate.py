@@ -74,14 +74,12 @@ def simulate(
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
     progress : bool or callable, optional
-        True shows a bar, and until the motion begins the stage of the work; a callable takes the share that
-        is done, and ends the motion by returning False.
+        True shows stages and a bar; a callable takes the share that is done, and ends the motion by False.
 
     Raises
     ------
     CompileError, FormulationError, UsageError, AssemblyError, SimulationError
-        If names, values, times, tables or events make no sense, initial values do not fit, or the law of an
-        input fails. Other failures stand in `status`.
+        If arguments make no sense, initial values do not fit, or a law fails; else `status` says what failed.
     """
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
@@ -93,20 +91,13 @@ def simulate(
         first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
-        notes = _first_notes(problem, first, inputs, atol, {**(guess or {}), **initial})
+        notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
+        notes += start_notes(problem, first, {**(guess or {}), **initial})
         x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
-        run, problem = run_motion(MotionPlan(integration, integrator, constraints), inputs)
+        plan = MotionPlan(integration, integrator, constraints)
+        run, problem = run_motion(plan, inputs)
     return _annotate(run, problem, first, notes, held)
-
-
-def _first_notes(
-    problem: SimulationProblem, first: State, inputs: Mapping[str, Law], atol: float | None,
-    given: Mapping[str, Value],
-) -> tuple[str, ...]:  # fmt: skip
-    """Return what to note before a motion begins; `given` are the values that the caller has given."""
-    notes = (*_input_notes(first.eqs, inputs, problem.laws), *problem.scales.notes(first.eqs, atol))
-    return (*notes, *start_notes(problem, first, given))
 
 
 def _annotate(
