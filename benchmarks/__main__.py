@@ -26,6 +26,7 @@ from benchmarks import (
     pages,
     robots,
     rooms,
+    stiff,
     sweep,
     trajectories,
 )
@@ -46,6 +47,7 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
         "operations": operations.tables,
         "overhead": overhead.tables,
         "robots": robots.tables,
+        "stiff": stiff.tables,
         "sweep": sweep.tables,
         "pages": pages.tables,
         "rooms": rooms.tables,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -21,6 +21,7 @@ from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, f
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.sampling.sampler import Sampler
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -38,6 +39,8 @@ class SimulationProblem:
     ----------
     first : State, optional
         Where a motion starts, whose numbers need not be computed again.
+    sampler : Sampler, optional
+        Takes the samples of held values that the motion reads.
     """
 
     eqs: EquationSet
@@ -45,6 +48,7 @@ class SimulationProblem:
     laws: InputLaws
     scales: Scales
     first: State | None = None
+    sampler: Sampler | None = None
     # Functions already compiled; they follow from the fields above.
     _functions: SingleFlight[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False, compare=False
@@ -62,6 +66,10 @@ class SimulationProblem:
             return bound_function(self.eqs, outputs, self.parameters, (), self.laws.formulas, quick=quick)
 
         return self._functions.get(key, compile_function)
+
+    def with_other_times(self) -> SimulationProblem:
+        """Return the problem without what was looked up of times at which it changes."""
+        return replace(self, _breakpoints={})
 
     def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
         """Return where what depends on time alone changes, in the equations and in expressions `watched`."""

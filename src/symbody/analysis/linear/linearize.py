@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.cyclic import check_cyclic
 from symbody.analysis.linear.independence import Basis, Selection, basis, select
 from symbody.analysis.linear.linearization import Linearization
@@ -81,6 +82,7 @@ def linearize(
     CompileError, FormulationError
         If values are missing or names are unknown.
     """
+    refuse_held(eqs, "a linear model", {**(at.inputs if isinstance(at, State) else {}), **(inputs or {})})
     state = _state(eqs, at, parameters, inputs, t, scales)
     listed = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     sides = settle(eqs, state)
