@@ -110,4 +110,4 @@ def simulate(path: Path, kind: str, end: float, names: Sequence[str], tolerance:
 
 
 def states(run: sb.Trajectory) -> Any:
-    return np.concatenate([run.u, run.q])
+    return np.concatenate([run.u, run.q, run.s])
