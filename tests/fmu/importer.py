@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import shutil
+import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,8 +12,10 @@ from typing import Any
 
 import fmpy
 import numpy as np
+import xmlschema
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3Slave
+from fmpy.validation import validate_fmu
 
 import symbody as sb
 
@@ -27,6 +30,28 @@ CLASSES = {
     ("3.0", "ModelExchange"): FMU3Model,
     ("3.0", "CoSimulation"): FMU3Slave,
 }
+
+
+SCHEMA_FOLDER = Path(fmpy.__file__).parent / "schema"
+# What the schemas of the standards describe, by its place in an archive.
+SCHEMAS = {
+    "2.0": {"modelDescription.xml": "fmi2/fmi2ModelDescription.xsd"},
+    "3.0": {
+        "modelDescription.xml": "fmi3/fmi3ModelDescription.xsd",
+        "sources/buildDescription.xml": "fmi3/fmi3BuildDescription.xsd",
+    },
+}
+
+
+def check_archive(path: Path, version: str) -> None:
+    """Check an archive by FMPy's validator, and its descriptions against the schemas of the standard."""
+    assert validate_fmu(str(path)) == []
+    with zipfile.ZipFile(path) as archive:
+        described = [name for name in archive.namelist() if name.endswith(".xml")]
+        assert sorted(described) == sorted(SCHEMAS[version])  # no terminals, no icons
+        for name in described:
+            schema = xmlschema.XMLSchema(str(SCHEMA_FOLDER / SCHEMAS[version][name]))
+            schema.validate(archive.read(name).decode())
 
 
 def example(name: str) -> sb.EquationSet:

@@ -15,33 +15,32 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-import xmlschema
 from fmpy.validation import validate_fmu
 
 import symbody as sb
-from symbody.fmu import binaries
-from tests.fmu.importer import KINDS, NAMES, VERSIONS, example, instance, pendulum, simulate, states
-from tests.laws.mechanisms import random_mechanism
-from tests.laws.model_files import model_with_state
+from tests.fmu.importer import (
+    KINDS,
+    NAMES,
+    VERSIONS,
+    check_archive,
+    example,
+    instance,
+    pendulum,
+    simulate,
+    states,
+)
 
 pytestmark = [
     pytest.mark.exhaustive,
     pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler"),
 ]
-SCHEMAS = {
-    "2.0": Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd",
-    "3.0": Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3ModelDescription.xsd",
-}
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", NAMES)
 def test_examples_are_valid(name: str, version: str, tmp_path: Path) -> None:
     made = sb.save_fmu(example(name), tmp_path / f"{name}.fmu", version, platforms=())
-    assert validate_fmu(str(made.path)) == []
-    with zipfile.ZipFile(made.path) as archive:
-        text = archive.read("modelDescription.xml").decode()
-    xmlschema.XMLSchema(str(SCHEMAS[version])).validate(text)
+    check_archive(made.path, version)
 
 
 def ball() -> sb.EquationSet:
@@ -229,18 +228,3 @@ def test_libraries_of_all_platforms(version: str, tmp_path: Path) -> None:
                 tuple(map(int, each.split(b"."))) for each in re.findall(rb"GLIBC_(\d+\.\d+)", content)
             }
             assert max(versions, default=(0,)) <= (2, 17) or "x86_64-linux" in name or "linux64" in name
-
-
-@pytest.mark.parametrize("seed", range(40))
-def test_random_mechanisms(seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    flags = [flag.replace("-O2", "-O0") for flag in binaries.FLAGS]  # the optimizer takes most of the time
-    monkeypatch.setattr(binaries, "FLAGS", flags)
-    eqs = sb.form_equations(model_with_state(random_mechanism(seed)))
-    if len(eqs.state_names) > 20:
-        pytest.skip(f"derivatives of {len(eqs.state_names)} states with all parameters take minutes")
-    made = sb.save_fmu(eqs, tmp_path / "mechanism.fmu")
-    assert validate_fmu(str(made.path)) == []
-    with instance(made.path, "ModelExchange") as fmu:
-        fmu.initialize()
-        seen = fmu.get(*eqs.state_names, "constraint_violation")
-        assert seen[-1] < 1e-7
