@@ -207,24 +207,3 @@ def test_sources_build_by_themselves(version: str, tmp_path: Path) -> None:
     seen = simulate(made.path, "CoSimulation", 1.0, ["theta"], 1e-8)
     run = sb.simulate(pendulum(), 1.0, times=np.linspace(0.0, 1.0, 21))
     assert np.abs(seen[0] - run.q[0]).max() < 1e-6
-
-
-@pytest.mark.parametrize("version", VERSIONS)
-def test_libraries_of_all_platforms(version: str, tmp_path: Path) -> None:
-    pytest.importorskip("ziglang")
-    made = sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu", version, platforms="all")
-    heads = {
-        ".so": b"\x7fELF", ".dll": b"MZ", ".dylib": b"\xcf\xfa\xed\xfe",
-    }  # fmt: skip
-    with zipfile.ZipFile(made.path) as archive:
-        libraries = {name: archive.read(name) for name in archive.namelist() if name.startswith("binaries/")}
-    assert len(libraries) == (3 if version == "2.0" else 5)
-    for name, content in libraries.items():
-        suffix = Path(name).suffix
-        assert content.startswith(heads[suffix]), name
-        assert f"fmi{version[0]}DoStep".encode() in content, name
-        if suffix == ".so":
-            versions = {
-                tuple(map(int, each.split(b"."))) for each in re.findall(rb"GLIBC_(\d+\.\d+)", content)
-            }
-            assert max(versions, default=(0,)) <= (2, 17) or "x86_64-linux" in name or "linux64" in name
