@@ -55,8 +55,8 @@ def check_archive(path: Path, version: str) -> None:
 
 
 def example(name: str) -> sb.EquationSet:
-    folder = "projectile" if name.startswith("projectile") else name
-    return sb.form_equations(sb.load_model(EXAMPLES / folder / f"{name}.toml"))
+    (path,) = EXAMPLES.glob(f"*/{name}.toml")
+    return sb.form_equations(sb.load_model(path))
 
 
 def pendulum() -> sb.EquationSet:
