@@ -49,7 +49,7 @@ class Branches:
 
     def _recognize(self, sequence: Sequence, places: Items[int]) -> dict[int, tuple[int, int]]:
         """Return the branch and the sign of what decides each operation, of those that are known."""
-        pairs = [_compared(sequence, k) for k in places]
+        pairs = [_comparison(sequence, k) for k in places]
         shown = [k for pair in pairs for k in pair if k >= 0]
         wider = replace(sequence, outputs=(Output("compared", (len(shown),), tuple(shown)),))
         rows = [evaluate_sequence(wider, point)[0] for point in self.points]
@@ -76,7 +76,7 @@ class Branches:
         return None
 
 
-def _compared(sequence: Sequence, place: int) -> tuple[int, int]:
+def _comparison(sequence: Sequence, place: int) -> tuple[int, int]:
     """Return the two values that are compared; -1 stands for 0."""
     operation = sequence.operations[place]
     a, *others = operation.operands

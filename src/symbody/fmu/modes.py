@@ -127,18 +127,18 @@ def _with_modes(
     slips = dict(zip(joints, modes[: 2 * len(joints) : 2], strict=True))
     holds = dict(zip(joints, modes[1 : 2 * len(joints) : 2], strict=True))
     taut = dict(zip(lines, modes[2 * len(joints) :], strict=True))
-    rows = [_scaled(row, taut[row.element]) if row.element in taut else row for row in formed.rows]
+    rows = [_scale_row(row, taut[row.element]) if row.element in taut else row for row in formed.rows]
     laws = []
     for law in formed.friction:
         name = law.joint.name
         if name in slips:
-            rows.append(_scaled(holding_row(formed, law), holds[name]))
+            rows.append(_scale_row(holding_row(formed, law), holds[name]))
             law = replace(law, slip=slips[name], switches=False)
         laws.append(law)
     return replace(formed.with_rows(tuple(rows)), friction=tuple(laws))
 
 
-def _scaled(row: ConstraintEquation, share: Expr) -> ConstraintEquation:
+def _scale_row(row: ConstraintEquation, share: Expr) -> ConstraintEquation:
     """Return a row that holds where the share is 1, and is 0 = 0 where it is 0."""
     jacobian = {u: slope * share for u, slope in row.jacobian.items()}
     return replace(

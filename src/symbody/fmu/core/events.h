@@ -7,6 +7,14 @@ static int side_of_watched(const Motion *m, int k, double value)
     return value > m->slight[k - SB_EVENTS] ? 1 : value < -m->slight[k - SB_EVENTS] ? -1 : 0;
 }
 
+/* Whether a value that was zero is so no more. Closing loops moves it a little. */
+static int has_left(Motion *m, int k, double value)
+{
+    if (k >= SB_EVENTS) return 1;
+    if (fabs(value) > m->largest[k]) m->largest[k] = fabs(value);
+    return fabs(value) > (SB_PROJECTED ? 1e-6 * m->largest[k] : 0.0);
+}
+
 /* Whether an event has happened since a side. A value that is zero belongs to the side where it comes to. */
 static int has_happened(const Motion *m, int k, double value)
 {
@@ -21,10 +29,11 @@ static int note_events(Motion *m)
     int k, any = 0;
     if (!(SB_EVENTS + SB_ELEMENTS) || need(m, HAS_INDICATORS) != SOLVED) return 0;
     for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
-        int now = side_of_watched(m, k, m->indicators[k]), before = m->side[k];
+        double value = m->indicators[k];
+        int now = side_of_watched(m, k, value), before = m->side[k];
         int has_passed = (before > 0 && now <= 0) || (before < 0 && now >= 0);
-        if (has_happened(m, k, m->indicators[k])) m->pending[k] = any = 1;
-        if (now != 0) m->side[k] = now;
+        if (has_happened(m, k, value)) m->pending[k] = any = 1;
+        if (now != 0 && (before != 0 || has_left(m, k, value))) m->side[k] = now;
         else if (has_passed && k < SB_EVENTS) m->side[k] = 0;
     }
     return any;
@@ -35,7 +44,7 @@ static void look_at_sides(Motion *m)
     int k;
     if (!(SB_EVENTS + SB_ELEMENTS) || need(m, HAS_INDICATORS) != SOLVED) return;
     for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
-        m->side[k] = side_of_watched(m, k, m->indicators[k]);
+        m->side[k] = has_left(m, k, m->indicators[k]) ? side_of_watched(m, k, m->indicators[k]) : 0;
         m->pending[k] = 0;
     }
 }
@@ -65,7 +74,8 @@ static int set_states(Motion *m, int *must_stop)
     if (project_state(m) != SOLVED) return -1;
     /* A map leaves what it acts on where it is, up to rounding: only a side that is clear counts. */
     if (need(m, HAS_INDICATORS) == SOLVED)
-        for (k = 0; k < SB_EVENTS; k++) m->side[k] = side_of(m->indicators[k]);
+        for (k = 0; k < SB_EVENTS; k++)
+            m->side[k] = has_left(m, k, m->indicators[k]) ? side_of(m->indicators[k]) : 0;
     return 1;
 }
 

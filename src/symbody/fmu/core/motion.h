@@ -23,6 +23,7 @@ typedef struct {
     int side[SB_EVENTS + SB_ELEMENTS + 1], pending[SB_EVENTS + SB_ELEMENTS + 1];
     int happened_count, happened[SB_KEPT];  /* events that are not yet logged */
     double happened_at[SB_KEPT];
+    double largest[SB_EVENTS + 1]; /* of what each event watches, so far */
     double time, from, to, stop;
     double jump, jump_margin, past_jump; /* next jump of what depends on time alone; behind the last one */
     double x[SB_X + 1], settled_x[SB_X + 1];
