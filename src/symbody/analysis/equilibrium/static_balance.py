@@ -1,8 +1,8 @@
 """`StaticBalance`: the forces on a mechanism at rest, as functions of its configuration, with derivatives.
 
 At rest ``F(q, 0, r) + J^T lambda = 0`` and ``Phi(q) = 0``, and what a damper alone holds, without mass and so
-without a speed, has its forces in balance. For each configuration the multipliers, and inputs that are unknown,
-are those that leave the least of the forces; what is left is a function of q alone.
+without a speed, has its forces in balance. For each configuration the multipliers, and inputs that are
+unknown, are those that leave the least of the forces; what is left is a function of q alone.
 """
 
 from __future__ import annotations
