@@ -18,6 +18,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation
 from symbody.expr.sequence import Sequence as Program
+from symbody.simulation.inputs.choice_trees import STEPS, StepFunction, fold_choices
 from symbody.simulation.inputs.tables import Table
 
 Floats = NDArray[np.float64]
@@ -75,6 +76,8 @@ class TimeFunctions:
         What the operands of the open switches are computed from, ascending.
     steep : array
         The values that may be anything between samples of their operands.
+    steps : tuple of StepFunction
+        What the operations `STEPS` are, by their data.
     """
 
     operations: tuple[Operation, ...]
@@ -88,6 +91,7 @@ class TimeFunctions:
     open_switches: Places
     before_open: Places
     steep: Places
+    steps: tuple[StepFunction, ...] = ()
 
     def values(self, t: Floats, p: Floats, only: Places | None = None) -> Floats:
         """Return all values (n, N), or some, at times (N,) with free parameters (n_p, N)."""
@@ -100,6 +104,8 @@ class TimeFunctions:
                     rows[k] = t if group == "t" else p[place] if group == "p" else self.tables[place].at(t)
                 elif code in op.LEAVES:
                     rows[k] = self.numbers[k]
+                elif code == STEPS:
+                    rows[k] = self.steps[datum].at(rows[operands[0]])
                 else:
                     rows[k] = FUNCTIONS[code](*[rows[place] for place in operands])
         return rows
@@ -181,14 +187,19 @@ def time_functions(
     shown = sorted(place for place in read if early[place] and moves[place])
     if not shown:
         return None
-    kept = _ancestors(sequence.operations, shown)
+    groups = [entry.group for entry in sequence.inputs]
+    whole, early_numbers = list(sequence.operations), np.zeros(len(sequence.operations))
+    for place in _ancestors(whole, shown):
+        early_numbers[place] = _number(sequence, place)
+    whole, steps = fold_choices(whole, early_numbers, _affine(tuple(whole), moves, groups) & early)
+    kept = _ancestors(whole, shown)
     number = {place: k for k, place in enumerate(kept)}
     operations = tuple(
         Operation(code, tuple(number[place] for place in operands), datum)
-        for code, operands, datum in (sequence.operations[place] for place in kept)
+        for code, operands, datum in (whole[place] for place in kept)
     )
     moving = moves[kept]
-    affine = _affine(operations, moving, [entry.group for entry in sequence.inputs])
+    affine = _affine(operations, moving, groups)
     switches = [k for k, (code, _, _) in enumerate(operations) if code in _OF_ONE | _OF_TWO and moving[k]]
     affine_switches = [k for k in switches if affine[list(operations[k].operands)].all()]
     unknown = [k for k in switches if k not in affine_switches]
@@ -199,7 +210,7 @@ def time_functions(
     ]
     return TimeFunctions(
         operations,
-        np.array([_number(sequence, place) for place in kept]),
+        early_numbers[kept],
         tuple((entry.group, entry.position) for entry in sequence.inputs),
         tables,
         np.array([number[place] for place in shown], dtype=np.intp),
@@ -212,6 +223,7 @@ def time_functions(
             dtype=np.intp,
         ),
         np.array(steep, dtype=np.intp),
+        tuple(replace(step, argument=number.get(step.argument, -1)) for step in steps),
     )
 
 
