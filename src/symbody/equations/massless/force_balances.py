@@ -21,7 +21,6 @@ from symbody.equations.kinematics.placements import fold_zeros
 from symbody.equations.loads.loads import form_loads
 from symbody.equations.massless.null_motions import Motion, is_light, null_motions, rank, zero_pivots
 from symbody.expr.calculus import gradient
-from symbody.expr.deadline import begin
 from symbody.expr.expression import Expr, number
 from symbody.expr.fingerprint import find_zeros
 from symbody.expr.graph import Symbol, SymbolKind
@@ -99,7 +98,6 @@ def find_balances(formed: EquationsOfMotion) -> ForceBalances | UndeterminedMoti
     """
     if not any(map(is_light, formed.bodies)):
         return None
-    begin("motions without mass")
     if not (formed.rows or zero_pivots(formed, formed.dynamics.solve(formed, formed.dynamics.forcing))):
         return None
     motions = [motion for motion in null_motions(formed) if _is_free(formed, motion)]
