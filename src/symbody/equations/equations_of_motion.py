@@ -79,9 +79,10 @@ class EquationsOfMotion(MultibodySystem):
     ) -> EquationsOfMotion:
         """Return the equations of a system; `others` are the fields with defaults."""
         model = system.topology.model
+        inputs = (*model.inputs, *(signal.name for signal in model.held_signals))
         return cls(
             **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
-            inputs=tuple(Symbol(name, SymbolKind.INPUT) for name in model.inputs),
+            inputs=tuple(Symbol(name, SymbolKind.INPUT) for name in inputs),
             parameters=tuple(Symbol(name, SymbolKind.PARAMETER) for name in model.parameters),
             formulation=formulation,
             dynamics=dynamics,

@@ -15,6 +15,7 @@ from symbody.analysis.assembly import assemble
 from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.equilibrium.equilibrium_search import examine_neighbourhood
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
+from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
 from symbody.analysis.one_sided import settle
@@ -120,8 +121,9 @@ def find_equilibrium(
         If the loops do not close, a motion in time leaves no rest, or forces balance nowhere near the guess:
         with what is left of them at the best configuration, and along which speed.
     """
-    first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
+    refuse_held(eqs, "an equilibrium", {*(inputs or {}), *unknowns})
+    first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
     _check(eqs, unknowns, fixed or {})
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
     evaluator = constraint_evaluator(

@@ -81,7 +81,7 @@ def _explicit(formed: EquationsOfMotion, value: Expr) -> int:
 def _inputs_read(formed: EquationsOfMotion, node: int, among: Iterable[str]) -> tuple[str, ...]:
     graph = formed.graph
     symbols = {graph.symbols[graph.left[k]].name for k in symbols_of(graph, [node])}
-    return tuple(name for name in among if name in symbols)
+    return tuple(name for name in among if name in symbols) if symbols else ()
 
 
 def _in_order(

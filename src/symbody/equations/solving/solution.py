@@ -14,7 +14,7 @@ from symbody.equations.solving.friction_solution import solve_with_friction, unk
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
-from symbody.expr.rewrite import substitute
+from symbody.expr.rewrite import substitute, symbols_of
 
 
 def solve(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
@@ -50,19 +50,21 @@ def substitute_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> li
 
     The multipliers of redundant rows are 0; `substitute_shares` puts those of least norm in their place.
     """
-    graph = formed.graph
+    graph, nodes = formed.graph, [value.index for value in values]
+    if not symbols_of(graph, nodes):  # most inputs are numbers
+        return list(values)
     symbols = [
         *unknown_symbols(formed),
         *(Symbol(row.name, SymbolKind.MULTIPLIER) for row in formed.redundant),
     ]
-    nodes = {graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
-    if nodes.keys().isdisjoint(graph.reachable([value.index for value in values])):
+    places = {graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
+    if places.keys().isdisjoint(graph.reachable(nodes)):
         return list(values)
     udot, multipliers = solve(formed)
     idle = [Expr(graph, 0)] * len(formed.redundant)
     solution = [*udot, *multipliers, *resistance(formed).efforts, *idle]
-    replacements = {node: solution[k].index for node, k in nodes.items()}
-    found = substitute(graph, [value.index for value in values], replacements)
+    replacements = {node: solution[k].index for node, k in places.items()}
+    found = substitute(graph, nodes, replacements)
     return [Expr(graph, node) for node in found]
 
 

@@ -94,7 +94,10 @@ def _no_freedom(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     n_u = len(eqs.speed_names)
     if not n_u or len(eqs.multiplier_names) < n_u:
         return ()
-    rows = np.asarray(first["jacobian"]) / problem.scales.constraints(eqs)[:, np.newaxis]
+    slopes = np.asarray(first["jacobian"])
+    if len(slopes) < len(eqs.multiplier_names):  # ropes are slack
+        return ()
+    rows = slopes / problem.scales.constraints(eqs)[:, np.newaxis]
     rows = rows * problem.scales.displacements(eqs)
     if not np.isfinite(rows).all() or null_space(rows).shape[1]:
         return ()
