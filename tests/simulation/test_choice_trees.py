@@ -57,7 +57,7 @@ def test_the_pieces_are_those_of_the_choices(
 def test_values_at_bounds_and_beyond() -> None:
     steps = choice_trees.StepFunction(0, np.array([0.0, 1.0, 2.0]), np.array([5.0, 6.0, 7.0, 8.0]))
     np.testing.assert_array_equal(
-        steps.at(np.array([-1.0, 0.0, 0.5, 1.0, 2.0, 9.0, np.nan])), [5, 6, 6, 7, 8, 8, 8]
+        steps.evaluate(np.array([-1.0, 0.0, 0.5, 1.0, 2.0, 9.0, np.nan])), [5, 6, 6, 7, 8, 8, 8]
     )
 
 

@@ -42,7 +42,7 @@ class StepFunction:
     bounds: Floats
     values: Floats
 
-    def at(self, x: Floats) -> Floats:
+    def evaluate(self, x: Floats) -> Floats:
         """Return the values at x; at NaN the last, as comparisons choose."""
         found: Floats = self.values[np.searchsorted(self.bounds, x, side="right")]
         return found

@@ -105,7 +105,7 @@ class TimeFunctions:
                 elif code in op.LEAVES:
                     rows[k] = self.numbers[k]
                 elif code == STEPS:
-                    rows[k] = self.steps[datum].at(rows[operands[0]])
+                    rows[k] = self.steps[datum].evaluate(rows[operands[0]])
                 else:
                     rows[k] = FUNCTIONS[code](*[rows[place] for place in operands])
         return rows
@@ -177,21 +177,15 @@ def time_functions(
         "p": lambda place: with_parameters,
     }
     early, moves = _early(sequence, given)
-    read = {
-        place
-        for k, operation in enumerate(sequence.operations)
-        if not early[k]
-        for place in operation.operands
-    }
-    read |= {place for output in sequence.outputs for place in output.values}
-    shown = sorted(place for place in read if early[place] and moves[place])
+    shown = [place for place in _results(sequence, early) if moves[place]]
     if not shown:
         return None
     groups = [entry.group for entry in sequence.inputs]
-    whole, early_numbers = list(sequence.operations), np.zeros(len(sequence.operations))
-    for place in _ancestors(whole, shown):
-        early_numbers[place] = _number(sequence, place)
-    whole, steps = fold_choices(whole, early_numbers, _affine(tuple(whole), moves, groups) & early)
+    numbers = np.zeros(len(sequence.operations))
+    for place in _ancestors(sequence.operations, shown):
+        numbers[place] = _number(sequence, place)
+    is_affine = _affine(sequence.operations, moves, groups) & early
+    whole, steps = fold_choices(sequence.operations, numbers, is_affine)
     kept = _ancestors(whole, shown)
     number = {place: k for k, place in enumerate(kept)}
     operations = tuple(
@@ -210,7 +204,7 @@ def time_functions(
     ]
     return TimeFunctions(
         operations,
-        early_numbers[kept],
+        numbers[kept],
         tuple((entry.group, entry.position) for entry in sequence.inputs),
         tables,
         np.array([number[place] for place in shown], dtype=np.intp),
@@ -249,6 +243,13 @@ def _is_steep(operation: Operation, moves: Flags, affine: bool) -> bool:
     return code in _STEEP or (code == op.SYMBOL and not affine)
 
 
+def _results(sequence: Program, early: Flags) -> list[int]:
+    """Return the early values that are results, or read by others that are not early."""
+    read = {place for k, step in enumerate(sequence.operations) if not early[k] for place in step.operands}
+    read |= {place for output in sequence.outputs for place in output.values}
+    return sorted(place for place in read if early[place])
+
+
 def _early(sequence: Program, known: Mapping[str, Callable[[int], bool]]) -> tuple[Flags, Flags]:
     """Return which values depend on nothing that is unknown, and which of these on time."""
     early = np.zeros(len(sequence.operations), dtype=np.bool_)
@@ -282,7 +283,7 @@ def _number(sequence: Program, place: int) -> float:
     return 0.0 if value is None else float(value)
 
 
-def _affine(operations: tuple[Operation, ...], moves: Flags, groups: list[str]) -> Flags:
+def _affine(operations: Sequence[Operation], moves: Flags, groups: list[str]) -> Flags:
     """Return which values are constant in time, or affine in it."""
     is_affine = ~moves
     for k, (code, operands, datum) in enumerate(operations):
