@@ -274,3 +274,47 @@ def test_every_language_computes_the_same(make: Any, language: str, tmp_path: Pa
     (values,) = run_text(language, sequence, [{"t": [0.0], "q": q, "u": u}], tmp_path)
     wanted = np.append(*(np.atleast_1d(x) for x in sb.compile(eqs, ["xdot", "kinetic_energy"])(0.0, q, u)))
     assert values == pytest.approx(wanted, rel=1e-13)
+
+
+def test_equilibria_hold_what_dampers_alone_resist() -> None:
+    joints = [slide("s", "ground", "P", "p", stiffness="k1", damping="c", free=0.3),
+              slide("t", "ground", "A", "a", stiffness="k2", applied="F")]  # fmt: skip
+    spring = sb.SpringDamper("between", "P", "A", stiffness=3)
+    bodies = [sb.Body("P"), sb.Body("A", mass="m")]
+    m = sb.Model(
+        "rest", [*bodies, *joints, spring], parameters=PARAMETERS, gravity=(9.81, 0, 0), inputs=("F",)
+    )
+    eqs = sb.form_equations(m)
+    assert eqs.state_names == ("a_dot", "p", "a")
+    wanted = np.linalg.solve([[K1 + 3, -3], [-3, K2 + 3]], [0.3 * K1, MASS * 9.81 + 2])
+    found = sb.find_equilibrium(eqs, inputs={"F": 2})
+    assert [found.q["p"], found.q["a"]] == pytest.approx(wanted, rel=1e-10)
+    pull = sb.find_equilibrium(eqs, unknowns=["F"], fixed={"a": 1.0})
+    assert pull.q["p"] == pytest.approx((0.3 * K1 + 3) / (K1 + 3), rel=1e-10)
+    creeping = sb.form_equations(maxwell(False))
+    with pytest.raises(sb.SymbodyError, match="equilibrium.none"):
+        sb.find_equilibrium(creeping, fixed={"p": 0.3})
+
+
+def test_inverse_dynamics_of_a_point_that_springs_place() -> None:
+    joints = [slide("s", "ground", "P", "p", applied="-k1*p + k2*(a - p)"),
+              slide("t", "ground", "A", "a", applied="F - k2*(a - p)")]  # fmt: skip
+    times = np.linspace(0, 1, 5)
+    eqs = sb.form_equations(model(*joints, inputs=("F",)))
+    run = sb.inverse_dynamics(eqs, {"a": "sin(t)"}, ["F"], times=times)
+    assert run["F"] == pytest.approx((K1 * K2 / (K1 + K2) - MASS) * np.sin(times), abs=1e-12)
+    light = sb.form_equations(maxwell(False, inputs=("F",)))
+    with pytest.raises(sb.SymbodyError, match="inverse.first_order"):
+        sb.inverse_dynamics(light, {"a": "sin(t)"}, ["F"], times=times)
+
+
+def test_inverse_dynamics_with_dependent_speeds_is_refused() -> None:
+    parts = [
+        sb.Body("Sled", mass=2, inertia=(0, 0, 0.3)),
+        sb.Planar("plane", "ground", "Sled", coordinates=("x", "y", "th")),
+        sb.KnifeEdge("blade", "ground", "Sled"),
+        sb.Force("push", "Sled", ("F", 0, 0)),
+    ]
+    eqs = sb.form_equations(sb.Model("sled", parts, inputs=("F",)), dependent_speeds="auto")
+    with pytest.raises(sb.SymbodyError, match="inverse.dependent_speeds"):
+        sb.inverse_dynamics(eqs, {"x": "t"}, ["F"], times=[0.0, 1.0])

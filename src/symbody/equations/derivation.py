@@ -92,7 +92,6 @@ def derive(
         return _equations(system, formulation, notes)
 
     formed = _with_outputs_for_loads(topology.model, names, form_dynamics)
-    begin("motions without mass", notes)
     balances = find_balances(formed)
     if not isinstance(balances, ForceBalances):
         return _finish(formed, notes, dependent)

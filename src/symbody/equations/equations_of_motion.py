@@ -105,9 +105,17 @@ class EquationsOfMotion(MultibodySystem):
         return () if self.elimination is None else tuple(u.label for u in self.elimination.dependent)
 
     @property
+    def light_balances(self) -> Mapping[Symbol, ConstraintEquation]:
+        """The balances of forces along motions that move no mass, by the speeds that follow from them."""
+        if self.elimination is None:
+            return {}
+        pairs = zip(self.elimination.dependent, self.elimination.rows, strict=True)
+        return {speed: row for speed, row in pairs if row.is_balance}
+
+    @property
     def eliminated_multipliers(self) -> Mapping[str, Expr]:
         """The multipliers of rows eliminated, in u', the other multipliers and friction efforts."""
-        if self.elimination is None:
+        if self.elimination is None or all(row.is_balance for row in self.elimination.rows):
             return {}
         # Rows that were silenced have no slopes, and their multipliers are 0.
         others = [row.name for row in self.rows if row.jacobian]

@@ -200,7 +200,7 @@ class EquilibriumSearch:
 
     def undetermined_multipliers(self, rest: StaticResidual) -> Floats:
         """Return the changes of multipliers that change no force, as columns (n_c, k)."""
-        rows = self.evaluator.velocity_rows(rest.q, {})[0] * self.balance.sizes
+        rows = self.evaluator.velocity_rows(rest.q, {})[0] * self.evaluator.speed_sizes
         scales = self.balance.scales[:, np.newaxis]
         return np.asarray(null_space((rows / scales).T, SHARP_RANK) / scales)
 

@@ -200,11 +200,12 @@ def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
         best = min(finite, key=lambda one: one.residual.merit)
         forces, search = best.residual.unbalanced, best.search
         k = int(np.argmax(np.abs(forces))) if forces.size else 0
-        if k >= len(eqs.speed_names):
-            name = eqs.signal_state_names[k - len(eqs.speed_names)]
+        speeds = (*eqs.speed_names, *(speed.label for speed in eqs.formed.light_balances))
+        if k >= len(speeds):
+            name = eqs.signal_state_names[k - len(speeds)]
             left = f"the rate of signal {name} does not vanish"
         else:
-            name = eqs.speed_names[k]
+            name = speeds[k]
             unit = "N" if eqs.units.get(name) == "m/s" else "N m"
             force = forces[k] * search.balance.largest_term(search.start) / search.balance.sizes[k]
             left = f"along {name} {force:.4g} {unit} are not balanced"

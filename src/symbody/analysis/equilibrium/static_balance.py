@@ -1,7 +1,8 @@
 """`StaticBalance`: the forces on a mechanism at rest, as functions of its configuration, with derivatives.
 
-At rest ``F(q, 0, r) + J^T lambda = 0`` and ``Phi(q) = 0``. For each configuration the multipliers, and inputs
-that are unknown, are those that leave the least of the forces; what is left is a function of q alone.
+At rest ``F(q, 0, r) + J^T lambda = 0`` and ``Phi(q) = 0``, and what a damper alone holds, without mass and so
+without a speed, has its forces in balance. For each configuration the multipliers, and inputs that are
+unknown, are those that leave the least of the forces; what is left is a function of q alone.
 """
 
 from __future__ import annotations
@@ -45,12 +46,13 @@ class StaticResidual:
     ----------
     q, inputs, multipliers : arrays
         Where; the inputs are those unknown, and behind them the states of signals.
-    unbalanced : (n_u + n_s,) array
-        Unbalanced forces as work on unit displacements, in units of the largest term; then rates of signals,
-        as changes of their size in the mechanism's time.
+    unbalanced : (n_u + n_b + n_s,) array
+        Unbalanced forces as work on unit displacements, in units of the largest term, those along motions
+        that move no mass behind those along speeds; then rates of signals, as changes of their size in the
+        mechanism's time.
     values, slopes : arrays
         All equations that are to vanish, and their derivatives by q in units of sizes.
-    terms : (n_u + n_s,) array
+    terms : (n_u + n_b + n_s,) array
         Sums of absolute terms, which these are compared with.
     shares : (n,) array
         Singular values of what unit multipliers and unknown inputs do, over the largest.
@@ -97,8 +99,8 @@ class StaticBalance:
         Forces and their derivatives.
     unknowns : int
         Number of unknown inputs, without the states of signals, which are unknown in the same way.
-    sizes : (n_u,) array
-        Size of displacements along each speed.
+    sizes : (n_u + n_b,) array
+        Size of displacements along each speed, then along motions that move no mass.
     scales : (n_c,) array
         Sizes of the constraints.
     timed : bool
@@ -120,9 +122,9 @@ class StaticBalance:
     def largest_term(self, q: Floats) -> float:
         """Return the largest of the terms that are to balance, as work [J]; 1 if there are none."""
         terms = self._evaluate(q, self.first_inputs, np.zeros(len(self.evaluator.eqs.multiplier_names)))
-        n_u = self.sizes.size
-        slopes = np.abs(terms[1][:n_u]) * self.evaluator.sizes * self.sizes[:, np.newaxis]
-        forces = np.abs(terms[0][:n_u]) * self.sizes
+        n = self.sizes.size
+        slopes = np.abs(terms[1][:n]) * self.evaluator.sizes * self.sizes[:, np.newaxis]
+        forces = np.abs(terms[0][:n]) * self.sizes
         return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
 
     def residual(
@@ -148,7 +150,8 @@ class StaticBalance:
         none = np.zeros(len(self.evaluator.eqs.multiplier_names))
         scale = np.concatenate([self.sizes / largest, self._rate_scales()])
         first = self._evaluate(q, inputs, none)
-        pulls = np.vstack([first[3].T, np.zeros((self.evaluator.signals.size, none.size))])
+        pulls = np.zeros((scale.size, none.size))  # multipliers neither act on signals nor move what is light
+        pulls[: first[3].shape[1]] = first[3].T
         shares = np.hstack([pulls, first[2]]) * scale[:, np.newaxis]
         weights = np.linalg.norm(shares, axis=0)
         # Rows of J are of order 1 in their scales: one that is less is nearly none, as where branches cross.
@@ -194,7 +197,15 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
     function = bound_function(plan.wider, words, evaluator.parameters, (), given)
     scales = evaluator.mechanism.constraints(eqs)
-    return StaticBalance(evaluator, function, plan.unknowns, evaluator.speed_sizes, scales, plan.timed)
+    sizes = np.concatenate([evaluator.speed_sizes, _light_sizes(evaluator)])
+    return StaticBalance(evaluator, function, plan.unknowns, sizes, scales, plan.timed)
+
+
+def _light_sizes(evaluator: ConstraintEvaluator) -> Floats:
+    """Return the sizes of displacements along motions that move no mass (n_b,): the length, or 1 rad."""
+    units, length = evaluator.eqs.units, evaluator.mechanism.length
+    names = [speed.label.removesuffix("_dot") for speed in evaluator.eqs.formed.light_balances]
+    return np.array([length if units.get(name) == "m" else 1.0 for name in names])
 
 
 class _BalancePlan(NamedTuple):
@@ -226,7 +237,7 @@ def _is_number(law: Value, name: str) -> bool:
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
     """Return ``F + J^T lambda`` without friction, which is 0 at rest, and the symbols of the multipliers.
 
-    Behind the forces stand the rates of signals.
+    Behind the forces stand those along motions that move no mass, and the rates of signals.
     """
     formed, graph = eqs.formed, eqs.formed.graph
     pulls = {
@@ -239,6 +250,7 @@ def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], di
         for row, pull in zip(rows, multipliers, strict=True):
             total = total + row[i] * pull
         totals.append(total.index)
+    totals += [row.drift.index for row in formed.light_balances.values()]
     totals += eqs.roots("signal_rates").nodes if formed.signal_states else ()
     quiet = {law.effort.index: ZERO for law in formed.friction}
     quiet |= {Expr(graph, graph.symbol(speed)).index: ZERO for speed in formed.u}

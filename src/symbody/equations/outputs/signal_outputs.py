@@ -121,7 +121,7 @@ def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput
         return formed.readable_names.expression(signal.value, f"signal {signal.name}, value")
     where, text = f"signal {signal.name}, output", str(signal.output)
     try:
-        shape, values = raw_output(_inside(formed, signal.name), text)
+        shape, values = raw_output(_enter_output(formed, signal.name), text)
     except SymbodyError as error:
         first = error.problems[0]
         raise FormulationError(Problem(first.code, where, first.what, first.why, first.fix)) from error
@@ -134,7 +134,7 @@ def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput
     return values[0]
 
 
-def _inside(formed: EquationsOfMotion, name: str) -> EquationsOfMotion:
+def _enter_output(formed: EquationsOfMotion, name: str) -> EquationsOfMotion:
     """Return the equations as the output of a signal reads them; refuse it where that is read for itself."""
     names = formed.outer_signals
     if name in names:

@@ -13,7 +13,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.expr.opcodes import SYMBOL
 from symbody.simulation.inputs.chebyshev import NODES, TO_COEFFICIENTS
+from symbody.simulation.inputs.choice_trees import STEPS
 from symbody.simulation.inputs.steepness import may_hide_features
 from symbody.simulation.inputs.time_functions import TimeFunctions
 
@@ -240,12 +242,25 @@ class _PieceSearch:
                 exact = self._functions.exact_zeros(int(k[0]), values[:, is_passed, 0])
                 times = self._start + share * (self._end - self._start) if exact is None else exact
                 changes.append((times, everything[is_passed]))
+        for code, operands, datum in self._functions.operations:
+            if code == STEPS:
+                x = values[operands[0]]
+                changes += self._step_times(self._functions.steps[datum].bounds, x, operands[0])
         for table in self._functions.tables.values():
             times = np.tile(table.jumps, self._cases)
             changes.append((times, np.repeat(everything, table.jumps.size)))
         return np.concatenate([times for times, _ in changes]), np.concatenate(
             [cases for _, cases in changes]
         )
+
+    def _step_times(self, bounds: Floats, x: Floats, place: int) -> list[tuple[Floats, Places]]:
+        """Return when values (cases, 2), from the start to the end affine in time, pass bounds."""
+        first, last = x[:, :1] - bounds, x[:, 1:] - bounds
+        case, own = np.nonzero((np.sign(first) != np.sign(last)) & np.isfinite(first) & np.isfinite(last))
+        if self._functions.operations[place].op == SYMBOL:  # time itself
+            return [(bounds[own], case)]
+        share = -first[case, own] / (last - first)[case, own]
+        return [(self._start + share * (self._end - self._start), case)]
 
     def _locate_switches(self, t: Floats, symbols: Floats, case: Places) -> tuple[Floats, Places, Floats]:
         """Return where open switches change between samples, by bisection: times, cases, and widths."""
@@ -291,10 +306,14 @@ class _PieceSearch:
         inside = (times > self._start + 4.0 * widths) & (times < self._end - 4.0 * widths)
         self._cuts.append((times[inside], cases[inside], widths[inside]))
         parts = [_Pieces(np.zeros(0), np.zeros(0), np.zeros(0, dtype=np.intp))]
+        widest = float(widths.max(initial=0.0))
         for start, end, case in zip(pieces.start, pieces.end, pieces.case, strict=True):
-            is_own = (cases == case) & (times > start - widths) & (times < end + widths)
-            a = np.concatenate([[start], times[is_own] + widths[is_own]])
-            b = np.concatenate([times[is_own] - widths[is_own], [end]])
+            low, high = np.searchsorted(cases, [case, case + 1])  # they are in order, by case and by time
+            low, high = low + np.searchsorted(times[low:high], [start - widest, end + widest])
+            near, wide = times[low:high], widths[low:high]
+            is_own = (near > start - wide) & (near < end + wide)
+            a = np.concatenate([[start], near[is_own] + wide[is_own]])
+            b = np.concatenate([near[is_own] - wide[is_own], [end]])
             is_kept = b - a > 2.0 * self.margin
             parts.append(_Pieces(a[is_kept], b[is_kept], np.full(int(is_kept.sum()), case)))
         return join_pieces(parts)

@@ -18,6 +18,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation
 from symbody.expr.sequence import Sequence as Program
+from symbody.simulation.inputs.choice_trees import STEPS, StepFunction, fold_choices
 from symbody.simulation.inputs.tables import Table
 
 Floats = NDArray[np.float64]
@@ -75,6 +76,8 @@ class TimeFunctions:
         What the operands of the open switches are computed from, ascending.
     steep : array
         The values that may be anything between samples of their operands.
+    steps : tuple of StepFunction
+        What the operations `STEPS` are, by their data.
     """
 
     operations: tuple[Operation, ...]
@@ -88,6 +91,7 @@ class TimeFunctions:
     open_switches: Places
     before_open: Places
     steep: Places
+    steps: tuple[StepFunction, ...] = ()
 
     @property
     def are_straight(self) -> bool:
@@ -105,6 +109,8 @@ class TimeFunctions:
                     rows[k] = t if group == "t" else p[place] if group == "p" else self.tables[place].at(t)
                 elif code in op.LEAVES:
                     rows[k] = self.numbers[k]
+                elif code == STEPS:
+                    rows[k] = self.steps[datum].evaluate(rows[operands[0]])
                 else:
                     rows[k] = FUNCTIONS[code](*[rows[place] for place in operands])
         return rows
@@ -176,24 +182,23 @@ def time_functions(
         "p": lambda place: with_parameters,
     }
     early, moves = _early(sequence, given)
-    read = {
-        place
-        for k, operation in enumerate(sequence.operations)
-        if not early[k]
-        for place in operation.operands
-    }
-    read |= {place for output in sequence.outputs for place in output.values}
-    shown = sorted(place for place in read if early[place] and moves[place])
+    shown = [place for place in _results(sequence, early) if moves[place]]
     if not shown:
         return None
-    kept = _ancestors(sequence.operations, shown)
+    groups = [entry.group for entry in sequence.inputs]
+    numbers = np.zeros(len(sequence.operations))
+    for place in _ancestors(sequence.operations, shown):
+        numbers[place] = _number(sequence, place)
+    is_affine = _affine(sequence.operations, moves, groups) & early
+    whole, steps = fold_choices(sequence.operations, numbers, is_affine)
+    kept = _ancestors(whole, shown)
     number = {place: k for k, place in enumerate(kept)}
     operations = tuple(
         Operation(code, tuple(number[place] for place in operands), datum)
-        for code, operands, datum in (sequence.operations[place] for place in kept)
+        for code, operands, datum in (whole[place] for place in kept)
     )
     moving = moves[kept]
-    affine = _affine(operations, moving, [entry.group for entry in sequence.inputs])
+    affine = _affine(operations, moving, groups)
     switches = [k for k, (code, _, _) in enumerate(operations) if code in _OF_ONE | _OF_TWO and moving[k]]
     affine_switches = [k for k in switches if affine[list(operations[k].operands)].all()]
     unknown = [k for k in switches if k not in affine_switches]
@@ -204,7 +209,7 @@ def time_functions(
     ]
     return TimeFunctions(
         operations,
-        np.array([_number(sequence, place) for place in kept]),
+        numbers[kept],
         tuple((entry.group, entry.position) for entry in sequence.inputs),
         tables,
         np.array([number[place] for place in shown], dtype=np.intp),
@@ -217,6 +222,7 @@ def time_functions(
             dtype=np.intp,
         ),
         np.array(steep, dtype=np.intp),
+        tuple(replace(step, argument=number.get(step.argument, -1)) for step in steps),
     )
 
 
@@ -240,6 +246,13 @@ def _is_steep(operation: Operation, moves: Flags, affine: bool) -> bool:
     if code == op.DIV:
         return bool(moves[operands[1]])
     return code in _STEEP or (code == op.SYMBOL and not affine)
+
+
+def _results(sequence: Program, early: Flags) -> list[int]:
+    """Return the early values that are results, or read by others that are not early."""
+    read = {place for k, step in enumerate(sequence.operations) if not early[k] for place in step.operands}
+    read |= {place for output in sequence.outputs for place in output.values}
+    return sorted(place for place in read if early[place])
 
 
 def _early(sequence: Program, known: Mapping[str, Callable[[int], bool]]) -> tuple[Flags, Flags]:
@@ -275,7 +288,7 @@ def _number(sequence: Program, place: int) -> float:
     return 0.0 if value is None else float(value)
 
 
-def _affine(operations: tuple[Operation, ...], moves: Flags, groups: list[str]) -> Flags:
+def _affine(operations: Sequence[Operation], moves: Flags, groups: list[str]) -> Flags:
     """Return which values are constant in time, or affine in it."""
     is_affine = ~moves
     for k, (code, operands, datum) in enumerate(operations):

@@ -209,9 +209,29 @@ def _check_questions(
     ]  # fmt: skip
     if eqs.signal_state_names:
         problems.append(_moving_signals(eqs))
+    if eqs.formed.light_balances:
+        problems.append(_moving_light(eqs))
+    elif eqs.formed.dependent_names:
+        problems.append(
+            Problem("inverse.dependent_speeds", "eqs",
+                    f"the speeds {', '.join(eqs.formed.dependent_names)} are eliminated from these equations",
+                    "what is given is held by rows in all speeds",
+                    "form the equations without dependent_speeds: motion and efforts are the same")
+        )  # fmt: skip
     if problems:
         raise UsageError(*problems)
     refuse_held(eqs, "inverse dynamics", {*unknowns, *inputs})
+
+
+def _moving_light(eqs: EquationSet) -> Problem:
+    names = [speed.label for speed in eqs.formed.light_balances]
+    return Problem(
+        "inverse.first_order", f"speed {names[0]}",
+        f"no mass resists {', '.join(names)}: dampers say how fast it moves, and its place depends on all "
+        "that was before",
+        "it follows from forces, and is no motion that can be given",
+        "give mass to what moves there, or simulate with the input given",
+    )  # fmt: skip
 
 
 def _moving_signals(eqs: EquationSet) -> Problem:
