@@ -24,6 +24,18 @@ FRAMES = (
 )
 
 
+@dataclass(frozen=True, slots=True)
+class Method:
+    """How a motion is computed; None leaves the integrator out."""
+
+    integrator: sb.GeneralizedAlpha | None = None
+    rtol: float = RTOL
+    atol: float = ATOL
+
+
+USUAL = Method()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
     """A run, with outputs at all of its samples: time comes first.
@@ -49,14 +61,17 @@ class Motion:
     sizes: Array
 
 
-def motion(mechanism: Mechanism, state: State, tree: TreeChoice, share: float) -> Motion:
+def motion(
+    mechanism: Mechanism, state: State, tree: TreeChoice, share: float, method: Method = USUAL
+) -> Motion:
     """The motion from a state through a share of the mechanism's unit of time; every step is a sample."""
     eqs = equations(mechanism, tree)
     known = {name: state.known[name] for name in (*eqs.coordinate_names, *eqs.speed_names)}
     inputs = {name: state.known[name] for name in eqs.input_names}
     span = (state.t, state.t + share * mechanism.units.time)
     run = sb.simulate(
-        eqs, span, guess=known, inputs=inputs, rtol=RTOL, atol=ATOL, max_steps=MOST_STEPS
+        eqs, span, guess=known, inputs=inputs, integrator=method.integrator, rtol=method.rtol,
+        atol=method.atol, max_steps=MOST_STEPS,
     )  # fmt: skip
     frames = [word.format(body.name) for body in mechanism.bodies for word in FRAMES]
     function = sb.compile(eqs, ["energy", "kinetic_energy", "potential_energy", *frames])

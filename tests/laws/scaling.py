@@ -79,3 +79,11 @@ def scaled_sweep(
 def formed(seed: int, tree: TreeChoice) -> sb.EquationSet:
     """The equations of a scalable mechanism."""
     return sb.form_equations(build_model(plain_mechanism(seed, ONE)), tree=tree)
+
+
+def has_massless(eqs: sb.EquationSet, seed: int) -> bool:
+    """Whether some coordinate moves no mass at the first state: its entry of diag(M) is 0."""
+    state = consistent_state(plain_mechanism(seed, ONE))
+    values = [[state.known[name] for name in names] for names in (eqs.coordinate_names, eqs.speed_names)]
+    mass = sb.compile(eqs, "mass_matrix", parameters=parameters_in(seed, ONE))(state.t, *values)
+    return not np.diag(np.asarray(mass)).all()

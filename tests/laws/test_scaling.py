@@ -12,7 +12,7 @@ import symbody as sb
 from tests.laws.parts import Units
 from tests.laws.rotations import Array
 from tests.laws.scaled_analyses import ANALYSES, SAME_BITS, Answer, Question, answer
-from tests.laws.scaling import ONE, formed, is_scalable, scaled_sweep
+from tests.laws.scaling import ONE, formed, has_massless, is_scalable, scaled_sweep
 from tests.laws.tally import chunks, name_of
 
 SHARE = 0.3  # of the mechanism's unit of time
@@ -45,7 +45,12 @@ def assert_alike(seed: int, *motions: tuple[sb.Sweep, Array]) -> None:
 
 
 def check(seeds: Iterable[int]) -> int:
-    """Scale each mechanism by powers of two and of ten; return how many there were."""
+    """Scale each mechanism by powers of two and of ten; return how many there were.
+
+    Powers of two change no bit, but where coordinates have no mass: whether a tiny entry of J couples them or is
+    rounding of zero is decided against rows that mix lengths and angles, so that entries within the ratio of
+    units of that bound may count in one unit and not in another; the motion stays.
+    """
     count = 0
     for seed in filter(is_scalable, seeds):
         rng = random.Random(f"scaling {seed}")
@@ -53,13 +58,22 @@ def check(seeds: Iterable[int]) -> int:
         first, x = scaled_sweep(eqs, seed, ONE, SHARE, lanes=lanes, rtol=RTOL)
         same, y = scaled_sweep(eqs, seed, powers_of_two(rng), SHARE, rtol=RTOL)
         assert same.status == first.status, seed
-        np.testing.assert_array_equal(y, x, err_msg=f"{seed}")
-        np.testing.assert_array_equal(same.counts, first.counts, err_msg=f"{seed}")
+        if np.array_equal(y, x):
+            np.testing.assert_array_equal(same.counts, first.counts, err_msg=f"{seed}")
+        else:
+            assert has_massless(eqs, seed), (seed, np.abs(y - x).max())
+            assert_alike(seed, (first, x), (same, y))
         other, z = scaled_sweep(eqs, seed, powers_of_ten(rng), SHARE, rtol=RTOL)
         assert other.status == first.status, seed
         assert_alike(seed, (first, x), (other, z))
         count += 1
     return count
+
+
+@pytest.mark.exhaustive
+def test_a_tiny_coupling_of_coordinates_without_mass() -> None:
+    # Entries of J near 5e-12 beside ones: other bits in units half as long, the same motion.
+    assert check((350, 368)) == 2
 
 
 def test_scaled_mechanisms_move_as_before() -> None:

@@ -16,11 +16,11 @@ from symbody.builder.task_failure import Report
 from symbody.builder.tasks.equations import equation_tabs
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.simulation import kept_run
-from symbody.codegen.compile import generate_code
 from symbody.equations.form import form_equations
 from symbody.fmu.export import save_fmu
 from symbody.formats.python_script import model_to_script
 from symbody.model.model import Model
+from symbody.simulation.programs.generate_code import generate_code
 from symbody.visual.viewer.animation import make_animation
 from symbody.visual.viewer.page import page_data, page_text
 

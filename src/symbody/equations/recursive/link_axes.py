@@ -107,7 +107,7 @@ def _adjustment(
         if d is None or math.hypot(d[0], d[1]) < _PARALLEL:
             continue
         return _least(math.atan2(d[0], -d[1])), _foot(inward.then(other.near).position, direction)
-    # No other axis outward: the common normal with the parent's, so that no shift along it is left.
+    # No axis outward in another direction: the common normal with the parent's; no shift along it is left.
     law = near.matrix if joint.z is None else near.matrix @ joint.z
     direction, position = law.T[2], near.position
     if joint.parent == "ground":

@@ -70,7 +70,9 @@ class TreeLink:
     parent : int
         Number of its parent link; -1 is ground.
     transform : Transform
-        Of its axes in those of the parent.
+        Of its axes in those of the parent: Featherstone's X.
+    motion : JointMotion
+        Of the link relative to its parent: Featherstone's S.
     inertia : RigidInertia
         Of its bodies, in its axes about its origin.
     """

@@ -42,7 +42,7 @@ class Recursion:
     tree : KinematicTree
         Links as they are.
     base_tree : KinematicTree
-        Links with their base parameters only: the same motion, other reactions.
+        Links with their base parameters only: the same motion, other reactions. M and F come from it.
     method : str
         "articulated", "composite", or "" for the one with fewer operations.
     """

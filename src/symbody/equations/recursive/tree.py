@@ -33,7 +33,7 @@ from symbody.spatial.transform import Transform
 from symbody.spatial.twist import Twist
 from symbody.spatial.vector import Vector, components, vector
 
-# The two frames of a joint's own kinematics.
+# The two frames of a joint's own kinematics, in which the near frame takes the place of ground.
 _NEAR, _FAR = "ground", "far"
 
 
@@ -141,6 +141,7 @@ def base_parameters(
 
 
 def _with_inertias(names: Names, bodies: Sequence[Body], tree: KinematicTree) -> KinematicTree:
+    """Return the tree with the inertia of each body added to the link it stands on."""
     total = [link.inertia for link in tree.links]
     for body in bodies:
         place = tree.bodies[body.name]
@@ -158,6 +159,7 @@ def _link(
     parent_number: int,
     parent: LinkTransform,
 ) -> TreeLink:
+    """Return the link behind a joint, still without mass."""
     near = parent.inverse.then(joint.near)
     law = Transform((near.matrix @ chosen.law,), near.position)
     kinematics = _joint_kinematics(names, rates, joint, chosen)
@@ -204,6 +206,7 @@ def _joint_kinematics(
 
 
 def _joint_motion(kinematics: Kinematics, joint: TreeJoint) -> JointMotion:
+    """Return the free motions of a joint, S: the partial velocities of the far frame in its own axes."""
     tree, w, v = kinematics.tree, kinematics.angular_velocities[_FAR], kinematics.velocities[_FAR]
     axes = tree.orientation_frame(_FAR)
 

@@ -35,7 +35,7 @@ class TreeJoint:
     far : Transform
         The far frame in its own group, which is its body.
     z : Matrix3 or None
-        Its third column is the axis it turns about, in both frames; None: it has not one constant axis.
+        Axes whose third is the one it turns about, in both frames; None: it has not one constant axis.
     """
 
     role: JointRole

@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Floats, Record
 from symbody.simulation.native.machine import address, step_machine
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.segments import HeldValues, Watch
 from symbody.simulation.status import Status
 
 Progress = Callable[[float], bool | None]
@@ -115,36 +115,61 @@ class NativeRun(NamedTuple):
         The addresses of the functions; 0 if nothing is projected.
     block : array
         See `symbody.kernels.block`.
+    held : HeldValues or None
+        Takes samples on the way.
     """
 
     rhs: int
     projector: int
     block: Floats
+    held: HeldValues | None = None
 
     def begin(self, record: Record) -> int:
         """Compute what a run begins with; return a code of `symbody.kernels.block`."""
-        self._show_room(record)
+        show_room(self.block, record)
+        if self.held is not None:
+            self.held.begin(self.block)
         places = (record.wanted, record.t, record.x, record.breaks)
         return step_machine().begin(self.rhs, address(self.block), *map(address, places))
 
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
-        self._show_room(record)
+        show_room(self.block, record)
         if watch is not None:
-            return watch.advance(self.rhs, self.projector, self.block, record, trials)
+            return watch.advance(self.rhs, self.projector, self.block, record, trials, self.held)
+        if self.held is not None:
+            return self.held.advance(self.rhs, self.projector, self.block, record, trials)
         places = (record.wanted, record.t, record.x, record.breaks, record.pieces)
         return step_machine().advance(
             self.rhs, self.projector, address(self.block), *map(address, places), trials
         )
 
-    def _show_room(self, record: Record) -> None:
-        block = self.block
-        block[at.EVERY_STEP], block[at.KEEP_DENSE] = record.every_step, record.keep_dense
-        block[at.TIMES], block[at.SAMPLE_ROOM] = record.wanted.size, record.t.size
-        block[at.STEP_ROOM] = record.pieces.shape[0]
+
+class CompiledRun(Protocol):
+    """A run of the compiled loop, by whatever method."""
+
+    @property
+    def block(self) -> Floats:
+        """See `symbody.kernels.block`."""
+        ...
+
+    def begin(self, record: Record) -> int:
+        """Compute what a run begins with; return a code of `symbody.kernels.block`."""
+        ...
+
+    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        ...
 
 
-def fresh_record(run: NativeRun, times: Floats | None, dense: bool, more: int = 0) -> Record:
+def show_room(block: Floats, record: Record) -> None:
+    """Write into a block what is stored of its run, and how much room there is."""
+    block[at.EVERY_STEP], block[at.KEEP_DENSE] = record.every_step, record.keep_dense
+    block[at.TIMES], block[at.SAMPLE_ROOM] = record.wanted.size, record.t.size
+    block[at.STEP_ROOM] = record.pieces.shape[0]
+
+
+def fresh_record(run: CompiledRun, times: Floats | None, dense: bool, more: int = 0) -> Record:
     """Return empty storage for the samples at `times` and so many more, or for every step.
 
     Raises
@@ -192,7 +217,7 @@ def memory_limit() -> int:
         return ASSUMED_MEMORY // 2
 
 
-def drive(run: NativeRun, record: Record, progress: Progress | None, watch: Watch | None = None) -> RawRun:
+def drive(run: CompiledRun, record: Record, progress: Progress | None, watch: Watch | None = None) -> RawRun:
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
     clock = [0.0]
@@ -219,7 +244,7 @@ def drive(run: NativeRun, record: Record, progress: Progress | None, watch: Watc
 
 
 def _slice(
-    run: NativeRun, record: Record, budget: int, watch: Watch | None, clock: list[float]
+    run: CompiledRun, record: Record, budget: int, watch: Watch | None, clock: list[float]
 ) -> tuple[int, int]:
     """Run one slice and add its time; return the loop's code and the budget of the next slice."""
     began = time.perf_counter()
@@ -236,7 +261,7 @@ def _next_budget(budget: int, spent: float) -> int:
     return 4 * budget if spent < 0.25 * SLICE_SECONDS else budget
 
 
-def _report_progress(run: NativeRun, start: float, progress: Progress | None) -> bool:
+def _report_progress(run: CompiledRun, start: float, progress: Progress | None) -> bool:
     share = (float(run.block[at.TIME]) - start) / (float(run.block[at.T_END]) - start)
     return progress is None or progress(share) is not False
 
@@ -266,7 +291,7 @@ def _double(array: Floats) -> Floats:
     return larger
 
 
-def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> RawRun:
+def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float) -> RawRun:
     """Cut the record to what was written, and turn it so that time comes last."""
     counts = run.block
     samples, steps = int(counts[at.SAMPLES]), int(counts[at.STEPS])
@@ -286,7 +311,7 @@ def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> 
     )
 
 
-def _dense_output(run: NativeRun, record: Record, steps: int) -> DenseOutput:
+def _dense_output(run: CompiledRun, record: Record, steps: int) -> DenseOutput:
     if steps:
         return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
     piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time

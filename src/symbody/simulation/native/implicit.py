@@ -1,0 +1,136 @@
+"""Runs of the compiled loop by the generalized-alpha method; see `symbody.kernels.implicit_machine`."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from symbody.codegen.llvm.kernel_library import load_kernels
+from symbody.kernels import block as at
+from symbody.kernels import implicit_block as beside
+from symbody.simulation.native.blocks import function_numbers
+from symbody.simulation.native.description import Floats, Record, RightHandSide
+from symbody.simulation.native.machine import address
+from symbody.simulation.native.run import show_room
+from symbody.simulation.native.runge_kutta import Tableau
+from symbody.simulation.native.segments import Watch
+from symbody.single_flight import once
+
+_POINTER: Final = ctypes.c_void_p
+_INTEGER: Final = ctypes.c_int64
+
+
+def step_tableau(growth: float) -> Tableau:
+    """Return what the loop reads of a method of order 2: slopes at both ends, and how steps may grow."""
+    return Tableau(
+        order=2, stages=1, A=((), (1.0,)), c=(0.0, 1.0), error=((), ()), dense=(), exponent=1.0 / 3.0,
+        memory=0.0, shrink=0.2, growth=growth, stiff_bound=1.0,
+    )  # fmt: skip
+
+
+class Weights(NamedTuple):
+    """The numbers of the method of Chung and Hulbert for a spectral radius at infinite frequency."""
+
+    alpha_m: float
+    alpha_f: float
+    gamma: float
+    beta: float
+
+    @classmethod
+    def for_radius(cls, rho: float) -> Weights:
+        """Return those of second order with the least damping of slow motions."""
+        alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+        gamma = 0.5 + alpha_f - alpha_m
+        return cls(alpha_m, alpha_f, gamma, 0.25 * (gamma + 0.5) ** 2)
+
+
+class ImplicitFunctions(NamedTuple):
+    """Compiled functions of one motion: slopes of all states, rates of coordinates, derivatives."""
+
+    slopes: RightHandSide
+    turns: RightHandSide
+    derivatives: RightHandSide
+
+
+class _Machine(NamedTuple):
+    """The kernels as functions of addresses; none holds the interpreter's lock."""
+
+    begin_implicit: Callable[..., int]
+    advance_implicit: Callable[..., int]
+
+
+@once
+def implicit_machine() -> _Machine:
+    """Return the integrator, ready to be called."""
+    names = _Machine._fields
+    places = load_kernels("implicit_machine", names)
+    begin = ctypes.CFUNCTYPE(_INTEGER, *[_POINTER] * 7)
+    advance = ctypes.CFUNCTYPE(_INTEGER, *[_POINTER] * 11, _INTEGER)
+    return _Machine(begin(places[names[0]]), advance(places[names[1]]))
+
+
+def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float) -> Floats:
+    """Return what `implicit_block` names, for n states with the work and n_q coordinates."""
+    n_u, n_v = functions.slopes.n_u, n - 1 - n_q
+    sizes = {
+        beside.RATES: n_v, beside.RATES_USED: n_v, beside.RATES_NEW: n_v, beside.CORRECTION: n_v,
+        beside.SLOPES_USED: n_v, beside.SLOPES_BEFORE: n, beside.SLOPES_CHANGE: n, beside.MIDDLE: n,
+        beside.TURN: n_q, beside.DERIVATIVES: (n - 1) ** 2,
+        beside.THROUGH_Q: n_v * n_u, beside.FACTORS: n_v**2, beside.PIVOTS: n_v,
+    }  # fmt: skip
+    turns, derivatives = function_numbers(functions.turns), function_numbers(functions.derivatives)
+    ends = beside.HEADER + np.cumsum([0, *sizes.values()])
+    array = np.concatenate([np.zeros(ends[-1]), turns, derivatives])
+    array[list(sizes)] = ends[:-1]
+    array[[beside.RATE_FUNCTION, beside.DERIVATIVE_FUNCTION]] = ends[-1], ends[-1] + turns.size
+    weights = Weights.for_radius(rho)
+    array[[beside.ALPHA_M, beside.ALPHA_F, beside.GAMMA, beside.BETA]] = weights
+    array[beside.LAG] = 0.0 if rho == 1.0 else weights.alpha_m - weights.alpha_f
+    array[[beside.COORDINATES, beside.UNKNOWNS]] = n_q, n_v
+    return array
+
+
+class ImplicitRun(NamedTuple):
+    """All arguments of the integrator but the record.
+
+    Attributes
+    ----------
+    functions : ImplicitFunctions
+        The compiled functions.
+    projector : int
+        The address of what closes the constraints; 0 if nothing does.
+    block, array : arrays
+        See `symbody.kernels.block` and `symbody.kernels.implicit_block`.
+    """
+
+    functions: ImplicitFunctions
+    projector: int
+    block: Floats
+    array: Floats
+
+    def begin(self, record: Record) -> int:
+        """Compute what a run begins with; return a code of `symbody.kernels.block`."""
+        show_room(self.block, record)
+        places = (self.block, self.array, record.wanted, record.t, record.x, record.breaks)
+        return implicit_machine().begin_implicit(self.functions.slopes.address, *map(address, places))
+
+    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:  # noqa: ARG002
+        """Try up to so many steps; return a code of `symbody.kernels.block`. Nothing is watched."""
+        show_room(self.block, record)
+        places = (
+            self.block, self.array, record.wanted, record.t, record.x, record.breaks, record.pieces
+        )  # fmt: skip
+        slopes, turns, derivatives = (function.address for function in self.functions)
+        return implicit_machine().advance_implicit(
+            slopes, turns, derivatives, self.projector, *map(address, places), trials
+        )
+
+    def restart(self, t: float, x: Floats) -> None:
+        """Go on from another state with the work, at a time [s]; `begin` has to follow."""
+        block = self.block
+        n = int(block[at.N])
+        block[at.VECTORS + at.STATE_OLD * n :][:n] = x
+        block[at.TIME], block[at.AFTER_REJECTION], block[at.KERNEL] = t, 0.0, 0.0
