@@ -1,9 +1,10 @@
-"""Draw all examples in the diagram editor: a sheet in light colours and one in dark.
+"""Draw all examples in the diagram editor: a sheet in light colours and one in dark, and one with its wires.
 
     python docs/draw_builder.py
 
-The sheets are docs/pictures/builder_light.webp and builder_dark.webp; `python docs/draw_builder.py FOLDER`
-leaves every window in its full size in a folder. Needs Chromium, playwright and pillow.
+The sheets are docs/pictures/builder_light.webp and builder_dark.webp, the one window builder_signals.webp;
+`python docs/draw_builder.py FOLDER` leaves every window in its full size in a folder. Needs Chromium,
+playwright and pillow.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ _FLAGS: Final = ("--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader")
 _WINDOW: Final = (1440, 900)
 _CELL: Final = (720, 450)
 _COLUMNS: Final = 2
-_QUALITY: Final = 55  # of the compression: the sheets stay below 300 kB
+_SIGNALS: Final = "dc_motor_arm"
+_QUALITY: Final = 45  # of the compression: the sheets stay below 300 kB
 
 
 @contextmanager
@@ -88,6 +90,8 @@ def main(folder: Path | None = None) -> None:
         cells = []
         for name, window in windows(theme):
             cells.append(window)
+            if (name, theme) == (_SIGNALS, "light"):
+                window.convert("RGB").save(PICTURES / "builder_signals.webp", quality=_QUALITY, method=6)
             if folder is not None:
                 window.save(folder / f"{name}_{theme}.png")
         path = PICTURES / f"builder_{theme}.webp"

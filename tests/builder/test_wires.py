@@ -67,7 +67,11 @@ def test_incomplete_entries_have_the_wires_of_what_can_be_read() -> None:
         {"name": "error", "value": "goal - theta"},
         {"name": "both", "value": "error +", "rate": "2*error"},
     ]
-    blocks = [{"name": "servo", "type": "pid", "input": "error", "gains": {"q": "goal"}}, {"type": "nothing"}]
+    blocks = [
+        {"name": "servo", "type": "pid", "input": "error", "gains": {"q": "goal"}},
+        {"type": "nothing"},
+        {"name": "typeless"},
+    ]
     wires = seen({**PENDULUM, "signal": signals, "block": blocks})
     assert ("/signal/0", "/signal/1", "error") in wires
     assert ("/inputs/0", "/block/0", "goal") in wires

@@ -3,17 +3,23 @@
 import { entryAt, INPUTS, namesOf, PART, symbolsOf, type EntryId } from "./model/entries";
 import { SIGNALS } from "./model/graph";
 import { renameEntry } from "./model/rename";
+import type { Model } from "./types";
 import { edit, endGesture, say, useStore } from "./store";
+
+/** Return whether something else has a name: elements are apart from symbols, but those that are symbols themselves. */
+function isTaken(data: Model, id: EntryId, name: string): boolean {
+  const section = id.split("/")[0]!;
+  const isSymbol = section === INPUTS || SIGNALS.includes(section);
+  return (section !== INPUTS && namesOf(data).has(name)) || (isSymbol && symbolsOf(data).has(name));
+}
 
 /** Return why an entry cannot have a name, or "" where it can. */
 export function refusalOfName(id: EntryId, name: string): string {
   const { data } = useStore.getState();
   const before = entryAt(data, id)?.name;
   if (name === "") return "A name is needed.";
-  const section = id.split("/")[0]!;
-  if (section === PART) return "A part keeps its prefix here: change it in the file.";
-  if (name !== before && section !== INPUTS && namesOf(data).has(name)) return `${name} is another element's name.`;
-  if (name !== before && [INPUTS, ...SIGNALS].includes(section) && symbolsOf(data).has(name)) return `${name} is another symbol's name.`;
+  if (id.startsWith(`${PART}/`)) return "A part keeps its prefix here: change it in the file.";
+  if (name !== before && isTaken(data, id, name)) return `${name} is another ${namesOf(data).has(name) ? "element" : "symbol"}'s name.`;
   return /[./\s]/.test(name) && /[./]/.test(name) ? "A name has no dot and no slash." : "";
 }
 

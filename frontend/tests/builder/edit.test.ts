@@ -64,7 +64,7 @@ describe("adding and removing", () => {
   });
 
   it("pastes copies under free names, joined among themselves, without the names of coordinates", () => {
-    const { data, ids } = pasteEntries(sliderCrank, copyEntries(sliderCrank, ["body/0", "body/1"]));
+    const { data, ids } = pasteEntries(schema, sliderCrank, copyEntries(sliderCrank, ["body/0", "body/1"]));
     expect(ids).toHaveLength(3);
     const names = entriesOf(data).map((each) => each.name);
     expect(new Set(names).size).toBe(names.length);

@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it } from "vitest";
-import { addElement, copyEntries, removeEntries } from "../../src/builder/model/edit";
+import { addElement, copyEntries, pasteEntries, removeEntries } from "../../src/builder/model/edit";
 import { diagramOf } from "../../src/builder/model/graph";
 import { forgetArrangement, sizeOf, spotsOf, withLayout } from "../../src/builder/model/layout";
 import { renameCoordinate, renameEntry, renameFrame } from "../../src/builder/model/rename";
@@ -118,6 +118,15 @@ describe("parts and inputs", () => {
     expect([removed["inputs"], removed["include"]]).toEqual([[], []]);
     expect(Object.keys(valueAt(removed, "/layout/nodes") as object).filter((each) => each.includes("."))).toEqual([]);
     expect(copyEntries(servo, ["inputs/0", "include/0", "signal/0"]).entries.map((each) => each.section)).toEqual(["signal"]);
+  });
+});
+
+describe("copies of signals", () => {
+  it("read each other, and what is not copied", () => {
+    const { data, ids } = pasteEntries(schema, servo, copyEntries(servo, ["signal/0", "block/0"]));
+    expect(ids.map((id) => entryAt(data, id)?.name)).toEqual(["error1", "drive1"]);
+    expect([valueAt(data, "/signal/2/value"), valueAt(data, "/block/1/voltage"), valueAt(data, "/block/1/speed")]).toEqual(["goal - pin", "error1", "pin_dot"]);
+    expect(valueAt(data, "/block/0/voltage")).toBe("error");
   });
 });
 

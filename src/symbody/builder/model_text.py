@@ -75,7 +75,7 @@ def _part_note(include: Include) -> str:
     count = number_in_words(len(include.part.elements), "element")
     return (
         f"part {include.prefix} of {include.file}, {count}: it is computed with the model, and kept when the "
-        "file is saved; the diagram shows what this file itself has. Edit the part in its own file"
+        "file is saved; the diagram shows it as one box. Edit the part in its own file"
     )
 
 

@@ -99,7 +99,7 @@ def find_sources(data: Mapping[str, Any]) -> Sources:
             pointer = f"/{kind}/{k}"
             elements.setdefault(str(entry.get("name")), pointer)
             element = _element_of(kind, entry)
-            for name, root in _brought(kind, entry, element):
+            for name, root in _symbols_of(kind, entry, element):
                 symbols.setdefault(name, (pointer, root))
     for joint in _free_joints(data):
         for name, root in _with_roots(joint_entries(joint, "")):
@@ -111,7 +111,7 @@ def find_sources(data: Mapping[str, Any]) -> Sources:
     return Sources(symbols, elements, parts)
 
 
-def _brought(kind: str, entry: Mapping[str, Any], element: Element | None) -> Iterator[tuple[str, str]]:
+def _symbols_of(kind: str, entry: Mapping[str, Any], element: Element | None) -> Iterator[tuple[str, str]]:
     """Yield the symbols that an element brings, each with its root; of what is none yet, its name."""
     if isinstance(element, Joint):
         yield from _with_roots(joint_entries(element, ""))

@@ -44,7 +44,9 @@ _OTHER_NAMES: Final = MappingProxyType(
         for other in others.split()
     }
 )
-_USUAL_TYPES: Final = MappingProxyType({"constraint": "distance", "joint": "revolute", "shape": "box"})
+_USUAL_TYPES: Final = MappingProxyType(
+    {"block": "pid", "constraint": "distance", "joint": "revolute", "shape": "box"}
+)
 _EXPECTED: Final = MappingProxyType(
     {
         "bool_type": "true or false",

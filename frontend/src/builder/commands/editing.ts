@@ -17,10 +17,10 @@ export function copySelection(): void {
 }
 
 export function paste(): void {
-  const { copied, data } = useStore.getState();
+  const { copied, data, schema } = useStore.getState();
   if (copied === null) return;
   endGesture();
-  const { data: next, ids } = pasteEntries(data, copied);
+  const { data: next, ids } = pasteEntries(schema?.schema ?? {}, data, copied);
   edit(() => next);
   select(ids, `${ids.length} pasted`);
   // the next paste goes beside this one
@@ -28,11 +28,11 @@ export function paste(): void {
 }
 
 export function duplicate(): void {
-  const { data, selection } = useStore.getState();
+  const { data, selection, schema } = useStore.getState();
   const copied = copyEntries(data, selection);
   if (copied.entries.length === 0) return;
   endGesture();
-  const { data: next, ids } = pasteEntries(data, copied);
+  const { data: next, ids } = pasteEntries(schema?.schema ?? {}, data, copied);
   edit(() => next);
   select(ids, `${ids.length} duplicated`);
 }

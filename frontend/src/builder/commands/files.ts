@@ -2,7 +2,7 @@
 
 import { api, problemsOf, ServerError, type Opened } from "../api";
 import { isDirty, showDocument, useStore, say } from "../store";
-import type { DocumentAnswer, Problem } from "../types";
+import type { DocumentAnswer, ExportAnswer, Problem } from "../types";
 
 function notice(problems: readonly Problem[]): void {
   useStore.setState({ notice: problems });
@@ -104,15 +104,19 @@ export const EXPORTS = [
   ["fmu", "FMU (FMI 3.0)"],
 ] as const; // prettier-ignore
 
+function downloadExport({ name, text = "", base64 }: ExportAnswer, kind: string): void {
+  if (base64 === undefined) download(name, text, kind === "html" ? "text/html" : "text/plain");
+  else download(name, bytesOf(base64), "application/octet-stream");
+}
+
 export async function exportModel(kind: string): Promise<void> {
   const { data, simulated, document: shown } = useStore.getState();
+  if (kind === "fmu") say("The FMU is being compiled…");
   try {
-    if (kind === "fmu") say("The FMU is being compiled…");
-    const { name, text, base64, notes } = await api.exported(shown?.id ?? "", data, kind, kind === "html" ? (simulated?.job ?? null) : null);
-    if (base64 === undefined) download(name, text ?? "", kind === "html" ? "text/html" : "text/plain");
-    else download(name, bytesOf(base64), "application/octet-stream");
-    notice(notes ?? []);
-    say(`${name} written`);
+    const written = await api.exported(shown?.id ?? "", data, kind, kind === "html" ? (simulated?.job ?? null) : null);
+    downloadExport(written, kind);
+    notice(written.notes ?? []);
+    say(`${written.name} written`);
   } catch (error) {
     notice(problemsOf(error));
   }

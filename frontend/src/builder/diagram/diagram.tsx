@@ -14,7 +14,7 @@ import { BodyNode } from "./body_node";
 import { ConnectionLine } from "./connection_line";
 import { CouplingLines } from "./coupling_lines";
 import { flowEdges, flowNodes, severities } from "./elements";
-import { fitDiagram, keepFlow, zoomDiagram, type BodyFlowNode, type JointFlowEdge } from "./flow";
+import { fitDiagram, fitWhenDrawn, keepFlow, zoomDiagram, type BodyFlowNode, type JointFlowEdge } from "./flow";
 import * as gestures from "./gestures";
 import { isEqual, isSameDrawing, kept, useKept } from "./kept";
 import { Guides, useGuides } from "./guides";
@@ -71,10 +71,7 @@ export function Diagram(): ReactElement {
   const free = useAlt();
   const document = useStore((state) => state.document?.id);
   const guides = useGuides(nodes, gestures.moved);
-  useEffect(() => {
-    const wait = setTimeout(fitDiagram, 60); // sizes are measured first
-    return () => { clearTimeout(wait); };
-  }, [document]);
+  useEffect(() => fitWhenDrawn(() => diagramOf(useStore.getState().data).nodes.length), [document]);
   return (
     <section className="diagram" aria-label="Diagram" data-testid="diagram" onKeyDown={gestures.press} onDragOver={gestures.dragOver} onDrop={gestures.drop}>
       <ReactFlow<BodyFlowNode, JointFlowEdge>

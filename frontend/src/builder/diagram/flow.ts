@@ -72,6 +72,22 @@ export function fitDiagram(): void {
   void instance?.fitView({ padding: 0.12, maxZoom: 1, duration: glide() });
 }
 
+const FIRST_LOOK = 60; // [ms], in which sizes are measured
+const LOOKS = 50;
+
+/** Fit the diagram as soon as the diagram has so many nodes; return what ends the waiting. */
+export function fitWhenDrawn(count: () => number): () => void {
+  let timer: ReturnType<typeof setTimeout>;
+  const look = (left: number): void => {
+    timer = setTimeout(() => {
+      if (left > 0 && instance?.getNodes().length !== count()) look(left - 1);
+      else fitDiagram();
+    }, FIRST_LOOK);
+  };
+  look(LOOKS);
+  return () => { clearTimeout(timer); };
+}
+
 export function showNode(id: string): void {
   const node = instance?.getNode(id);
   if (node === undefined) return;

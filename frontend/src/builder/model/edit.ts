@@ -7,6 +7,7 @@ import {
 import { diagramOf, SIGNALS } from "./graph";
 import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
+import { renameInFormulas } from "./rename";
 import { choicesOf, definitionNode, isFormula, resolveNode, type SchemaNode } from "./schema";
 import type { Json, JsonObject, Model, PaletteElement } from "../types";
 
@@ -164,8 +165,8 @@ export function copyEntries(data: Model, ids: readonly EntryId[]): Copied {
   return { entries: entries.map(({ id, section, value }) => ({ section, value, spot: spots.get(id) ?? null })) };
 }
 
-/** Return data with copies under free names; connections among copied bodies join the copies. */
-export function pasteEntries(data: Model, { entries }: Copied): Edited {
+/** Return data with copies under free names; connections among copied bodies join the copies, copied signals read each other. */
+export function pasteEntries(schema: JsonObject, data: Model, { entries }: Copied): Edited {
   const shift = freeShift(data, entries.flatMap(({ spot }) => (spot === null ? [] : [spot])));
   const taken = new Set([...namesOf(data), ...symbolsOf(data)]);
   const names = new Map<string, string>();
@@ -175,6 +176,7 @@ export function pasteEntries(data: Model, { entries }: Copied): Edited {
     names.set(textOf(value["name"]), name);
   }
   const bodies = new Set(entries.flatMap(({ section, value }) => (section === "body" ? [textOf(value["name"])] : [])));
+  const signals = entries.flatMap(({ section, value }) => (SIGNALS.includes(section) ? [textOf(value["name"])] : []));
   let next = withLayout(data);
   const ids: EntryId[] = [];
   const places = new Map<EntryId, Spot>();
@@ -182,11 +184,18 @@ export function pasteEntries(data: Model, { entries }: Copied): Edited {
     const items = valueAt(next, `/${section}`);
     const list = isArray(items) ? items : [];
     const id = `${section}/${list.length}`;
-    next = withValue(next, `/${section}`, [...list, copyOf(value, names, bodies)]);
+    next = withValue(next, `/${section}`, [...list, copyOf(withNewSignals(schema, section, value, signals, names), names, bodies)]);
     ids.push(id);
     if (spot !== null) places.set(id, [spot[0] + shift[0], spot[1] + shift[1]]);
   }
   return { data: withLayout(next, places), ids };
+}
+
+/** Return an entry whose formulas read the copies of signals. */
+function withNewSignals(schema: JsonObject, section: string, value: JsonObject, signals: readonly string[], names: ReadonlyMap<string, string>): JsonObject {
+  const renamed = signals.reduce<Model>((before, name) => renameInFormulas(schema, before, name, names.get(name)!), { [section]: [value] });
+  const copy = valueAt(renamed, `/${section}/0`);
+  return isObject(copy) ? copy : value;
 }
 
 /** Return the least shift, down to the right, by which copies of nodes lie on no other node. */

@@ -117,17 +117,19 @@ function keysOf(node: SchemaNode): readonly string[] {
   return isObject(names) && isArray(names["enum"]) ? names["enum"].map(textOf) : [];
 }
 
+/** Return how many items a list has, where its schema says so. */
+function lengthOf(node: SchemaNode): number | null {
+  return typeof node["minItems"] === "number" && node["minItems"] === node["maxItems"] ? node["minItems"] : null;
+}
+
 function arrayControl(schema: JsonObject, node: SchemaNode, description: string): FieldKind {
   const item = resolveNode(schema, node["items"]);
-  const count = typeof node["minItems"] === "number" && node["minItems"] === node["maxItems"] ? node["minItems"] : null;
+  const count = lengthOf(node);
   const inner = choicesOf(schema, item);
   if (count !== null) return fixedControl(item, inner, description, count);
   if (isFormula(item)) return { kind: "formulas" };
   if (isArray(item["prefixItems"])) return { kind: "list" };
-  if (item["type"] === "array" && isFormula(resolveNode(schema, item["items"]))) {
-    const columns = item["minItems"] === item["maxItems"] && typeof item["minItems"] === "number" ? item["minItems"] : null;
-    return { kind: "rows", columns };
-  }
+  if (item["type"] === "array" && isFormula(resolveNode(schema, item["items"]))) return { kind: "rows", columns: lengthOf(item) };
   if (inner.some((each) => isObject(each["properties"]))) return { kind: "entries", node: item };
   return hasType(item, "string") ? { kind: "names" } : { kind: "json" };
 }

@@ -18,7 +18,8 @@ export function sizeOf(node: DiagramNode): Size {
   if (node.kind === "signal") return signalSize(node);
   const label = Math.max(node.kind === "ground" ? 6 : 2, ...node.frames.map((each) => each.length));
   const detail = node.kind === "coupling" ? 8 * node.detail.length + 40 : 0; // with a frame about each coordinate
-  const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 30 + 14 * Math.min(label, 14), Math.min(detail, 320));
+  const letter = node.kind === "part" ? 17 : 14; // names of its bodies are longer, and an icon stands beside its own
+  const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 30 + letter * Math.min(label, 14), Math.min(detail, 320));
   // ports may all be on one side
   const height = Math.max(node.kind === "body" ? 70 : 50, 22 * (node.frames.length - 1));
   return { width: 2 * snapped(width / 2), height: 2 * snapped(height / 2) };

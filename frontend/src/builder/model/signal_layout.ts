@@ -7,6 +7,7 @@ import type { Size, Spot } from "./spots";
 const LEFT = 40;
 const BESIDE = 40;
 const BELOW = 30;
+const ROOM = 1.4; // of a row, times the width of its widest chain
 const LONG = 3; // how much wider than high the whole is
 
 /** Signals that read each other, arranged from the spot [0, 0]. */
@@ -24,7 +25,8 @@ export function arrangedSignals(
 ): ReadonlyMap<string, Spot> { // prettier-ignore
   const clusters = clustersOf(graph).map((nodes) => arrangedCluster(graph, nodes, sizeOf, middleOf));
   const area = clusters.reduce((sum, each) => sum + (each.width + BESIDE) * (each.height + BELOW), 0);
-  const widest = Math.max(width, Math.sqrt(LONG * area), ...clusters.map((each) => each.width));
+  // a row takes what stands beside its longest chain: below it wires would pass behind the chain
+  const widest = Math.max(width, Math.sqrt(LONG * area), ...clusters.map((each) => ROOM * each.width));
   const spots = new Map<string, Spot>();
   let top = 0;
   for (const row of rowsOf(clusters.sort((one, other) => one.middle - other.middle), widest)) {

@@ -55,6 +55,10 @@ function EntryPanel({ id, schema }: { readonly id: EntryId; readonly schema: Sch
   if (id === GROUND) return <GroundPanel schema={schema} />;
   if (entry?.section === INPUTS) return <InputPanel id={id} entry={entry} buttons={<EntryButtons />} />;
   if (entry?.section === PART) return <PartPanel id={id} entry={entry} />;
+  return <ElementPanel id={id} entry={entry} schema={schema} />;
+}
+
+function ElementPanel({ id, entry, schema }: { readonly id: EntryId; readonly entry: Entry | null; readonly schema: SchemaAnswer }): ReactElement {
   const element = entry === null ? null : elementOf(schema.elements, entry.section, entry.type);
   if (entry === null || element === null) return <p className="soft pad">This element is unknown to the program.</p>;
   const node = definitionNode(schema.schema, element.definition);
