@@ -174,9 +174,7 @@ def table(name: str, points: Sequence[Point]) -> Table:
         rivals = [other.seconds for other in points if other.error <= point.error]
         time = seconds_text(point.seconds) + ratio_text(point.seconds, min(rivals))
         rows.append((point.method, point.setting, f"{point.error:.1e}", time))
-    notes = (
-        f"processor time of a whole call for {_END:g} s; in brackets over the fastest that is as exact",
-    )
+    notes = (f"processor time of a whole call for {_END:g} s; in brackets over the fastest that is as exact",)
     return Table(f"stiff: {name}", ("integrator", "setting", "error [m, rad]", "time"), tuple(rows), notes)
 
 

@@ -66,8 +66,9 @@ from symbody.kernels.step_machine import begin, failure, keep_step
 
 # The share of the first step over which the change of the slopes is measured.
 PROBE: Final = 1e-3
-SAFETY: Final = 0.9
-# A step that would grow by less stays what it is, and so do the factors.
+SAFETY: Final = 0.8
+# Within these bounds the next step is as long as the last, and the factors stay.
+NEARLY: Final = 0.9
 WORTHWHILE: Final = 1.2
 # Where Newton's method fails.
 QUARTER: Final = 0.25
@@ -150,7 +151,7 @@ def choose_step(B: Reals, error: float) -> None:
     factor = step_factor(B, error)
     if B[AFTER_REJECTION] != 0.0:
         factor = min(factor, 1.0)
-    if factor >= 1.0 and factor < WORTHWHILE:
+    if factor > NEARLY and factor < WORTHWHILE:
         factor = 1.0
     h = B[LENGTH]
     if factor >= 1.0 and abs(h) < abs(B[STEP]):
