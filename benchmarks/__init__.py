@@ -3,7 +3,7 @@
     python -m benchmarks                  all, ten minutes with all peers
     python -m benchmarks expressions      one
     python -m benchmarks derivation       equations of motion, beside sympy.physics.mechanics
-    python -m benchmarks growth           from file to first call, chains of 10 to 1000 bodies
+    python -m benchmarks growth           up to 2000 bodies: to the first call, first and later motions
     python -m benchmarks evaluation       compile times, and batches on one core
     python -m benchmarks motion           the compiled loop, beside SciPy's DOP853
     python -m benchmarks trajectories     motions of equal accuracy, beside SUNDIALS, MuJoCo and PyDy

@@ -6,6 +6,7 @@ import argparse
 import os
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import chain
 from types import MappingProxyType
 from typing import Final
 
@@ -17,6 +18,7 @@ from benchmarks import (
     evaluation,
     expressions,
     growth,
+    growth_of_analyses,
     motion,
     nodes,
     operations,
@@ -37,7 +39,7 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
         "nodes": nodes.tables,
         "expressions": expressions.tables,
         "derivation": derivation.tables,
-        "growth": growth.tables,
+        "growth": lambda settings: chain(growth.tables(settings), growth_of_analyses.tables(settings)),
         "evaluation": evaluation.tables,
         "analyses": analyses.tables,
         "motion": motion.tables,

@@ -1,4 +1,4 @@
-"""A spatial chain from its file to the first call of its accelerations, from ten bodies to a thousand.
+"""A spatial chain from its file to the first call of its accelerations, from ten bodies to two thousand.
 
 Every figure is of a process that has only imported what it needs: once with nothing on the disk, and once
 more with what the first one left there. "per body" is followed by its ratio to the shortest chain's: where it
@@ -32,7 +32,7 @@ from symbody.storage import VARIABLE
 if sys.platform != "win32":
     import resource
 
-SIZES: Final = (10, 60, 200, 1000)
+SIZES: Final = (10, 60, 200, 1000, 2000)
 
 _PEER: Final = "SymPy"
 _MEMORY: Final = "memory"
@@ -48,7 +48,7 @@ Figures = Mapping[str, float]
 
 
 def tables(settings: Settings, sizes: Sequence[int] = SIZES) -> Iterator[Table]:
-    """Yield the table of chains."""
+    """Yield the table of chains, from file to first call."""
     rows: list[tuple[str, ...]] = []
     notes = ["memory: the most that the process had, with Python and all packages"]
     first: tuple[float, float] | None = None

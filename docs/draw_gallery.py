@@ -127,6 +127,7 @@ EXHIBITS: Final = (
     example("slider_crank", "run", vectors="all"),
     example("spring_mass_damper", "fast"),
     example("cart_pole", "motion"),
+    example("cart_pole_pid", "run"),
     example("parameter_fit", "run"),
     example("rr_robot", "run", traces=["Link2.P"]),
     example("projectile", "run", traces=["Body"]),

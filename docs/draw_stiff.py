@@ -1,4 +1,4 @@
-"""Draw work beside precision of stiff motions: `python docs/draw_stiff.py` measures and writes the picture."""
+"""Measure and draw work beside precision of stiff motions: `python docs/draw_stiff.py`."""
 
 from __future__ import annotations
 

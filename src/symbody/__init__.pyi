@@ -36,6 +36,7 @@ from .model import Frame as Frame
 from .model import Free as Free
 from .model import Friction as Friction
 from .model import Gimbal as Gimbal
+from .model import Hysteresis as Hysteresis
 from .model import Include as Include
 from .model import Lookup as Lookup
 from .model import Model as Model
@@ -57,6 +58,7 @@ from .model import TorsionSpring as TorsionSpring
 from .model import TransferFunction as TransferFunction
 from .model import Universal as Universal
 from .model import Weld as Weld
+from .model import without_sampling as without_sampling
 
 # what is seen of it
 from .model import Box as Box
@@ -107,7 +109,6 @@ from .equations import separate_derivatives as separate_derivatives
 # their code
 from .codegen import CompiledFunction as CompiledFunction
 from .codegen import compile as compile
-from .codegen import generate_code as generate_code
 
 # its configurations
 from .analysis import Redundancy as Redundancy
@@ -133,6 +134,7 @@ from .simulation import Baumgarte as Baumgarte
 from .simulation import Event as Event
 from .simulation import Explicit as Explicit
 from .simulation import FixedStep as FixedStep
+from .simulation import FmuInput as FmuInput
 from .simulation import GGL as GGL
 from .simulation import GeneralizedAlpha as GeneralizedAlpha
 from .simulation import Partition as Partition
@@ -141,6 +143,7 @@ from .simulation import Projection as Projection
 from .simulation import Status as Status
 from .simulation import Table as Table
 from .simulation import Trajectory as Trajectory
+from .simulation import generate_code as generate_code
 from .simulation import generate_simulation as generate_simulation
 from .simulation import simulate as simulate
 from .simulation import Samples as Samples
@@ -162,3 +165,4 @@ from .visual import save_plot as save_plot
 from .visual import Animation as Animation
 from .visual import animate as animate
 from .visual import save_animation as save_animation
+from .report import save_report as save_report

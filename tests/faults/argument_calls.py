@@ -30,7 +30,7 @@ CONSTRUCTORS = (
     *ELEMENTS,
     *(each.__name__ for each in shape_types().values()),
     *"Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Model Partition Projection Samples".split(),
-    *"Include Stiff Table Trees".split(),
+    *"FmuInput Include Stiff Table Trees".split(),
     *(type(each).__name__ for each in FORMULATIONS if inspect.signature(type(each)).parameters),
 )
 # Classes that take nothing, are made by functions, or are faults; and functions whose words are variadic.
@@ -73,6 +73,8 @@ def calls(folder: Path) -> dict[str, Call]:
             given["coupled"] = ["a", "b", "c"]
         if name == "Lookup":
             given["points"] = [[0, 0], [1, 1]]
+        if name == "FmuInput":
+            given |= {"path": "controller.fmu", "output": "F", "step": 0.1}
         if name == "Include":
             given |= {"part": model(), "prefix": "P"}
         put(name, kind, **given)

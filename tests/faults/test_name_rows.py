@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from sympy.core.function import AppliedUndef, Derivative
 
-from symbody.codegen.compile import compile, generate_code
+from symbody.codegen.compile import compile
 from symbody.equations.form import form_equations
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model import Body, Drive, Frame, Model, Prismatic, Revolute
+from symbody.simulation.programs.generate_code import generate_code
 from tests.faults.refusals import refused_file, refused_model
 
 # Constants, functions and keywords elsewhere: of SymPy, Python, C, and of the papers.

@@ -17,6 +17,10 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 import symbody as sb
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+# Models of their own; a file of another name is a part of one.
+NAMES = sorted(path.stem for path in EXAMPLES.glob("*/*.toml") if path.stem.startswith(path.parent.name))
+KINDS = ("ModelExchange", "CoSimulation")
+VERSIONS = ("2.0", "3.0")
 CLASSES = {
     ("2.0", "ModelExchange"): FMU2Model,
     ("2.0", "CoSimulation"): FMU2Slave,

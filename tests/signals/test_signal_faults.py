@@ -94,3 +94,33 @@ def test_zeros_in_front_of_a_numerator_are_no_degree() -> None:
         str(signal.value or signal.rate) for signal in sb.TransferFunction("y", "-y", [1], [1, 1]).signals
     ]
     sb.form_equations(arm(block, torque="y"))
+
+
+def test_a_block_of_several_outputs_keeps_its_own_name() -> None:
+    block = sb.StateSpace("y", inputs=["theta"], A=[[-1]], B=[[1]], C=[[1], [2]])
+    ((code, where),) = codes(block, sb.Signal("y", "2*theta"))
+    assert code == "names.duplicate" and "signal y" in where and "block y" in where
+    refused(lambda: arm(block, torque="y"), words="is a block, which cannot stand here")
+    assert sb.form_equations(arm(block, torque="y_2")).signal_state_names == ("y_x1",)
+
+
+def test_a_controller_without_proportional_part_needs_a_time_at_its_limits() -> None:
+    for gains, words in (({"i": 1}, "there is no p"), ({"p": 0, "i": 1}, "p is 0")):
+        refused(lambda g=gains: sb.PID("servo", "-theta", g, limits=(-1, 1)), words=words)  # type: ignore[misc]
+    zero = sb.PID("servo", "-theta", {"p": "km", "i": 1}, limits=(-1, 1))
+    eqs = sb.form_equations(arm(zero, torque="servo"))
+    refused(
+        lambda: sb.compile(eqs, "xdot", {"km": 0}), words="block servo, rate of its signal servo_integral"
+    )
+
+
+def test_fixed_states_of_signals_are_no_question_of_equilibrium() -> None:
+    eqs = sb.form_equations(arm(sb.Signal("i", rate="1 - i"), torque="i"))
+    found = refused(lambda: sb.find_equilibrium(eqs, fixed={"i": 0.2}), words="is a state of a signal")
+    assert found == [("equilibrium.signal", "i")]
+
+
+def test_a_law_that_reads_its_own_input_names_what_leads_there() -> None:
+    parts = [sb.Signal("pull", output="theta_ddot"), sb.Signal("more", "pull + 1")]
+    eqs = sb.form_equations(arm(*parts, torque="F", inputs=("F",)))
+    refused(lambda: sb.simulate(eqs, 1, inputs={"F": "2*more + theta"}), words="its law reads more, which")

@@ -151,3 +151,61 @@ def test_flat_poses_between_steps_are_noted(step: float) -> None:
 def test_ordinary_loops_are_not_noted(name: str) -> None:
     run = sb.simulate(example(name), 1.0, integrator=sb.FixedStep(1e-3))
     assert run.success and not any("almost follow" in note for note in run.notes)
+
+
+@cache
+def pushed() -> sb.EquationSet:
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F - 3*x"))
+    model = sb.Model("pushed", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), inputs=["F"])
+    return sb.form_equations(model)
+
+
+JUMP_TIMES = [0.3, 0.7, 1.1, 2.0]
+JUMP_LEVELS = [1.0, -2.0, 0.5, 3.0, -1.0]
+
+
+def levels_as_table(ends: tuple[float, float]) -> sb.Table:
+    times = [ends[0], *np.repeat(JUMP_TIMES, 2), ends[1]]
+    return sb.Table(times, np.repeat(JUMP_LEVELS, 2))
+
+
+def levels_as_formula(ends: tuple[float, float]) -> str:
+    changes = np.diff(JUMP_LEVELS)
+    return f"{JUMP_LEVELS[0]}" + "".join(
+        f" + ({change})*if(t >= {t}, 1, 0)" for t, change in zip(JUMP_TIMES, changes, strict=True)
+    )
+
+
+@pytest.mark.parametrize("method", ["rk4", "semi-implicit"])
+@pytest.mark.parametrize("law", [levels_as_table, levels_as_formula])
+@pytest.mark.parametrize("ends", [(0.0, 2.5), (2.5, 0.0)])
+@pytest.mark.parametrize("step", [0.1, 0.05, 0.1 / 3.0])
+def test_a_jump_on_the_raster_is_the_end_of_one_run_and_the_start_of_the_next(
+    method: str, law: object, ends: tuple[float, float], step: float
+) -> None:
+    """The step before a jump reads the value before it, the step behind it the one behind."""
+    integrator = sb.FixedStep(step, method)  # type: ignore[arg-type]
+    run = sb.simulate(pushed(), ends, {"x": 1.0}, inputs={"F": law(sorted(ends))}, integrator=integrator)  # type: ignore[operator]
+    assert run.t.size == 1 + round(2.5 / step)
+    np.testing.assert_allclose(np.abs(np.diff(run.t)), step, rtol=1e-9)
+    forward = ends[0] < ends[1]
+    times = [ends[0], *(JUMP_TIMES if forward else JUMP_TIMES[::-1]), ends[1]]
+    levels = JUMP_LEVELS if forward else JUMP_LEVELS[::-1]
+    state = {"x": 1.0, "x_dot": 0.0}
+    for begin, end, level in zip(times, times[1:], levels, strict=False):
+        part = sb.simulate(pushed(), (begin, end), state, inputs={"F": level}, integrator=integrator)
+        state = {name: float(part[name][-1]) for name in state}
+    assert run["x"][-1] == pytest.approx(state["x"], rel=1e-10)
+
+
+@pytest.mark.parametrize("lanes", [True, False])
+def test_steppers_and_sweeps_read_jumps_on_the_raster_as_motions_do(lanes: bool) -> None:
+    given = {"inputs": {"F": levels_as_table((0.0, 2.5))}, "integrator": sb.FixedStep(0.1)}
+    run = sb.simulate(pushed(), 2.5, {"x": 1.0}, **given)
+    cases = sb.sweep(pushed(), 2.5, initial={"x": [0.5, 1.0]}, lanes=lanes, times=[2.5], **given)
+    assert cases["x"][1, -1] == pytest.approx(run["x"][-1], rel=1e-14)
+    stepper = sb.Stepper(pushed(), dt=0.5, initial={"x": 1.0}, **given)
+    for _ in range(5):
+        stepper.step()
+    # within how much of its time a jump lies follows from the span that is looked at
+    assert stepper["x"] == pytest.approx(run["x"][-1], rel=1e-9)

@@ -333,3 +333,13 @@ def test_a_ball_starts_where_its_rope_begins() -> None:
     assert run.success and names(run) == ["rope taut"]
     assert run.events[0].t == pytest.approx(np.sqrt(2 * L / G), abs=1e-9)
     assert run["y"][-1] == pytest.approx(-L, abs=1e-9)
+
+
+def test_as_many_slack_ropes_as_speeds() -> None:
+    body = sb.Body("Ball", "m")
+    place = sb.Rectangular("place", "ground", body, coordinates=["x", "y"])
+    ropes = [sb.Distance(f"rope {k}", f"ground.hook{k}", body, "L", rope=True) for k in range(2)]
+    hooks = {f"hook{k}": sb.Frame(at=(0.3 * k, 0, 0)) for k in range(2)}
+    model = sb.Model("swing", [body, place, *ropes], (0, -G, 0), {"m": M, "L": L}, ground=hooks)
+    run = sb.simulate(sb.form_equations(model), 0.1, {"x": 0.1, "y": -0.1})
+    assert run.success and run["y"][-1] == pytest.approx(-0.1 - G * 0.1**2 / 2)

@@ -2,7 +2,7 @@
 
 import { ABSENCES, request } from "./connection";
 import type {
-  CheckAnswer, DocumentAnswer, DragAnswer, Draft, Example, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
+  CheckAnswer, DocumentAnswer, DragAnswer, Draft, Example, ExportAnswer, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
   Problem, RecentFile, RedrawAnswer, SchemaAnswer,
 } from "./types"; // prettier-ignore
 
@@ -88,5 +88,5 @@ export const api = {
   cancel: (job: string) => call("cancel", { job }) as Promise<JsonObject>,
   outputs: (job: string, names: readonly string[]) => call("outputs", { job, names }) as Promise<JsonObject>,
   exported: (document: string, data: Model, kind: string, job: string | null) =>
-    call("export", { document, data, kind, ...(job === null ? {} : { job }) }) as Promise<{ name: string; text: string }>,
+    call("export", { document, data, kind, ...(job === null ? {} : { job }) }) as Promise<ExportAnswer>,
 };

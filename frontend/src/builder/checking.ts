@@ -1,6 +1,7 @@
 /** Asks the server for problems, picture and formulas after each change of the model. */
 
 import { api, problemsOf, ServerError } from "./api";
+import { keepWires } from "./model/wires";
 import { useStore, type State } from "./store";
 import type { Model } from "./types";
 
@@ -22,6 +23,7 @@ async function check(data: Model): Promise<void> {
   try {
     const answer = await api.check(useStore.getState().document?.id ?? "", data, own.signal);
     if (own.signal.aborted) return;
+    keepWires(data, answer.wires);
     useStore.setState({ check: answer, checked: data });
   } catch (error) {
     if (!own.signal.aborted) takeFailure(data, error);
@@ -32,7 +34,7 @@ async function check(data: Model): Promise<void> {
 function takeFailure(data: Model, error: unknown): void {
   if (error instanceof ServerError && ABSENT.includes(error.status)) return;
   const { check: before } = useStore.getState();
-  const kept = { picture: before?.picture ?? null, formulas: before?.formulas ?? {} };
+  const kept = { picture: before?.picture ?? null, formulas: before?.formulas ?? {}, wires: before?.wires ?? [] };
   useStore.setState({ checked: data, check: { ...kept, summary: null, values: {}, problems: problemsOf(error) } });
 }
 

@@ -1,6 +1,7 @@
 /** New names that the user gave, where nothing else has them. */
 
-import { entryAt, namesOf, type EntryId } from "./model/entries";
+import { entryAt, INPUTS, namesOf, PART, symbolsOf, type EntryId } from "./model/entries";
+import { SIGNALS } from "./model/graph";
 import { renameEntry } from "./model/rename";
 import { edit, endGesture, say, useStore } from "./store";
 
@@ -9,7 +10,10 @@ export function refusalOfName(id: EntryId, name: string): string {
   const { data } = useStore.getState();
   const before = entryAt(data, id)?.name;
   if (name === "") return "A name is needed.";
-  if (name !== before && namesOf(data).has(name)) return `${name} is another element's name.`;
+  const section = id.split("/")[0]!;
+  if (section === PART) return "A part keeps its prefix here: change it in the file.";
+  if (name !== before && section !== INPUTS && namesOf(data).has(name)) return `${name} is another element's name.`;
+  if (name !== before && [INPUTS, ...SIGNALS].includes(section) && symbolsOf(data).has(name)) return `${name} is another symbol's name.`;
   return /[./\s]/.test(name) && /[./]/.test(name) ? "A name has no dot and no slash." : "";
 }
 
@@ -21,7 +25,8 @@ export function acceptName(id: EntryId, text: string): boolean {
     say(refusal);
     return false;
   }
+  const { schema } = useStore.getState();
   endGesture();
-  edit((data) => renameEntry(data, id, name));
+  edit((data) => renameEntry(schema?.schema ?? {}, data, id, name));
   return true;
 }

@@ -3,7 +3,9 @@
 import { temporal } from "zundo";
 import { create } from "zustand";
 import type { EntryId } from "./model/entries";
+import { forgetArrangement } from "./model/layout";
 import { valueAt } from "./model/pointers";
+import { keepWires } from "./model/wires";
 import type { Copied } from "./model/edit";
 import type { CheckAnswer, DocumentAnswer, JobKind, JobState, JsonObject, Model, Problem, SchemaAnswer } from "./types";
 
@@ -175,6 +177,8 @@ export function say(spoken: string): void {
 /** Show a document that was opened; its history begins. */
 export function showDocument(answer: DocumentAnswer): void {
   endGesture();
+  keepWires(answer.data, answer.wires);
+  forgetArrangement();
   useStore.setState({
     data: answer.data,
     saved: answer.data,

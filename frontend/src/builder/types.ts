@@ -60,6 +60,14 @@ export interface Draft {
   readonly when: string;
 }
 
+/** Pointers of what brings names and of what reads them; each name with the symbol whose rate it is, or itself. */
+export interface ServedWire {
+  readonly source: string;
+  readonly target: string;
+  readonly names: readonly string[];
+  readonly roots: readonly string[];
+}
+
 export interface DocumentAnswer {
   readonly document: string;
   readonly path: string | null;
@@ -67,6 +75,7 @@ export interface DocumentAnswer {
   readonly data: Model;
   readonly fingerprint: string | null;
   readonly problems: readonly Problem[];
+  readonly wires: readonly ServedWire[];
 }
 
 export interface FolderAnswer {
@@ -107,6 +116,15 @@ export interface CheckAnswer {
   readonly picture: PictureData | null;
   readonly values: Readonly<Record<string, number>>;
   readonly formulas: Readonly<Record<string, string>>;
+  readonly wires: readonly ServedWire[];
+}
+
+/** A model in another form: text, or bytes in base 64 with what was left out. */
+export interface ExportAnswer {
+  readonly name: string;
+  readonly text?: string;
+  readonly base64?: string;
+  readonly notes?: readonly Problem[];
 }
 
 /** Of a check what can be had sooner; without a picture the check says why. */

@@ -3,7 +3,8 @@ import { diagramOf } from "../../src/builder/model/graph";
 import { initialText, withInitial } from "../../src/builder/model/initial";
 import { sizeOf, spotsOf } from "../../src/builder/model/layout";
 import { mergedDrafts } from "../../src/builder/commands/drafts";
-import type { Model } from "../../src/builder/types";
+import { keepWires } from "../../src/builder/model/wires";
+import type { Model, ServedWire } from "../../src/builder/types";
 import { sliderCrank } from "./models";
 
 const revolute = (name: string, body: string, more: object = {}): Model => ({ name, type: "revolute", between: ["ground", body], ...more });
@@ -17,7 +18,14 @@ const gears: Model = {
   ],
 };
 
+const wire = (source: string, target: string, names: string[], roots = names): ServedWire => ({ source, target, names, roots });
+const wires = [
+  wire("/joint/0", "/constraint/0", ["alpha"]), wire("/joint/1", "/constraint/0", ["B"]), wire("/joint/2", "/constraint/1", ["B_in_1"]),
+  wire("/joint/0", "/constraint/1", ["alpha", "alpha_dot"], ["alpha", "alpha"]), wire("/joint/0", "/constraint/2", ["alpha"]),
+]; // prettier-ignore
+
 describe("couplings", () => {
+  keepWires(gears, wires);
   const graph = diagramOf(gears);
 
   it("lead to the joints whose coordinates they contain, named or not", () => {

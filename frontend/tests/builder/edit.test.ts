@@ -9,7 +9,7 @@ import { elementNamed, elements, schema, sliderCrank } from "./models";
 describe("renaming", () => {
   it("takes along all references to a body, and its place in the diagram", () => {
     const placed = withValue(sliderCrank, "/layout", { nodes: { Crank: [1, 2] }, sides: { "Crank.A": "left" } });
-    const renamed = renameEntry(placed, "body/0", "Arm");
+    const renamed = renameEntry(schema, placed, "body/0", "Arm");
     expect(entryNamed(renamed, "A")?.value["between"]).toEqual(["ground", "Arm.A"]);
     expect(entryNamed(renamed, "B")?.value["between"]).toEqual(["Arm.B", "Rod.B"]);
     expect(valueAt(renamed, "/layout")).toEqual({ nodes: { Arm: [1, 2] }, sides: { "Arm.A": "left" } });

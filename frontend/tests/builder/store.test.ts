@@ -10,7 +10,7 @@ import { sliderCrank } from "./models";
 const data = (): typeof sliderCrank => useStore.getState().data;
 
 beforeEach(() => {
-  showDocument({ document: "d", path: null, name: "crank", data: sliderCrank, fingerprint: null, problems: [] });
+  showDocument({ document: "d", path: null, name: "crank", data: sliderCrank, fingerprint: null, problems: [], wires: [] });
 });
 
 describe("the history", () => {

@@ -21,6 +21,7 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import assembly as at
 from symbody.kernels import block
 from symbody.kernels import first_state as places
@@ -35,6 +36,9 @@ _OUTPUTS: Final = (
 )  # fmt: skip
 # Speeds and coordinates above which rows are not made independent one by one.
 _MOST_STATES: Final = 300
+# Speeds from which on a tree has no code of its own for first states: compiling takes a share of the time to
+# the first motion then, and the code of motions gives the accelerations too.
+LARGE_TREE: Final = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +50,9 @@ class PlainState:
     start, q : (n_q,) array
         Where the search began, and where it ended.
     u, udot, multipliers : (n_u,), (n_u,), (n_c,) array
-    residual, kinetic_energy : float
+    residual : float
+    kinetic_energy : float or None
+        None where it was not computed.
     is_regular : bool
         Whether all constraints that are not 0 = 0 are independent by a wide margin.
     """
@@ -57,7 +63,7 @@ class PlainState:
     udot: Floats
     multipliers: Floats
     residual: float
-    kinetic_energy: float
+    kinetic_energy: float | None
     is_regular: bool
 
 
@@ -83,12 +89,43 @@ def plain_state(
     CompileError, ExpressionError, FormulationError
         If values are impossible or missing.
     """
+    if is_large_tree(eqs, fixed, near):
+        return _tree_state(eqs, fixed, near, values, t)
     if not is_plain(eqs, fixed, near):
         return None
     function = plain_function(eqs, values[0], (), values[1])
     if function.signature.r:
         return None
     return plain_assembly(eqs, function).solve(function.constants(), mechanism, fixed, near, t)
+
+
+def is_large_tree(eqs: EquationSet, fixed: Mapping[str, float], near: Mapping[str, float]) -> bool:
+    """Return whether there is nothing to close, and so much to compile that code should serve twice."""
+    if len(eqs.speed_names) < LARGE_TREE or eqs.multiplier_names:
+        return False
+    counts = [sum(name in fixed for name in four) for four in eqs.quaternions]
+    return _are_states(eqs, fixed, near) and all(count in (0, 4) for count in counts)
+
+
+def _tree_state(
+    eqs: EquationSet,
+    fixed: Mapping[str, float],
+    near: Mapping[str, float],
+    values: tuple[Mapping[str, Value], Mapping[str, Value]],
+    t: float,
+) -> PlainState | None:
+    """Return the state of a tree, where every value is kept; None where accelerations do not exist."""
+    given = dict.fromkeys(eqs.input_names, 0) | dict(values[1])
+    function = bound_function(eqs, OF_STEPS, values[0], (), given)
+    if function.signature.r:
+        return None
+    fixed, near = unit_quaternions(eqs.quaternions, fixed, near)
+    chosen = {**near, **fixed}
+    q, u = _start(eqs, chosen), np.array([chosen.get(name, 0.0) for name in eqs.speed_names])
+    udot = np.array(function(t, q, u)[0][: u.size])
+    if not np.isfinite(udot).all():
+        return None
+    return PlainState(q, q.copy(), u, udot, np.zeros(0), 0.0, None, True)
 
 
 def plain_function(
@@ -106,10 +143,14 @@ def plain_assembly(eqs: EquationSet, function: CompiledFunction) -> PlainAssembl
 
 
 def is_plain(eqs: EquationSet, fixed: Mapping[str, float], near: Mapping[str, float]) -> bool:
+    """Return whether values are those of states, and constraints few enough to be taken one by one."""
+    is_long = len(eqs.state_names) > _MOST_STATES
+    return not (is_long and (eqs.multiplier_names or eqs.quaternions)) and _are_states(eqs, fixed, near)
+
+
+def _are_states(eqs: EquationSet, fixed: Mapping[str, float], near: Mapping[str, float]) -> bool:
     """Return whether all values are those of states, nothing is eliminated, and no signal has a state."""
     if eqs.formed.elimination is not None or eqs.signal_state_names:
-        return False
-    if (eqs.multiplier_names or eqs.quaternions) and len(eqs.state_names) > _MOST_STATES:
         return False
     states = eqs.plans.get("states", lambda: frozenset(eqs.state_names))
     return bool(fixed.keys() <= states and near.keys() <= states)
@@ -117,10 +158,10 @@ def is_plain(eqs: EquationSet, fixed: Mapping[str, float], near: Mapping[str, fl
 
 def _start(eqs: EquationSet, values: Mapping[str, float]) -> Floats:
     """Return coordinates with given values, 0 for the others, and quaternions of norm 1."""
-    names = eqs.coordinate_names
-    q = np.array([values.get(name, 0.0) for name in names])
+    places = {name: k for k, name in enumerate(eqs.coordinate_names)}
+    q = np.array([values.get(name, 0.0) for name in places])
     for four in eqs.quaternions:
-        own = [names.index(name) for name in four]
+        own = [places[name] for name in four]
         norm = float(np.linalg.norm(q[own]))
         q[own] = q[own] / norm if norm > 0 else np.array([1.0, 0.0, 0.0, 0.0])
     return q

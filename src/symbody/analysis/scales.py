@@ -330,9 +330,9 @@ def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales
 
 
 def own_equations(eqs: EquationSet) -> list[int]:
-    """Return the places of constraints that users wrote as equations, in units of their own."""
+    """Return the places of constraints with units of their own: equations of users, balances of forces."""
     written = {part.name for part in eqs.model.constraints if isinstance(part, Constraint | PointOnSurface)}
-    return [k for k, row in enumerate(eqs.formed.rows) if row.element in written]
+    return [k for k, row in enumerate(eqs.formed.rows) if row.element in written or row.is_balance]
 
 
 def pose_share(eqs: EquationSet) -> Floats:

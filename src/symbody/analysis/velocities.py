@@ -35,6 +35,9 @@ def solve_speeds(
         If dependent speeds do not follow from the others, or the fixed rates contradict the constraints or
         each other, naming the smallest set that does.
     """
+    eqs = evaluator.eqs
+    if evaluator.is_tree and eqs.formed.elimination is None and {*fixed, *guess} <= {*eqs.speed_names}:
+        return np.array([fixed.get(name, guess.get(name, 0.0)) for name in eqs.speed_names])
     check_pivots(evaluator, q)
     rows, right = _conditions(evaluator, q, fixed)
     if not (fixed or right.any() or any(guess.values())) and guess.keys() <= {*evaluator.eqs.speed_names}:

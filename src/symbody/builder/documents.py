@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 from typing import Any, Final
 
+from symbody.builder.copies import copy_files
 from symbody.builder.model_text import Opened, data_from_text, text_from_data
 from symbody.builder.page_problems import page_notes
 from symbody.builder.paths import contained_path, with_ending
@@ -18,6 +19,7 @@ from symbody.builder.refusal import refusal
 from symbody.builder.requests import OpenRequest, SaveRequest
 from symbody.builder.settings import BuilderSettings
 from symbody.builder.user_state import UserState
+from symbody.builder.wires import model_wires
 from symbody.errors import FormatError, Problem, SymbodyError
 from symbody.formats.model_files import load_model
 from symbody.formats.native import to_data
@@ -47,11 +49,14 @@ class Document:
         What the page calls it.
     mark : str or None
         Fingerprint of its file as it was opened or saved here.
+    folder : str
+        Where the files that it names begin, such as parts and meshes; "" where there are none.
     """
 
     path: str | None
     name: str
     mark: str | None = None
+    folder: str = ""
 
 
 class Documents:
@@ -102,7 +107,8 @@ class Documents:
         content = read_bytes(real)
         opened = data_from_text(_decode(content, str(real)), real.name, os.path.dirname(real))
         self._remember(str(real))
-        return self._answer(Document(str(real), real.stem), opened, fingerprint(content))
+        document = Document(str(real), real.stem, folder=os.path.dirname(real))
+        return self._answer(document, opened, fingerprint(content))
 
     def _open_urdf(self, path: str) -> Answer:
         real = with_ending(contained_path(path, self._settings.roots), _URDF)
@@ -111,7 +117,7 @@ class Documents:
     def _open_example(self, name: str) -> Answer:
         for path in self._examples():
             if path.stem == name:
-                return self._answer(Document(None, path.stem), _example(path))
+                return self._answer(Document(None, path.stem, folder=str(path.parent)), _example(path))
         raise refusal("builder.unknown_example", name[:80], "there is no such example", fix="choose one")
 
     def _open_draft(self, draft: str) -> Answer:
@@ -121,7 +127,14 @@ class Documents:
         if path is not None:
             contained_path(path, self._settings.roots)
         opened = Opened(entry["data"], None, [])
-        return self._answer(Document(path, str(entry.get("name"))), opened, mark, draft)
+        document = Document(path, str(entry.get("name")), folder=self._draft_folder(entry, path))
+        return self._answer(document, opened, mark, draft)
+
+    def _draft_folder(self, entry: Mapping[str, Any], path: str | None) -> str:
+        """Return the folder of a draft: that of its file, or of the example that it was."""
+        folder = Path(str(entry.get("folder") or ""))
+        is_example = folder.parent == self._settings.examples and folder.is_dir()
+        return os.path.dirname(path) if path is not None else str(folder) if is_example else ""
 
     def _answer(
         self, document: Document, opened: Opened, mark: str | None = None, name: str | None = None
@@ -138,6 +151,7 @@ class Documents:
             "data": opened.data,
             "fingerprint": mark,
             "problems": opened.problems,
+            "wires": model_wires(opened.data),
         }
 
     def save(self, request: SaveRequest) -> Answer:
@@ -165,11 +179,13 @@ class Documents:
             )
         base = "" if old is None else _base(old, request.overwrite)
         content = text_from_data(request.data, base, os.path.dirname(real)).encode("utf-8")
+        if document.folder:
+            copy_files(request.data, document.folder, os.path.dirname(real))
         if content != old:
             write_text(real, content.decode("utf-8"))
         with self._lock:
-            mark = fingerprint(content)
-            self._open[request.document] = replace(document, path=str(real), name=real.stem, mark=mark)
+            mark, folder = fingerprint(content), os.path.dirname(real)
+            self._open[request.document] = Document(str(real), real.stem, mark, folder)
         self._user.drop_draft(request.document)
         self._remember(str(real))
         return {"path": str(real), "fingerprint": fingerprint(content)}
@@ -177,7 +193,12 @@ class Documents:
     def save_draft(self, identifier: str, data: dict[str, Any]) -> Answer:
         """Store what is edited, so that no crash costs it."""
         document = self._document(identifier)
-        entry = {"path": document.path, "name": document.name, "fingerprint": document.mark}
+        entry = {
+            "path": document.path,
+            "name": document.name,
+            "fingerprint": document.mark,
+            "folder": document.folder,
+        }
         self._user.save_draft(identifier, entry, data)
         return {}
 
@@ -192,10 +213,10 @@ class Documents:
             return {"changed": True}
 
     def folder_of(self, identifier: str) -> str:
-        """Return the folder of a document's file, from which paths of meshes begin; "" if it has none."""
+        """Return the folder from which paths of parts, tables and meshes begin; "" if there is none."""
         with self._lock:
             document = self._open.get(identifier)
-        return "" if document is None or document.path is None else os.path.dirname(document.path)
+        return "" if document is None else document.folder
 
     def recent(self) -> Answer:
         """Return the files that were used last."""
@@ -248,7 +269,8 @@ class Documents:
         UserState.check_identifier(identifier)
         real = None if path is None else str(contained_path(path, self._settings.roots))
         with self._lock:
-            self._open.setdefault(identifier, Document(real, name, mark=mark))
+            folder = "" if real is None else os.path.dirname(real)
+            self._open.setdefault(identifier, Document(real, name, mark, folder))
         return {}
 
     def _examples(self) -> Iterator[Path]:

@@ -13,7 +13,8 @@ from symbody.expr.language.formula import Formula
 # Texts of the model file that are names, addresses or words.
 _WORDS: Final = frozenset(
     "name type between axis axes angles coordinate coordinates speed_names resolved_in on reaction_on path "
-    "kind outside color file inputs layout version coupled speeds first second".split()
+    "kind outside color file inputs layout version coupled speeds first second output "
+    "prefix share columns units".split()
 )
 _MOST: Final = 2000  # formulas of a model that are shown
 _LONGEST: Final = 2000  # characters of one
@@ -33,7 +34,7 @@ def formula_mathml(text: str, pointer: str = "") -> str:
 def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
     """Return the formulas of a model that are more than numbers as MathML, by JSON pointer."""
     shown: dict[str, str] = {}
-    for pointer, text in _texts(data, ""):
+    for pointer, text in formula_texts(data, ""):
         if len(shown) >= _MOST:
             break
         try:
@@ -52,14 +53,15 @@ def _mathml_of(text: str) -> str | None:
     return None if formula.is_number else show_formula(formula)
 
 
-def _texts(value: Any, pointer: str) -> Iterator[tuple[str, str]]:
+def formula_texts(value: Any, pointer: str) -> Iterator[tuple[str, str]]:
+    """Yield the texts of a part of a model that may be formulas, each with its JSON pointer."""
     if isinstance(value, Mapping):
         for key, entry in value.items():
             if key not in _WORDS or pointer in ("/parameters", "/initial"):
-                yield from _texts(entry, f"{pointer}/{str(key).replace('~', '~0').replace('/', '~1')}")
+                yield from formula_texts(entry, f"{pointer}/{str(key).replace('~', '~0').replace('/', '~1')}")
     elif isinstance(value, list):
         for k, entry in enumerate(value):
-            yield from _texts(entry, f"{pointer}/{k}")
+            yield from formula_texts(entry, f"{pointer}/{k}")
     elif isinstance(value, str) and 0 < len(value) <= _LONGEST:
         yield pointer, value
 

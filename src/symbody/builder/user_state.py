@@ -39,7 +39,7 @@ class UserState:
         self._write(self.folder / "recent.json", [entry, *others][:_MOST_RECENT])
 
     def save_draft(self, document: str, entry: Mapping[str, str | None], data: dict[str, Any]) -> None:
-        """Store the state of a document until it is saved; `entry` has its path, name and fingerprint."""
+        """Store the state of a document until it is saved; `entry` is what else `Document` holds of it."""
         self._write(self._draft(document), {"id": document, **entry, "when": _now(), "data": data})
 
     def drop_draft(self, document: str) -> None:

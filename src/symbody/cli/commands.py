@@ -23,11 +23,11 @@ from symbody.cli.motion_lines import motion_json, motion_lines
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
 from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.pages import open_page, read_sliders, write_live_page, write_motion_page
+from symbody.cli.report_command import report
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
 from symbody.cli.stages import StageBar
 from symbody.cli.summary import summary
-from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.outputs.equation_lines import equation_lines
@@ -37,6 +37,7 @@ from symbody.expr.printing.wrapping import text_width
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
 from symbody.model.model import Model
 from symbody.simulation.native.run import check_memory
+from symbody.simulation.programs.generate_code import generate_code
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 
@@ -52,6 +53,7 @@ app = typer.Typer(
 )
 command = partial(app.command, cls=FlagCommand)
 command()(fmu)
+command()(report)
 
 
 def _version(asked: bool) -> None:
@@ -97,11 +99,20 @@ def code(
     model: ModelFile,
     output: Annotated[
         list[str] | None,
-        typer.Option("--output", "-o", metavar="OUTPUT", help="What to compute; repeatable. Default: xdot."),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUTPUT",
+            help="What to compute; repeatable. Default: xdot; of a Modelica model nothing more than it.",
+        ),
     ] = None,
     language: Annotated[
         str,
-        typer.Option("--language", "-l", help="c, python, fortran, matlab (or octave), julia, jax, casadi."),
+        typer.Option(
+            "--language",
+            "-l",
+            help="c, python, fortran, matlab (or octave), julia, rust, javascript, jax, casadi, modelica.",
+        ),
     ] = "c",
     out: Annotated[
         Path | None, typer.Option("--out", help="File to write; default: standard output.")
@@ -109,7 +120,8 @@ def code(
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
     """Print source code that evaluates the equations."""
-    text = generate_code(form_equations(load_model(model)), output or ["xdot"], language)
+    default = [] if language.lower() == "modelica" else ["xdot"]
+    text = generate_code(form_equations(load_model(model)), output or default, language)
     if out is None:
         typer.echo(text, nl=False)
     else:

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import Progress
 
+from symbody.expr.deadline import watch_stages
+
 
 class StageBar:
     """A bar on standard error that names the stage of the work; nothing where that is not a screen.
@@ -21,7 +23,7 @@ class StageBar:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Show a stage of unknown length."""
+        """Show a stage of unknown length, and beside it the part of it that is under way."""
         bar = Progress(
             console=self._console,
             transient=True,
@@ -29,9 +31,9 @@ class StageBar:
             redirect_stdout=False,  # what is printed belongs to standard output, also beside a bar
             redirect_stderr=False,
         )
-        bar.add_task(name, total=None)
+        task = bar.add_task(name, total=None)
         self._bar = bar
-        with bar:
+        with bar, watch_stages(lambda part: bar.update(task, description=f"{name}: {part}")):
             yield
 
     def __call__(self, share: float) -> None:

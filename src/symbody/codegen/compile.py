@@ -1,4 +1,4 @@
-"""`compile` and `generate_code`: from equations and outputs asked for to functions and source text.
+"""`compile`: from equations and outputs asked for to functions.
 
 The only file of this folder that imports EquationSet.
 """
@@ -13,7 +13,6 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value, offer_argument
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
-from symbody.codegen.signature import source_text
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError
 from symbody.expr.deadline import in_time
@@ -80,31 +79,3 @@ def compile(
             raise CompileError(*map(offer_argument, error.problems)) from error
 
     return in_time(time_limit, "compiling", _LESS, make_function)
-
-
-@checked_arguments
-def generate_code(
-    eqs: EquationSet,
-    outputs: str | Iterable[str],
-    language: str = "c",
-    parameters: Mapping[str, Value] | None = None,
-) -> str:
-    """Return source text that computes the `outputs`.
-
-    Parameters
-    ----------
-    language : str
-        "c" for C99, "python" for a module that needs NumPy alone, "fortran" for Fortran 2008, "matlab"
-        (or "octave"), "julia", "rust", "javascript" for an ES module, "jax", or "casadi"; each text explains
-        itself at its head.
-    parameters : mapping, optional
-        Values to put in; None leaves every parameter an argument, in the order of ``eqs.parameters``.
-
-    Raises
-    ------
-    CompileError
-        If the language or an output is unknown, or parameters have no value.
-    """
-    free = eqs.parameter_names if parameters is None else ()
-    sequence, signature = form_sequence(eqs, outputs, parameters or {}, free)
-    return source_text(sequence, language, signature)

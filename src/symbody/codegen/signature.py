@@ -53,7 +53,8 @@ def source_text(sequence: Sequence, language: str, signature: Signature | None =
     """
     word = language.lower() if isinstance(language, str) else language
     if word not in TEXTS:
-        cure = nearest(str(word), TEXTS)
+        is_model = word == "modelica"  # a model has states: more than a sequence
+        cure = "write sb.generate_code(eqs, [...], 'modelica')" if is_model else nearest(str(word), TEXTS)
         raise CompileError(
             Problem("compile.unknown_language", "language", f"there is no language {language!r}", "", cure)
         )

@@ -22,7 +22,7 @@ from symbody.single_flight import SingleFlight, once
 from symbody.storage import folder, load_stored, store
 
 # The folders whose code forms equations and sequences, and the packages that change their results.
-_ROOMS: Final = ("expr", "vectors", "model", "graph", "equations")
+_ROOMS: Final = ("expr", "spatial", "manifold", "kernels", "model", "graph", "equations")
 _PACKAGES: Final = ("networkx", "sympy")
 
 

@@ -10,7 +10,7 @@ from symbody.equations.constraints.loop_closure import assembly_mode
 from symbody.equations.constraints.mechanism_constraints import form_constraints
 from symbody.equations.constraints.rolling import add_contact_frames
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
-from symbody.equations.elimination.dependent_speeds import eliminate_speeds, elimination_notes
+from symbody.equations.elimination.dependent_speeds import eliminate_speeds, elimination_notes, named_speeds
 from symbody.equations.elimination.elimination import SpeedElimination
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Formulation
@@ -27,6 +27,12 @@ from symbody.equations.kinematics.placements import differentiate_constraints, d
 from symbody.equations.kinematics.variables import JointRole, Variables, form_variables
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
+from symbody.equations.massless.force_balances import (
+    ForceBalances,
+    find_balances,
+    idle_dynamics,
+    position_notes,
+)
 from symbody.equations.outputs.output_roots import raw_output
 from symbody.equations.outputs.signal_outputs import explicit_outputs
 from symbody.equations.signals import outputs_of_loads, substitute_values
@@ -65,6 +71,7 @@ def derive(
         If the law of a cut joint needs the joint in a tree, a loop can never close, or the others do not
         determine the dependent speeds.
     """
+    is_chosen = formulation is not None
     formulation, notes = _possible_formulation(topology, formulation, eliminates=bool(dependent))
     roles = joint_roles(topology)
     names, variables = _variables(topology, graph, roles)
@@ -85,11 +92,40 @@ def derive(
         return _equations(system, formulation, notes)
 
     formed = _with_outputs_for_loads(topology.model, names, form_dynamics)
+    begin("motions without mass", notes)
+    balances = find_balances(formed)
+    if not isinstance(balances, ForceBalances):
+        return _finish(formed, notes, dependent)
+    obstacle = formulation.balance_obstacle(on_positions=bool(balances.positions))
+    if obstacle:
+        formed = derive(topology, graph, VirtualWork(), dependent=dependent)
+        place = f"virtual work takes the place of {obstacle}"
+        return replace(formed, notes=(*formed.notes, place) if is_chosen else formed.notes)
+    more = position_notes(balances)
+    formed = replace(_with_positions(formed, balances), notes=formed.notes + more)
+    return _finish(formed, notes + more, dependent, balances)
+
+
+def _finish(
+    formed: EquationsOfMotion,
+    notes: tuple[str, ...],
+    dependent: Sequence[str],
+    balances: ForceBalances | None = None,
+) -> EquationsOfMotion:
+    """Return equations with contact frames and all notes, without speeds that are eliminated."""
     complete = _with_contacts(formed)
     shares = _share_notes(complete)
-    if dependent:
-        return _eliminate(formed, dependent, notes + shares)
+    if dependent or (balances is not None and balances.velocities):
+        return _eliminate(formed, dependent, notes + shares, balances)
     return replace(complete, notes=complete.notes + shares)
+
+
+def _with_positions(formed: EquationsOfMotion, balances: ForceBalances) -> EquationsOfMotion:
+    """Return the equations under the balances of forces that are constraints on positions."""
+    if not balances.positions:
+        return formed
+    rows = (*formed.holonomic, *balances.positions, *(row for row in formed.rows if not row.is_holonomic))
+    return formed.with_rows(rows)
 
 
 def _with_outputs_for_loads(
@@ -220,11 +256,20 @@ def _equations(
 
 
 def _eliminate(
-    formed: EquationsOfMotion, dependent: Sequence[str], notes: tuple[str, ...]
+    formed: EquationsOfMotion,
+    dependent: Sequence[str],
+    notes: tuple[str, ...],
+    balances: ForceBalances | None = None,
 ) -> EquationsOfMotion:
     """Return equations in independent speeds; loads are formed again in these."""
     begin("elimination of dependent speeds")
-    elimination = eliminate_speeds(formed.readable_names, formed.u, formed.rows, formed.dynamics, dependent)
+    chosen = named_speeds(formed.readable_names, formed.u, formed.rows, dependent) if dependent else ()
+    tied = [row for row in formed.rows if dependent and not row.is_holonomic]
+    dynamics = formed.dynamics
+    if balances is not None:
+        chosen, tied = (*chosen, *balances.dependent), [*tied, *balances.velocities]
+        dynamics = idle_dynamics(dynamics, balances.idle)
+    elimination = eliminate_speeds(formed.graph, formed.u, formed.rows, dynamics, chosen, tied)
     holding = {
         law.holding_effort: (formed.kinematics.speed_partials(law.rate), law.rate * 0)
         for law in formed.friction
@@ -233,7 +278,7 @@ def _eliminate(
     variables = elimination.reduce_variables(formed.variables)
     names = elimination.substitute_names(formed.names)
     kinematics = elimination.reduce_kinematics(formed.kinematics, variables.rates)
-    rows = elimination.reduce_rows(formed.holonomic)
+    rows = elimination.reduce_rows(row for row in formed.rows if row.name not in {x.name for x in tied})
     notes = notes + elimination_notes(elimination)
     begin("loads", notes)
     system = _system(

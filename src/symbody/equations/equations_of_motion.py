@@ -49,6 +49,8 @@ class EquationsOfMotion(MultibodySystem):
         Rows of ropes that are slack; they are not among `rows`.
     angles : frozenset of str
         Coordinates placed by hand that are angles; those of joints follow from the joints.
+    outer_signals : tuple of str
+        Signals whose outputs are being formed, each for the one before it: an output in quotes may lead back.
     """
 
     inputs: tuple[Symbol, ...]
@@ -60,6 +62,7 @@ class EquationsOfMotion(MultibodySystem):
     elimination: SpeedElimination | None = None
     slack: tuple[ConstraintEquation, ...] = ()
     angles: frozenset[str] = frozenset()
+    outer_signals: tuple[str, ...] = ()
     # Made on first request; pure functions of the fields above, so they cannot go stale.
     _wrenches: SingleFlight[bool, Mapping[str, Wrench]] = field(default_factory=SingleFlight, repr=False)
     _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
@@ -76,9 +79,10 @@ class EquationsOfMotion(MultibodySystem):
     ) -> EquationsOfMotion:
         """Return the equations of a system; `others` are the fields with defaults."""
         model = system.topology.model
+        inputs = (*model.inputs, *(signal.name for signal in model.held_signals))
         return cls(
             **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
-            inputs=tuple(Symbol(name, SymbolKind.INPUT) for name in model.inputs),
+            inputs=tuple(Symbol(name, SymbolKind.INPUT) for name in inputs),
             parameters=tuple(Symbol(name, SymbolKind.PARAMETER) for name in model.parameters),
             formulation=formulation,
             dynamics=dynamics,
@@ -115,7 +119,7 @@ class EquationsOfMotion(MultibodySystem):
         eliminated = () if self.elimination is None else self.elimination.rows
         return [
             *self._with_multipliers(self.rows),
-            *((row, self.eliminated_multipliers[row.name]) for row in eliminated),
+            *((row, self.eliminated_multipliers[row.name]) for row in eliminated if not row.is_balance),
         ]
 
     @property

@@ -6,7 +6,7 @@ Griewank & Walther, Evaluating Derivatives (2008), chapter 3.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 
 from symbody.errors import FormulationError, Problem
@@ -50,7 +50,7 @@ def gradient(graph: Graph, root: int, by: Sequence[int]) -> list[int]:
     """Return the partial derivatives of one `root` by many nodes, each with the others held fixed."""
     (root,) = unroll(graph, [root])
     reached = graph.reachable([root])
-    if any(graph.ops[node] == SADDLE for node in reached):
+    if _holds_saddle(graph, reached):
         return [forward(graph, [root], _one_of(by, node))[0] for node in by]
     relevant = set(by)
     for node in reached:
@@ -66,10 +66,18 @@ def gradient(graph: Graph, root: int, by: Sequence[int]) -> list[int]:
 
 def jacobian(graph: Graph, roots: Sequence[int], by: Sequence[int]) -> list[list[int]]:
     """Return the matrix of partial derivatives, one row a root, each with the other nodes held fixed."""
+    if not by:
+        return [[] for _ in roots]
+    ahead = list(range(len(roots)))
+    rows: dict[int, list[int]] = {}
     if len(roots) < len(by):
-        return [gradient(graph, root, by) for root in roots]
-    columns = [forward(graph, roots, _one_of(by, node)) for node in by]
-    return [list(row) for row in zip(*columns, strict=True)] if by else [[] for _ in roots]
+        # A saddle is differentiated forward: once for all roots, not once for each.
+        unrolled = unroll(graph, roots)
+        ahead = [k for k, root in enumerate(unrolled) if _holds_saddle(graph, graph.reachable([root]))]
+        rows = {k: gradient(graph, roots[k], by) for k in set(range(len(roots))).difference(ahead)}
+    columns = [forward(graph, [roots[k] for k in ahead], _one_of(by, node)) for node in by]
+    rows |= dict(zip(ahead, map(list, zip(*columns, strict=True)), strict=True))
+    return [rows[k] for k in range(len(roots))]
 
 
 def time_derivative(graph: Graph, roots: Sequence[int], rates: Mapping[int, int] | None = None) -> list[int]:
@@ -125,6 +133,10 @@ def _not_linear(graph: Graph, row: int, unknown: int) -> Problem:
         "expression.not_linear", f"row {row}", f"the expression is not linear in {name}",
         "linear coefficients were asked for", "solve for quantities that enter linearly",
     )  # fmt: skip
+
+
+def _holds_saddle(graph: Graph, nodes: Iterable[int]) -> bool:
+    return any(graph.ops[node] == SADDLE for node in nodes)
 
 
 def _one_of(by: Sequence[int], node: int) -> dict[int, int]:

@@ -112,8 +112,15 @@ def check() -> None:
 
 @contextmanager
 def watch_stages(watch: Callable[[str], object]) -> Iterator[None]:
-    """Call `watch` with the name of each stage that begins in this context."""
-    token = _WATCH.set(watch)
+    """Call `watch` with the name of each stage that begins in this context; outer ones go on watching."""
+    outer = _WATCH.get()
+
+    def watch_all(stage: str) -> None:
+        if outer is not None:
+            outer(stage)
+        watch(stage)
+
+    token = _WATCH.set(watch_all)
     try:
         yield
     finally:

@@ -82,7 +82,8 @@ def choose_platforms(asked: str | Iterable[str] | None, version: str) -> tuple[P
         usable = own is not None and (version != "2.0" or own.name_2)
         return (own,) if own is not None and usable else ()
     possible = {name: p for name, p in PLATFORMS.items() if version != "2.0" or p.name_2}
-    names = tuple(possible) if asked == "all" else (asked,) if isinstance(asked, str) else tuple(asked)
+    named = (asked,) if isinstance(asked, str) else tuple(asked)
+    names = tuple(possible) if named == ("all",) else named
     problems = [
         Problem("fmu.platform", "platforms", f"FMI {version} has no platform {name!r}", "",
                 f"{nearest(name, possible)}; there are {', '.join(possible)}, or \"all\"")

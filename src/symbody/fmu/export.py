@@ -141,8 +141,8 @@ def _write(
     token = _token(program, variables, version)
     name = program.eqs.model.name
     described = Described(
-        name, f"multibody model {name}", identifier(file.stem), token, variables, len(program.events), SPAN,
-        "derivatives" in program.functions,
+        name, f"multibody model {name}", identifier(file.stem), token, variables, program.indicator_count,
+        SPAN, "derivatives" in program.functions,
     )  # fmt: skip
     text = _source_files(program, variables, token, version)
     libraries, notes = compile_libraries(text, MAIN[version], platforms, version)

@@ -16,6 +16,7 @@ from symbody.expr import opcodes as op
 from symbody.expr.folding import fold_constants
 from symbody.expr.program import written_out
 from symbody.expr.sequence import Sequence
+from symbody.fmu.freezing import Branches
 from symbody.kernels import block
 from symbody.simulation.native.description import RightHandSide
 
@@ -34,7 +35,7 @@ class ModelFunction:
     text : str
         It, and ``<name>_values``, which computes what depends on parameters alone.
     sequence : Sequence
-        What is computed.
+        What is computed, with the branches that are taken live.
     arguments : RightHandSide
         Sizes and first values of its numbers.
     values_work : int
@@ -74,6 +75,7 @@ def make_function(
     parameters: Mapping[str, Value],
     tunable: tuple[str, ...],
     values: Floats,
+    branches: Branches | None = None,
 ) -> ModelFunction:
     """Return a function of outputs.
 
@@ -84,11 +86,13 @@ def make_function(
     tunable : tuple of str
         Parameters that are arguments.
     values : (n,) array
-        Their first values.
+        Their first values, and those of what follows them in p.
+    branches : Branches, optional
+        Branches that are arguments.
     """
     sequence, _ = form_sequence(eqs, tuple(outputs), parameters, tunable)
     sequence = fold_constants(written_out(sequence))
-    head, tail = sequence.split("p")
+    head, tail = (sequence if branches is None else branches.freeze(sequence)).split("p")
     text, work = function_text(tail, name)
     values_work = 0
     if head.output_size:

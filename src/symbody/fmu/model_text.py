@@ -14,7 +14,7 @@ from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree, Type
 from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
-from symbody.fmu.variables import FmuVariable, held_states, independent_states
+from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import assembly as assembly_block
 from symbody.kernels import block
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -36,14 +36,15 @@ _BLOCK_PLACES: Final = (
     "RTOL",
     "VECTORS", "STATE_OLD", "KERNEL", "STEPS", "SAMPLES", "AFTER_REJECTION", "STIFF_VOTES", "OTHER_VOTES",
     "UNJUDGED", "NEXT_BREAK", "FIRST_BREAK", "BREAK_TIME", "BREAK_JUMPS", "BREAK_MARGIN", "BREAK_SIZE",
-    "PROJECTOR", "P_FUNCTION", "P_OUT", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED", "COLLAPSED",
-    "NOT_FINITE", "SINGULAR", "TOO_MANY",
+    "PROJECTOR", "P_FUNCTION", "P_OUT", "P_OUT_SIZE", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED",
+    "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY",
 )  # fmt: skip
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
     "motion": "SB_MOTION", "slope": "SB_SLOPE", "output": "SB_OUTPUT", "derivatives": "SB_DERIVATIVES",
     "sensitivities": "SB_SENSITIVITIES", "indicators": "SB_INDICATORS", "action": "SB_ACTION",
-    "parameters": "SB_PARAMETERS", "projection": "SB_PROJECTING", "assembly": "SB_ASSEMBLING",
+    "parameters": "SB_PARAMETERS", "sides": "SB_SIDES",
+    "measures": "SB_MEASURES", "mass": "SB_MASS", "projection": "SB_PROJECTING", "assembly": "SB_ASSEMBLING",
 }  # fmt: skip
 _FUNCTION: Final = """
 typedef struct {
@@ -61,6 +62,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
     pool, places = _pool(program)
     filled = np.flatnonzero(pool)
     eqs, given = program.eqs, program.parameters
+    free = [variable.initial == "exact" for variable in variables[1 : 1 + len(eqs.state_names)]]
     tables = [
         _table("int", "sb_places", map(str, filled)),
         _numbers("sb_values", pool[filled]),
@@ -68,11 +70,14 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _numbers("sb_nominal", program.nominal),
         _numbers("sb_p", given.values),
         _numbers("sb_scales", program.constraint_scales),
-        _flags("sb_is_given", independent_states(program)),
-        _flags("sb_is_held", held_states(program)),
+        _flags("sb_is_given", free),
+        _flags("sb_is_held", held_states(program.eqs, free)),
         _flags("sb_is_fixed", [name in given.fixed for name in given.arguments]),
         _flags("sb_closes", program.closing_parameters),
         _table("int", "sb_directions", (str(event.direction) for event in program.events)),
+        _flags("sb_is_floor", [condition.is_floor for condition in program.conditions]),
+        _flags("sb_is_rope", [element.is_rope for element in program.modal.elements]),
+        _numbers("sb_rate_scales", program.rate_scales),
         _flags("sb_stops", [event.action == "stop" for event in program.events]),
         _table("int", "sb_action_events", (str(event) for event, _ in program.actions)),
         _table("int", "sb_action_states", (str(state) for _, state in program.actions)),
@@ -116,7 +121,10 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_R": n_r, "SB_P": len(program.parameters.arguments),
         "SB_CALCULATED": len(program.parameters.calculated), "SB_CONSTRAINTS": output.sizes[0],
         "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
-        "SB_EVENTS": len(program.events), "SB_ACTIONS": len(program.actions), "SB_SLOPES": rows * (n + n_r),
+        "SB_EVENTS": len(program.events), "SB_CONDITIONS": len(program.conditions),
+        "SB_ELEMENTS": len(program.modal.elements), "SB_MODES": len(program.modal.arguments),
+        "SB_WATCHED": program.indicator_count, "SB_ACTIONS": len(program.actions),
+        "SB_SLOPES": rows * (n + n_r),
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
         "SB_HELD": assembly_block.HELD, "SB_IS_CLOSED": int("assembly" in functions),
@@ -129,7 +137,9 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
     texts = {
-        "SB_SPAN": repr(SPAN), "SB_CLOSED": repr(program.closing_share), "SB_OPEN": repr(OPEN),
+        "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
+        "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),
+        "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
         "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip

@@ -9,15 +9,23 @@ from typing import Final
 
 import numpy as np
 
+from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequence import Output
+from symbody.fmu.conditions import OUTPUT, Condition, condition_output, find_conditions
+from symbody.fmu.freezing import Branches
 from symbody.fmu.functions import Floats, ModelFunction, dependencies, make_function
+from symbody.fmu.modes import ModalEquations, modal_equations
 from symbody.fmu.parameters import FmuParameters
 from symbody.kernels import assembly as at
 from symbody.kernels import block
 from symbody.simulation.events.events import Event
-from symbody.simulation.inputs.input_laws import InputLaws, input_laws
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.hybrid.switching import switches
+from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.constraints import (
     PROJECTED,
     Baumgarte,
@@ -30,13 +38,13 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector
 from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
-from symbody.simulation.sweeps.case_by_case import reason_for_simulate
 
 ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
 MOST_TRIALS: Final = 2**52
 FUNCTION: Final = "mechanism_"  # begins the names of functions in C
 SPAN: Final = 10.0  # seconds of the default experiment
 RTOL: Final = 1e-8
+_POINTS: Final = 3  # at which conditions are recognized
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +65,11 @@ class FmuProgram:
         What is watched.
     functions : mapping of str to ModelFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
-        sensitivities, indicators, action, parameters.
+        sensitivities, indicators, action, parameters, sides.
+    conditions : tuple of Condition
+        What decides the branches that are frozen between events of model exchange.
+    modal : ModalEquations
+        The same equations with the modes of joints and ropes as arguments.
     """
 
     eqs: EquationSet
@@ -66,6 +78,8 @@ class FmuProgram:
     outputs: tuple[str, ...]
     events: tuple[Event, ...]
     functions: Mapping[str, ModelFunction]
+    conditions: tuple[Condition, ...]
+    modal: ModalEquations
 
     @property
     def x0(self) -> Floats:
@@ -85,6 +99,27 @@ class FmuProgram:
         speeds = scales.displacements(self.eqs) / scales.time
         signals = np.ones(len(self.eqs.signal_state_names))
         return np.concatenate([speeds, scales.coordinates(self.eqs), signals])
+
+    @property
+    def indicator_count(self) -> int:
+        """How many numbers are watched in model exchange."""
+        return len(self.events) + len(self.conditions) + len(self.modal.elements)
+
+    @property
+    def rate_scales(self) -> list[float]:
+        """Rates of joints and ropes below which they are at rest, as multiples of rates of angles."""
+        length = self.motion.integration.problem.scales.length
+        return [1.0 if element.is_angle else length for element in self.modal.elements]
+
+    @property
+    def time_scale(self) -> float:
+        """In which the mechanism moves by its size [s]."""
+        return self.motion.integration.problem.scales.time
+
+    @property
+    def mass_scale(self) -> float:
+        """The largest mass [kg]."""
+        return self.motion.integration.problem.scales.mass
 
     @property
     def is_projected(self) -> bool:
@@ -124,10 +159,10 @@ class FmuProgram:
     def _projector(self) -> Projector:
         if not self.is_projected:
             return NOTHING_TO_PROJECT
-        compiled = self.motion.integration.problem.compile_outputs(PROJECTED, quick=True)
+        function = self.functions["projection"]
         scales = self.motion.integration.problem.scales
-        made = make_projector(compiled, self.eqs, scales, self.motion.projection, None)
-        ours = self.functions["projection"].arguments
+        made = make_projector(_Projecting(function), self.eqs, scales, self.motion.projection, None)
+        ours = function.arguments
         limit = math.inf if isinstance(self.method, FixedStep) else made.limit
         return made._replace(
             address=1, inputs=ours.inputs, parameters=ours.parameters, constants=ours.constants,
@@ -180,7 +215,7 @@ def make_program(
     UsageError
         If the motion needs Python.
     """
-    _check_motion(eqs, integrator, constraints)
+    _check_motion(eqs, integrator, constraints, events)
     request = MotionRequest(
         initial=initial, parameters=parameters.given, tunable=parameters.arguments,
         free_inputs=eqs.input_names, integrator=integrator,
@@ -188,24 +223,37 @@ def make_program(
         span=(0.0, SPAN), is_pulled=False,
     )  # fmt: skip
     motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
+    modal = modal_equations(eqs)
+    eqs = modal.eqs
     stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
     stabilized = stabilizing.applied(eqs) if eqs.multiplier_names else eqs
-    functions = _Functions(parameters)
+    conditions = find_conditions(eqs)
+    functions = _Functions(parameters, modal.arguments, len(conditions))
+    sides = with_outputs(eqs, [condition_output(conditions)])
+    branches = functions.branches(motion, sides, conditions)
+    shown = modal.outputs(outputs)
     made = {
         "motion": functions.make(eqs, "motion", ["xdot"]),
-        "slope": functions.make(stabilized, "slope", ["xdot"]),
-        "output": functions.make(eqs, "output", ["constraints", "energy", *outputs]),
+        "slope": functions.make(stabilized, "slope", ["xdot"], branches),
+        "output": functions.make(eqs, "output", ["constraints", "energy", *shown], branches),
     }
-    if motion.is_closed:
+    if motion.is_closed or eqs.multiplier_names:
         made["projection"] = functions.make(eqs, "projection", PROJECTED)
         made["assembly"] = functions.make(eqs, "assembly", ASSEMBLED)
     if eqs.state_names:
         by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
-        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"])
-        shown = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
-        made["sensitivities"] = functions.make(eqs, "sensitivities", shown)
+        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches)
+        slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *shown)]
+        made["sensitivities"] = functions.make(eqs, "sensitivities", slopes, branches)
+    if conditions:
+        made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
+    if modal.elements:
+        made["measures"] = functions.make(eqs, "measures", modal.measures)
+    if any(element.is_rope for element in modal.elements):
+        made["mass"] = functions.make(eqs, "mass", ["mass_matrix"])
     if events:
-        made["indicators"] = functions.make(eqs, "indicators", [str(event.expression) for event in events])
+        watched = modal.outputs(str(event.expression) for event in events)
+        made["indicators"] = functions.make(eqs, "indicators", watched)
     actions = [str(value) for event in events for value in event.mapping.values()]
     if actions:
         made["action"] = functions.make(eqs, "action", actions)
@@ -213,29 +261,90 @@ def make_program(
         made["parameters"] = functions.make(
             eqs, "parameters", [f"({name})" for name in parameters.calculated]
         )
-    return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made)
+    return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made, conditions, modal)
 
 
 @dataclass(frozen=True, slots=True)
 class _Functions:
-    """Makes functions of the same parameters."""
+    """Makes functions of the same parameters, behind which p holds modes and the sides of conditions."""
 
     parameters: FmuParameters
+    modes: tuple[str, ...]
+    condition_count: int
 
-    def make(self, eqs: EquationSet, name: str, outputs: Sequence[str]) -> ModelFunction:
+    def make(
+        self, eqs: EquationSet, name: str, outputs: Sequence[str], branches: Branches | None = None
+    ) -> ModelFunction:
         given = self.parameters
+        arguments = (*given.arguments, *self.modes)
+        values = np.concatenate([given.values, np.zeros(len(self.modes) + self.condition_count)])
         return make_function(
-            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, given.values
+            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, arguments, values, branches
         )
 
+    def branches(
+        self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...]
+    ) -> Branches | None:
+        """Return the branches with what decides them, at some points about the first state."""
+        if not conditions:
+            return None
+        sequence = self.make(sides, "sides", [OUTPUT]).sequence
+        n_u, n_r = len(sides.speed_names), len(sides.input_names)
+        x, p = motion.integration.state, [*self.parameters.values.tolist(), *[0.0] * len(self.modes)]
+        points = []
+        for k in range(_POINTS):
+            moved = [float(value) + math.sin(1.0 + 7.0 * k + i) for i, value in enumerate(x)]
+            r = [math.cos(2.0 + 5.0 * k + i) for i in range(n_r)]
+            points.append({"t": [0.37 + k], "q": moved[n_u:], "u": moved[:n_u], "r": r, "p": p})
+        values = tuple(tuple(evaluate_sequence(sequence, point)[0]) for point in points)
+        are_floors = tuple(condition.is_floor for condition in conditions)
+        return Branches(tuple(points), values, are_floors, len(p))
 
-def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:
-    laws = InputLaws({}, {}, (), {})
-    reason = reason_for_simulate(eqs, laws, integrator, constraints, has_events=False)
+
+@dataclass(frozen=True, slots=True)
+class _Projecting:
+    """The sizes of a function that projects."""
+
+    function: ModelFunction
+    address: int = 1
+
+    @property
+    def work_size(self) -> int:
+        """Doubles of scratch that it needs."""
+        return self.function.arguments.work_size
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """What it computes."""
+        return self.function.sequence.outputs
+
+    def constants(self) -> Floats:
+        """Return the numbers c that it takes."""
+        return self.function.arguments.constants
+
+
+def _check_motion(
+    eqs: EquationSet, integrator: object, constraints: object, events: tuple[Event, ...]
+) -> None:
+    reasons = {
+        f"{type(integrator).__name__} takes its steps in Python": not isinstance(
+            integrator, Explicit | FixedStep | None
+        ),
+        f"{type(constraints).__name__} takes its steps in Python": not isinstance(
+            constraints, Projection | Baumgarte | None
+        ),
+        "prescribed rates may jump": may_jump(eqs),
+        "dependent speeds are watched": bool(
+            eqs.formed.elimination is not None and eqs.formed.elimination.pivots
+        ),
+        "an event sets new values where joints stick and slip, or ropes slacken": switches(eqs.formed)
+        and any(event.mapping for event in events),
+    }
+    reason = "; ".join(reason for reason, holds in reasons.items() if holds)
     if reason:
         raise UsageError(
             Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
-                    "an FMU computes without Python and without a change of its equations",
-                    "give friction a smooth law, springs in the place of ropes, sb.Explicit() or "
-                    "sb.FixedStep(..), sb.Projection() or sb.Baumgarte()")
+                    "an FMU computes without Python",
+                    "prescribe motions without corners; give sb.Explicit() or sb.FixedStep(..), "
+                    "sb.Projection() or sb.Baumgarte()")
         )  # fmt: skip

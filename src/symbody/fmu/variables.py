@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.ropes import with_taut
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.fmu.functions import Floats, ModelFunction, Symbols, are_symbols, dependencies
@@ -74,7 +75,8 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     if "assembly" not in program.functions:
         return (True,) * len(eqs.state_names)
     residual, by_q, _, jacobian = _constraint_values(program)
-    chosen = eqs.mobility.independent_speeds if eqs.multiplier_names else range(n_u)
+    free = with_taut(program.motion.eqs, ())  # nothing is held at first
+    chosen = free.mobility.independent_speeds if free.multiplier_names else range(n_u)
     preferred = {eqs.speed_names[k] for k in chosen}
     free_u = _free_columns(jacobian, np.array([name in preferred for name in eqs.speed_names]))
     count = len(eqs.formed.holonomic)
@@ -83,13 +85,10 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     return (*free_u, *free_q, *(True for _ in eqs.signal_state_names))
 
 
-def held_states(program: FmuProgram) -> tuple[bool, ...]:
+def held_states(eqs: EquationSet, are_free: Iterable[bool]) -> tuple[bool, ...]:
     """Return which states keep the values that were set: not quaternions, which are normalized."""
-    loose = {name for group in program.eqs.quaternions for name in group}
-    return tuple(
-        free and name not in loose
-        for name, free in zip(program.eqs.state_names, independent_states(program), strict=True)
-    )
+    loose = {name for group in eqs.quaternions for name in group}
+    return tuple(free and name not in loose for name, free in zip(eqs.state_names, are_free, strict=True))
 
 
 def _constraint_values(program: FmuProgram) -> list[Floats]:
@@ -98,7 +97,7 @@ def _constraint_values(program: FmuProgram) -> list[Floats]:
     n_u, x = len(eqs.speed_names), program.x0.tolist()
     point = {
         "t": [0.0], "q": x[n_u:], "u": x[:n_u], "r": [0.0] * len(eqs.input_names),
-        "p": program.parameters.values.tolist(),
+        "p": [*program.parameters.values.tolist(), *[0.0] * len(program.modal.arguments)],
     }  # fmt: skip
     values = evaluate_sequence(function.sequence, point)
     shapes = [output.shape for output in function.sequence.outputs]
@@ -191,23 +190,35 @@ def _outputs(program: FmuProgram) -> Iterator[FmuVariable]:
     )  # fmt: skip
     place = count
     for output in function.sequence.outputs[1:]:
+        name = program.modal.plain_name(output.name)
         for k in range(len(output.values)):
             yield FmuVariable(
-                entry_name(output.name, output.shape, k), "output", "continuous", "calculated",
-                unit=units.get(output.name, ""), description=output.name, dependencies=depends[place],
+                entry_name(name, output.shape, k), "output", "continuous", "calculated",
+                unit=units.get(name, ""), description=name, dependencies=depends[place],
             )  # fmt: skip
             place += 1
 
 
 def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
-    if not program.events:
-        return
-    depends = _dependencies(program, program.functions["indicators"])
-    for k, event in enumerate(program.events):
-        yield FmuVariable(
-            f"event.{variable_name(event.label)}", "local", "continuous",
-            description=f"passes zero at event {event.label}", dependencies=depends[k],
-        )  # fmt: skip
+    if program.events:
+        depends = _dependencies(program, program.functions["indicators"])
+        for event, read in zip(program.events, depends, strict=True):
+            yield _indicator(
+                f"event.{variable_name(event.label)}", f"passes zero at event {event.label}", read
+            )
+    if program.conditions:
+        depends = _dependencies(program, program.functions["sides"])
+        for k, (condition, read) in enumerate(zip(program.conditions, depends, strict=True), start=1):
+            words = f"passes zero where a condition in {', '.join(condition.reads)} changes"
+            yield _indicator(f"condition[{k}]", words, read)
+    for element in program.modal.elements:
+        end = "goes slack or taut" if element.is_rope else "sticks or slips"
+        words = f"passes zero where {'rope' if element.is_rope else 'joint'} {element.name} {end}"
+        yield FmuVariable(f"mode.{variable_name(element.name)}", "local", "continuous", description=words)
+
+
+def _indicator(name: str, words: str, read: tuple[tuple[int, str], ...]) -> FmuVariable:
+    return FmuVariable(name, "local", "continuous", description=words, dependencies=read)
 
 
 def _dependencies(program: FmuProgram, function: ModelFunction) -> list[tuple[tuple[int, str], ...]]:

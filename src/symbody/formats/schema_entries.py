@@ -102,6 +102,9 @@ def _value_type(field: declaration.Field[Any, Any], types: Mapping[Role, Any]) -
         return Annotated[str, Field(json_schema_extra={"pattern": field.pattern})]
     if isinstance(field, fields.WordChoice):
         return Annotated[str, Field(json_schema_extra={"enum": [*field.words]})]
+    if isinstance(field, block_fields.NamedGains):
+        words = {"propertyNames": {"enum": [*field.words]}}
+        return Annotated[dict[str, Expression], Field(json_schema_extra=words)]
     if isinstance(field, orientation.SpeedChoice):
         return Annotated[str | None, Field(json_schema_extra={"enum": [*field.words]})]
     return next(types[role] for role in type(field).__mro__ if role in types)

@@ -24,6 +24,9 @@ NO_EVENT_ROOM: Final = 8
 STOPPED: Final = 9
 CHATTERING: Final = 10
 EVENT_FAULT: Final = 11
+# What motions with held values return besides.
+NO_SAMPLE_ROOM: Final = 12
+SAMPLE_FAULT: Final = 13
 
 # Counters, first in the block.
 ACCEPTED: Final = 0

@@ -26,7 +26,10 @@ from symbody.kernels.watch_block import (
     PENDING,
     PENDING_COUNT,
     PIECE_ROWS,
+    POLE,
+    POLE_TIME,
     SCRATCH,
+    SPAN,
     SPEEDS,
     STATES,
     TABLE,
@@ -38,6 +41,9 @@ from symbody.kernels.watch_block import (
 EXACT: Final = 1e-15  # of a time, and of the interval a zero lies in
 TOUCHING: Final = 1e-10  # of the largest value so far: an extremum this close to zero touches it
 MOST_ROUNDS: Final = 200
+STEEP: Final = 10.0  # times the values beside it: such a value stands at a pole
+BESIDE: Final = 1e-10  # of the run
+DEEP: Final = 0.01  # of the values beside it: an extremum that touches zero lies lower
 SCANNED: Final = 32  # parts of an interval in which the slope is looked at
 HALVINGS: Final = 54
 
@@ -238,6 +244,29 @@ def add_zero(W: Reals, t: float, place: int, direction: float) -> None:
     W[PENDING_COUNT] = W[PENDING_COUNT] + 1.0
 
 
+def add_root(
+    e: Function,
+    W: Reals,
+    breaks: Reals,
+    pieces: Reals,
+    place: int,
+    begin: float,
+    end: float,
+    direction: float,
+) -> None:
+    """Add the zero between times at which the signs of a value differ, unless its sign changes at a pole."""
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    t = find_root(e, W, breaks, pieces, place, begin, end)
+    value = abs(value_at(e, W, breaks, pieces, place, t))
+    before = abs(value_at(e, W, breaks, pieces, place, t - BESIDE * W[SPAN]))
+    behind = abs(value_at(e, W, breaks, pieces, place, t + BESIDE * W[SPAN]))
+    if value <= STEEP * max(before, behind):
+        add_zero(W, t, place, direction)
+    elif W[row + POLE] == 0.0:
+        W[row + POLE] = 1.0
+        W[row + POLE_TIME] = t
+
+
 def add_touch(
     e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, begin: float, end: float, side: float
 ) -> None:
@@ -246,7 +275,10 @@ def add_touch(
     lowest = find_extremum(e, W, breaks, pieces, place, begin, end, side)
     value = side * value_at(e, W, breaks, pieces, place, lowest)
     if value < -TOUCHING * largest:
-        add_zero(W, find_root(e, W, breaks, pieces, place, begin, lowest), place, -side)
-        add_zero(W, find_root(e, W, breaks, pieces, place, lowest, end), place, side)
+        add_root(e, W, breaks, pieces, place, begin, lowest, -side)
+        add_root(e, W, breaks, pieces, place, lowest, end, side)
     elif abs(value) <= TOUCHING * largest:
-        add_zero(W, lowest, place, 0.0)
+        beside = abs(value_at(e, W, breaks, pieces, place, begin))
+        beside = max(beside, abs(value_at(e, W, breaks, pieces, place, end)))
+        if abs(value) <= DEEP * beside:  # largest may be the value beside a pole
+            add_zero(W, lowest, place, 0.0)

@@ -11,22 +11,17 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.event_location import (
-    TOUCHING,
+    add_root,
     add_touch,
     add_zero,
-    compute_values,
     compute_values_at,
-    find_extremum,
-    find_root,
-    fit_slope,
     sign,
-    slope_at,
     state_at,
-    value_at,
 )
-from symbody.kernels.language import Function, Reals, part
-from symbody.kernels.runge_kutta import copy
+from symbody.kernels.event_starts import begin_samples, leave_zero, note_value, settle_start
+from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.watch_block import (
+    AT_ZERO,
     CURRENT,
     CUT,
     DEEPEST,
@@ -42,18 +37,14 @@ from symbody.kernels.watch_block import (
     GOES_ON,
     HIT,
     HIT_TIME,
-    JUST_HAPPENED,
     LARGEST,
     LEAF,
     LEAF_END,
     LEAF_VALUES,
-    MOST,
-    MOST_RECENT,
     NODE,
     NOTHING_YET,
+    PEAK,
     PENDING_COUNT,
-    RECENT,
-    RECENT_COUNT,
     SAMPLED,
     SCRATCH,
     SEEN,
@@ -71,9 +62,7 @@ from symbody.kernels.watch_block import (
 from symbody.kernels.zeros_in_order import settle, steps_before
 
 RESOLVED: Final = 1e-3
-AWAY: Final = 1e-6  # of the largest value so far, and of time and states
 MIDDLE: Final = 4  # sample of a leaf
-SLIGHT: Final = 3e-13  # a slope over an interval that rounding makes, over the values at its ends
 
 
 def start_stretch(W: Reals, first: int) -> None:
@@ -87,6 +76,7 @@ def start_stretch(W: Reals, first: int) -> None:
     W[PENDING_COUNT] = 0.0
     for k in range(int(W[EVENTS])):
         W[int(W[TABLE]) + EVENT_SIZE * k + HIT] = 0.0
+        W[int(W[TABLE]) + EVENT_SIZE * k + AT_ZERO] = 0.0
 
 
 def sample_leaf(e: Function, W: Reals, breaks: Reals, pieces: Reals, begin: float, end: float) -> None:
@@ -150,126 +140,6 @@ def take_leaf(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
         begin_samples(e, W, breaks, pieces)
 
 
-def settle_start(e: Function, W: Reals) -> None:
-    """Mark the events whose value is zero at the start of a smooth motion, up to rounding."""
-    m = int(W[EVENTS])
-    leaf = part(W, int(W[LEAF]), LEAF_VALUES + m * STEP_NODES)
-    for i in range(m):
-        row = int(W[TABLE]) + EVENT_SIZE * i
-        first = leaf[LEAF_VALUES + i * STEP_NODES]
-        largest = 0.0
-        for k in range(STEP_NODES):
-            largest = max(largest, abs(leaf[LEAF_VALUES + i * STEP_NODES + k]))
-        W[row + HIT] = 0.0
-        if W[row + JUST_HAPPENED] != 0.0:
-            W[row + HIT] = 1.0 - was_moved_away(e, W, i, leaf[0], first, max(largest, W[row + LARGEST]))
-        elif first == 0.0:
-            W[row + HIT] = 1.0
-        elif abs(first) <= TOUCHING * largest:
-            if abs(first) <= rounding_error(e, W, i, leaf[0], first):
-                W[row + HIT] = 1.0
-
-
-def was_moved_away(e: Function, W: Reals, place: int, t: float, first: float, largest: float) -> float:
-    """Return 1 if an action moved the value of its own event off zero, such as one that resets, else 0.
-
-    What is left of a zero that was located, or of loops that were closed again, is smaller.
-    """
-    if abs(first) <= AWAY * largest:
-        return 0.0
-    if abs(first) <= AWAY / TOUCHING * rounding_error(e, W, place, t, first):
-        return 0.0
-    return 1.0
-
-
-def rounding_error(e: Function, W: Reals, place: int, t: float, here: float) -> float:
-    """Return how much a value changes where time or one state of `SCRATCH` does by a share of `TOUCHING`.
-
-    A value that is the difference of larger ones is not known better; one of a small state alone is.
-    """
-    n = int(W[STATES])
-    values = part(W, int(W[VALUES]), place + 1)
-    x = part(W, int(W[SCRATCH]) + n, n)
-    copy(n, part(W, int(W[SCRATCH]) + 2 * n, n), x)
-    most = 0.0
-    change = -TOUCHING
-    for _side in range(2):
-        compute_values(e, W, t * (1.0 + change), x)
-        most = max(most, abs(values[place] - here))
-        for i in range(n):
-            kept = x[i]
-            x[i] = kept * (1.0 + change)
-            compute_values(e, W, t, x)
-            most = max(most, abs(values[place] - here))
-            x[i] = kept
-        change = -change
-    return most
-
-
-def time_error(e: Function, W: Reals, place: int, t: float, here: float) -> float:
-    """Return how much a value changes where time does by a share of `TOUCHING`.
-
-    Times that lie closer to each other than they are rounded give a value that reads them a slope at random.
-    """
-    n = int(W[STATES])
-    compute_values(e, W, t * (1.0 + TOUCHING), part(W, int(W[SCRATCH]) + 2 * n, n))
-    return abs(W[int(W[VALUES]) + place] - here)
-
-
-def begin_samples(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
-    """Take the first sample of a smooth motion; values that are zero there have to leave zero."""
-    m = int(W[EVENTS])
-    leaf = part(W, int(W[LEAF]), LEAF_VALUES + m * STEP_NODES)
-    W[T_LAST] = leaf[0]
-    W[T_BEFORE] = leaf[0]
-    W[SEEN] = 1.0
-    for i in range(m):
-        row = int(W[TABLE]) + EVENT_SIZE * i
-        is_zero = W[row + HIT]
-        W[row + HIT] = 0.0
-        W[row + G_LAST] = leaf[LEAF_VALUES + i * STEP_NODES]
-        if is_zero != 0.0:
-            W[row + G_LAST] = 0.0
-            find_missed_return(e, W, breaks, pieces, i)
-        W[row + LARGEST] = max(W[row + LARGEST], abs(W[row + G_LAST]))
-
-
-def find_missed_return(e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int) -> None:
-    """Add the zero between the first two samples of a value that starts at zero, if there is one.
-
-    The slope at the start decides: a value that leaves zero upwards and is below it at the next sample has
-    come back in between. Where that return is rounding, it counts if the event has just happened: its action
-    leads back at once, which is chattering already.
-    """
-    leaf = part(W, int(W[LEAF]), STEP_NODES)
-    samples = part(W, int(W[LEAF]) + LEAF_VALUES + place * STEP_NODES, STEP_NODES)
-    begin = leaf[0]
-    end = leaf[1]
-    second = samples[1]
-    fit_slope(e, W, breaks, pieces, place, begin, end)
-    slope = slope_at(W, 0.0)
-    noise = SLIGHT * max(abs(samples[0]), abs(second))
-    noise = noise + SLIGHT / TOUCHING * time_error(e, W, place, begin, samples[0])
-    if not abs(slope) > noise or slope * second >= 0.0:
-        return
-    side = sign(slope)
-    largest = 0.0
-    for k in range(STEP_NODES):
-        largest = max(largest, abs(samples[k]))
-    top = find_extremum(e, W, breaks, pieces, place, begin, end, -side)
-    value = value_at(e, W, breaks, pieces, place, top)
-    if top != begin and top != end and value * side > 1e-15 * largest:
-        add_zero(W, find_root(e, W, breaks, pieces, place, top, end), place, -side)
-        return
-    row = int(W[TABLE]) + EVENT_SIZE * place
-    if W[row + JUST_HAPPENED] != 0.0:
-        recent = part(W, int(W[RECENT]) + MOST_RECENT * place, MOST_RECENT)
-        for k in range(int(W[row + MOST])):
-            recent[k] = begin
-        W[row + RECENT_COUNT] = W[row + MOST]
-        add_zero(W, begin, place, -side)
-
-
 def take_sample(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
     """Take the next sample of the leaf, and find the zeros that it shows."""
     m = int(W[EVENTS])
@@ -283,10 +153,15 @@ def take_sample(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
     for i in range(m):
         row = part(W, int(W[TABLE]) + EVENT_SIZE * i, EVENT_SIZE)
         value = W[int(W[LEAF]) + LEAF_VALUES + i * STEP_NODES + node]
+        note_value(W, i, t, value)
+        if row[AT_ZERO] != 0.0:
+            value = leave_zero(e, W, breaks, pieces, i, t, value)
+        row[PEAK] = max(row[PEAK], abs(value))
         row[G_OLDER] = row[G_BEFORE]
         row[G_BEFORE] = row[G_LAST]
         row[G_LAST] = value
-        row[LARGEST] = max(row[LARGEST], abs(value))
+        if abs(value) < INFINITY:
+            row[LARGEST] = max(row[LARGEST], abs(value))
     for i in range(m):
         compare_samples(e, W, breaks, pieces, i)
 
@@ -308,8 +183,7 @@ def compare_samples(e: Function, W: Reals, breaks: Reals, pieces: Reals, place: 
         W[row + HIT] = sign(before)
         W[row + HIT_TIME] = W[T_LAST]
     elif sign(before) * sign(last) < 0.0:
-        root = find_root(e, W, breaks, pieces, place, W[T_BEFORE], W[T_LAST])
-        add_zero(W, root, place, sign(last))
+        add_root(e, W, breaks, pieces, place, W[T_BEFORE], W[T_LAST], sign(last))
     elif W[SEEN] >= 3.0 and is_lowest(W[row + G_OLDER], before, last) != 0:
         add_touch(e, W, breaks, pieces, place, W[T_OLDER], W[T_LAST], sign(before))
 
@@ -322,7 +196,7 @@ def is_lowest(older: float, before: float, last: float) -> int:
     inner = abs(before)
     left = abs(older)
     right = abs(last)
-    if inner > left or inner > right:
+    if inner > left or inner > right or not max(left, right) < INFINITY:
         return 0
     if inner <= 4.0 * max(left - inner, right - inner):
         return 1

@@ -237,6 +237,8 @@ def accept(B: Reals, t_new: float, h: float, error: float) -> None:
         factor = min(factor, 1.0)
     B[TIME] = t_new
     B[STEP] = B[DIRECTION] * min(abs(h) * factor, B[MAX_STEP])
+    if M[GROWTH] == 1.0:  # steps of one length, whatever a jump took from this one
+        B[STEP] = B[DIRECTION] * B[MAX_STEP]
     B[ERROR] = max(error, 1e-4)
     B[ACCEPTED] = B[ACCEPTED] + 1.0
     B[AFTER_REJECTION] = 0.0

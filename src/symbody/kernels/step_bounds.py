@@ -13,8 +13,10 @@ from symbody.kernels.block import (
     BREAK_TIME,
     DIRECTION,
     FIRST_BREAK,
+    GROWTH,
     LENGTH,
     MAX_STEP,
+    METHOD,
     NEXT_BREAK,
     T_END,
     T_NEW,
@@ -22,6 +24,7 @@ from symbody.kernels.block import (
 from symbody.kernels.language import INFINITY, Reals
 
 EPSILON: Final = 2.220446049250313e-16
+RASTER: Final = 1e-9  # of a step: what lies so close to its end lies there
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 
 
@@ -41,13 +44,37 @@ def next_break(B: Reals, t: float) -> int:
     return place
 
 
+def find_jump_at_end(B: Reals, t: float, length: float) -> int:
+    """Return the breakpoint of a jump that lies at the end of a step of a given length, or -1."""
+    place = next_break(B, t)
+    while abs(B[place + BREAK_TIME] - t) < length * (1.0 - RASTER):
+        place = place + BREAK_SIZE
+    if B[place + BREAK_JUMPS] != 0.0 and abs(B[place + BREAK_TIME] - t) <= length * (1.0 + RASTER):
+        return place
+    return -1
+
+
+def begin_of_step(B: Reals, t: float) -> float:
+    """Return when a step begins: at the jump that it begins just behind, else at its time."""
+    place = int(B[NEXT_BREAK])
+    if place > int(B[FIRST_BREAK]):
+        before = place - BREAK_SIZE
+        time = B[before + BREAK_TIME]
+        if B[before + BREAK_JUMPS] != 0.0 and abs(time - t) <= 2.0 * B[before + BREAK_MARGIN]:
+            return time
+    return t
+
+
 def bound_step(B: Reals, t: float, h: float) -> int:
     """Set `LENGTH` to how long a step of length h may be; return the breakpoint where it has to end, or -1.
 
     A step is no longer than every piece that it enters allows; it ends where it would enter one that allows
-    less than the way there.
+    less than the way there. Steps of one length end at jumps only that lie on their raster.
     """
     place = next_break(B, t)
+    if B[METHOD + GROWTH] == 1.0:
+        B[LENGTH] = abs(h)
+        return find_jump_at_end(B, t, abs(h))
     length = min(abs(h), B[place + BREAK_LONGEST])
     while abs(B[place + BREAK_TIME] - t) < length:
         way = abs(B[place + BREAK_TIME] - t)
@@ -58,6 +85,15 @@ def bound_step(B: Reals, t: float, h: float) -> int:
         length = min(length, B[place + BREAK_LONGEST])
     B[LENGTH] = length
     return -1
+
+
+def end_motion(B: Reals, ahead: float, place: int) -> None:
+    """Let the next trial lead to the end of the motion, or to just before a jump there."""
+    B[LENGTH] = ahead
+    B[T_NEW] = B[T_END]
+    if place >= 0 and B[place + BREAK_JUMPS] != 0.0:
+        if abs(B[place + BREAK_TIME] - B[T_END]) <= B[place + BREAK_MARGIN]:
+            B[LENGTH] = ahead - B[DIRECTION] * B[place + BREAK_MARGIN]
 
 
 def plan_trial(B: Reals, t: float, h: float) -> None:
@@ -78,8 +114,7 @@ def plan_trial(B: Reals, t: float, h: float) -> None:
     if B[AFTER_REJECTION] == 0.0 and abs(ahead) <= 10.0 * EPSILON * abs(t_end):
         allowed = abs(ahead)  # an event that acts may lie so close to the end
     if abs(ahead) <= allowed and abs(ahead) <= B[MAX_STEP] * (1.0 + 1e-9):
-        B[LENGTH] = ahead
-        B[T_NEW] = t_end
+        end_motion(B, ahead, place)
         return
     if place >= 0:
         end = B[place + BREAK_TIME]
@@ -94,6 +129,11 @@ def plan_trial(B: Reals, t: float, h: float) -> None:
         return
     B[LENGTH] = direction * length
     B[T_NEW] = t + direction * length
+    if B[METHOD + GROWTH] == 1.0:
+        begin = begin_of_step(B, t)
+        if begin != t:
+            B[T_NEW] = begin + direction * length
+            B[LENGTH] = B[T_NEW] - t
 
 
 def behind_jump(B: Reals, t: float) -> float:

@@ -70,7 +70,11 @@ CULPRIT: Final = 43  # the event that happens again and again, from 1
 FAULT: Final = 44
 RESUMED: Final = 45  # one more than what the run returned before there was no room for what happened
 CUT_FIT: Final = 46
-HEADER: Final = 48
+RATE: Final = 47  # rates of the states, the work left out
+RATE_KNOWN: Final = 48  # whether those after an action are
+RESOLUTION: Final = 49  # the least slope that shows above rounding
+FIRST_LENGTH: Final = 50  # of many motions: what the first step of each is to be, 0 where that follows
+HEADER: Final = 52
 
 # The fit of a cut: for each row of a piece a share of a step, the matrix from states there to the rows, and
 # these states.
@@ -97,7 +101,19 @@ HIT: Final = 11  # the sign before a sample that is zero, 0 if there is none
 HIT_TIME: Final = 12
 RECENT_COUNT: Final = 13
 LEVEL: Final = 14  # what is taken from the value
-EVENT_SIZE: Final = 16
+AT_ZERO: Final = 15  # whether the value has not left zero yet since the smooth motion began
+BAND: Final = 16  # how far from zero that is
+LEAVES: Final = 17  # the direction in which it leaves, 0 if that is not known
+SLOPE_BEFORE: Final = 18  # of the value, before the last action
+REPEATS: Final = 19  # whether the event acted when the smooth motion began
+CAME: Final = 20  # direction of the last zero that was the event
+NO_NUMBER: Final = 21  # whether the value was no number, and when first
+NO_NUMBER_TIME: Final = 22
+POLE: Final = 23  # whether it passed a pole, and where first
+POLE_TIME: Final = 24
+PEAK: Final = 25  # the largest value since the smooth motion began, and what is rounding there
+ROUNDING: Final = 26
+EVENT_SIZE: Final = 28
 
 # What an event does.
 RECORDS: Final = 0.0

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.event_location import state_at, value_at
+from symbody.kernels.event_location import BESIDE, state_at, value_at
+from symbody.kernels.event_slopes import slope_along, take_rates
+from symbody.kernels.event_starts import LOWEST
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import call, copy
 from symbody.kernels.watch_block import (
@@ -17,6 +19,7 @@ from symbody.kernels.watch_block import (
     ACTIONS,
     AFTER,
     BEFORE,
+    CAME,
     CHATTERS,
     CLOSED,
     CLOSING,
@@ -38,15 +41,21 @@ from symbody.kernels.watch_block import (
     MOST_RECENT,
     NO_ROOM,
     NOTHING_YET,
+    PEAK,
     PENDING,
     PENDING_COUNT,
     PROJECTED_VALUES,
+    RATE_KNOWN,
     RECENT,
     RECENT_COUNT,
     RECORDS,
+    REPEATS,
     RESIDUALS,
+    ROUNDING,
     SET_COUNT,
     SET_FIRST,
+    SETS,
+    SLOPE_BEFORE,
     SPAN,
     SPEEDS,
     STATES,
@@ -62,8 +71,7 @@ from symbody.kernels.watch_block import (
 )
 
 SIMULTANEOUS: Final = 1e-12
-# A value that changes by such a share of its largest within such a share of the run has jumped.
-BESIDE: Final = 1e-10
+# A value that changes by such a share of its largest has jumped.
 TORN: Final = 0.25
 # So many events of one kind within such a share of the run are chattering.
 INSTANT: Final = 1e-7
@@ -86,7 +94,7 @@ def settle(
         if W[HAPPENED] + W[PENDING_COUNT] > W[HAPPENED_ROOM]:
             return NO_ROOM
         drop_others(e, W, breaks, pieces, t, within)
-        code = happen(a, c, W, breaks, pieces, H, t, within)
+        code = happen(e, a, c, W, breaks, pieces, H, t, within)
         if code != NOTHING_YET:
             return code
     return NOTHING_YET
@@ -177,8 +185,9 @@ def any_acts(W: Reals, t: float, within: float) -> int:
 
 
 def happen(
-    a: Function, c: Function, W: Reals, breaks: Reals, pieces: Reals, H: Reals, t: float, within: float
-) -> int:
+    e: Function, a: Function, c: Function, W: Reals, breaks: Reals, pieces: Reals, H: Reals, t: float,
+    within: float,
+) -> int:  # fmt: skip
     """Note the events of a moment and do what they do."""
     n = int(W[STATES])
     before = part(W, int(W[BEFORE]), n)
@@ -192,11 +201,14 @@ def happen(
         close_state(c, W, W[CUT], before)
         copy(n, before, part(W, int(W[AFTER]), n))
         for k in range(int(W[EVENTS])):
-            W[int(W[TABLE]) + EVENT_SIZE * k + JUST_HAPPENED] = 0.0
+            row = int(W[TABLE]) + EVENT_SIZE * k
+            W[row + REPEATS] = W[row + JUST_HAPPENED]
+            W[row + JUST_HAPPENED] = 0.0
+        find_slopes_before(e, a, W, breaks, t, within)
     while number >= 0:
         zero = part(W, int(W[PENDING]) + ZERO_SIZE * number, ZERO_SIZE)
         place = int(zero[1])
-        code = let_happen(a, c, W, H, place, zero[0])
+        code = let_happen(a, c, W, H, place, zero[0], zero[2])
         if code != NOTHING_YET:
             return code
         remove_zero(W, number)
@@ -206,7 +218,24 @@ def happen(
     return NOTHING_YET
 
 
-def let_happen(a: Function, c: Function, W: Reals, H: Reals, place: int, t: float) -> int:
+def find_slopes_before(e: Function, a: Function, W: Reals, breaks: Reals, t: float, within: float) -> None:
+    """Find how fast the values of a moment change before their actions, by the equations of motion."""
+    if W[ACTIONS] == 0.0:
+        return
+    n = int(W[STATES])
+    before = part(W, int(W[BEFORE]), n)
+    compute_action(a, W, W[CUT], before, part(W, int(W[ACTED]), int(W[ACTION_VALUES])))
+    take_rates(W)
+    step = int(W[CURRENT])
+    for k in range(int(W[PENDING_COUNT])):
+        zero = part(W, int(W[PENDING]) + ZERO_SIZE * k, ZERO_SIZE)
+        row = int(W[TABLE]) + EVENT_SIZE * int(zero[1])
+        if abs(zero[0] - t) <= within and W[row + ACTION] == SETS:
+            longest = -abs(breaks[step + 1] - breaks[step])
+            W[row + SLOPE_BEFORE] = slope_along(e, W, int(zero[1]), W[CUT], before, longest)
+
+
+def let_happen(a: Function, c: Function, W: Reals, H: Reals, place: int, t: float, direction: float) -> int:
     """Note one event and do what it does."""
     n = int(W[STATES])
     row = int(W[TABLE]) + EVENT_SIZE * place
@@ -216,14 +245,31 @@ def let_happen(a: Function, c: Function, W: Reals, H: Reals, place: int, t: floa
     copy(n, part(W, int(W[BEFORE]), n), part(note, 2, n))
     W[HAPPENED] = W[HAPPENED] + 1.0
     W[row + JUST_HAPPENED] = 1.0
-    if chatters(W, place, t) != 0:
+    W[row + CAME] = direction
+    if chatters(W, place, t) != 0 or is_too_low(W, place, direction) != 0:
         W[CULPRIT] = float(place + 1)
         return CHATTERS
     if W[row + ACTION] == STOPS:
         return ENDS
     if W[row + ACTION] != RECORDS:
         act(a, c, W, place, W[CUT])
+        take_rates(W)
+        W[RATE_KNOWN] = 1.0
     return NOTHING_YET
+
+
+def is_too_low(W: Reals, place: int, direction: float) -> int:
+    """Return 1 if an event acts again after a bounce that is too low, else 0: that is chattering, too.
+
+    Lower than the integrator tolerates, where the value moves the other way by the equations of motion; or no
+    more than rounding.
+    """
+    row = part(W, int(W[TABLE]) + EVENT_SIZE * place, EVENT_SIZE)
+    if row[ACTION] != SETS or row[REPEATS] == 0.0:
+        return 0
+    if row[SLOPE_BEFORE] * direction < 0.0 or row[PEAK] <= LOWEST * row[ROUNDING]:
+        return 1
+    return 0
 
 
 def chatters(W: Reals, place: int, t: float) -> int:

@@ -94,11 +94,13 @@ class ConstraintManifold:
         values: Floats = np.asarray(evaluated, dtype=np.float64) / self.scales
         slopes: Floats = np.asarray(derivatives, dtype=np.float64).reshape(shape)
         slopes = slopes * self.sizes / self.scales[:, np.newaxis]
-        for places in map(list, self.quaternions):
-            row = np.zeros((*q.shape[:-1], 1, q.shape[-1]))
-            row[..., 0, places] = q[..., places]
-            norm = ((q[..., places] ** 2).sum(axis=-1, keepdims=True) - 1.0) / 2.0
-            values, slopes = np.concatenate([values, norm], -1), np.concatenate([slopes, row], -2)
+        if len(self.quaternions):
+            places = np.array(self.quaternions, dtype=np.intp)
+            parts = q[..., places]
+            rows = np.zeros((*q.shape[:-1], len(places), q.shape[-1]))
+            rows[..., np.arange(len(places))[:, np.newaxis], places] = parts
+            norms = ((parts**2).sum(axis=-1) - 1.0) / 2.0
+            values, slopes = np.concatenate([values, norms], -1), np.concatenate([slopes, rows], -2)
         return LinearConstraints(q, values, slopes if self.free is None else slopes[..., self.free])
 
     def jacobian(self, q: Floats) -> Floats:

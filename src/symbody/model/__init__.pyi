@@ -53,8 +53,10 @@ from .signals.blocks import PID as PID
 from .signals.blocks import DCMotor as DCMotor
 from .signals.blocks import Delay as Delay
 from .signals.blocks import FirstOrder as FirstOrder
+from .signals.blocks import Hysteresis as Hysteresis
 from .signals.blocks import RateLimit as RateLimit
 from .signals.blocks import StateSpace as StateSpace
 from .signals.blocks import TransferFunction as TransferFunction
+from .signals.continuous import without_sampling as without_sampling
 from .signals.signal import Signal as Signal
 from .tables.lookup import Lookup as Lookup

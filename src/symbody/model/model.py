@@ -83,7 +83,9 @@ class Model(Displayed):
     bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
     signals : tuple of Signal
-        Those among `elements`, and those that blocks consist of.
+        Those among `elements`, and those that blocks consist of, without held values.
+    held_signals : tuple of Signal
+        Those with a sample time, in the order in which they are updated.
     tables : tuple of Lookup
         Those among `elements`.
     includes : tuple of Include
@@ -117,6 +119,7 @@ class Model(Displayed):
     joints: tuple[Joint, ...] = field(init=False, compare=False)
     constraints: tuple[ConstraintElement, ...] = field(init=False, compare=False)
     signals: tuple[Signal, ...] = field(init=False, compare=False)
+    held_signals: tuple[Signal, ...] = field(init=False, compare=False)
     tables: tuple[Lookup, ...] = field(init=False, compare=False)
     includes: tuple[Include, ...] = field(init=False, compare=False)
     notes: tuple[str, ...] = field(init=False, compare=False)
@@ -173,7 +176,9 @@ class Model(Displayed):
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
         object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
         object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, ConstraintElement)))
-        object.__setattr__(self, "signals", collect_signals(placed))
+        signals = collect_signals(placed)
+        object.__setattr__(self, "signals", tuple(s for s in signals if not s.is_held))
+        object.__setattr__(self, "held_signals", tuple(s for s in signals if s.is_held))
         object.__setattr__(self, "tables", tuple(e for e in placed if isinstance(e, Lookup)))
         object.__setattr__(self, "includes", includes)
         object.__setattr__(self, "notes", (*notes, *remarks))

@@ -99,12 +99,26 @@ def _entry(kind: str, word: str, each: type[Element]) -> dict[str, Any]:
     return {
         "section": kind,
         "type": word,
-        "title": title.replace("_", " ").capitalize(),
+        "title": _title(title, each.__name__),
         "group": _GROUPS.get(kind, kind.capitalize()),
         "summary": each.summary(),
         "definition": definition_name(title),
         "fields": [_field(name, field) for name, field in each.fields.items()],
     }
+
+
+def _title(word: str, class_name: str) -> str:
+    """Return a word of model files as a title, abbreviations as the class has them.
+
+    >>> _title("dc_motor", "DCMotor"), _title("pin_slot", "PinSlot")
+    ('DC motor', 'Pin slot')
+    """
+    words = word.split("_")
+    if class_name.lower() == "".join(words):
+        shown = [class_name[sum(map(len, words[:k])) :][: len(each)] for k, each in enumerate(words)]
+        words = [each if each.isupper() and len(each) > 1 else each.lower() for each in shown]
+    text = " ".join(words)
+    return text[:1].upper() + text[1:]
 
 
 def definition_name(word: str) -> str:

@@ -1,5 +1,6 @@
 from . import progress_bar as progress_bar
 from .events.events import Event as Event
+from .inputs.fmu_input import FmuInput as FmuInput
 from .inputs.tables import Table as Table
 from .inverse.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .methods.constraints import Baumgarte as Baumgarte
@@ -10,6 +11,7 @@ from .methods.gear_gupta_leimkuhler import GGL as GGL
 from .methods.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
 from .methods.partition import Partition as Partition
 from .methods.stiff import Stiff as Stiff
+from .programs.generate_code import generate_code as generate_code
 from .programs.generate_simulation import generate_simulation as generate_simulation
 from .results.trajectory import Trajectory as Trajectory
 from .simulate import simulate as simulate

@@ -39,6 +39,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
     if raw.status is Status.CHATTERING and run.watch is not None:
         stop += f"; there event {run.watch.chattering!r} happens again and again"
     occurrences = () if run.watch is None else run.watch.occurrences
+    watched = () if run.watch is None else run.watch.notes
     return Trajectory(
         t=raw.t,
         q=raw.x[n_u : n_u + n_q],
@@ -53,7 +54,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
         dense_output=states,
         stored={"work": raw.x[-1]},
         units=eqs.units,
-        notes=(*run.notes, *(note for _, note in passages), *((stop,) if stop else ())),
+        notes=(*run.notes, *watched, *(note for _, note in passages), *((stop,) if stop else ())),
         name=eqs.model.name,
         events=(*occurrences, *(event for event, _ in passages)),
     )

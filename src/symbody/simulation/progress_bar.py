@@ -9,10 +9,15 @@ from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
+from symbody.expr.deadline import watch_stages
+
 
 @contextmanager
 def show_bar(name: str) -> Iterator[Callable[[float], None]]:
-    """Show a bar under a name; yield what moves it to a share, from 0 to 1."""
+    """Show a bar under a name; yield what moves it to a share, from 0 to 1.
+
+    Stages that begin before the first share, as those of compiling, stand beside the name.
+    """
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),
@@ -21,10 +26,11 @@ def show_bar(name: str) -> Iterator[Callable[[float], None]]:
         TimeRemainingColumn(),
     )
     with Bar(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(name, total=1.0)
+        task = bar.add_task(name, total=None)
 
         def show(share: float) -> None:
-            bar.update(task, completed=share)
+            bar.update(task, description=name, total=1.0, completed=share)
 
-        yield show
+        with watch_stages(lambda stage: bar.update(task, description=f"{name}: {stage}")):
+            yield show
         show(1.0)

@@ -20,9 +20,9 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
+from symbody.simulation.co_simulation.run_with_fmus import run_motion
 from symbody.simulation.events.events import Event, check_events
-from symbody.simulation.hybrid.rate_jumps import run_with_jumps
-from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
@@ -32,6 +32,8 @@ from symbody.simulation.progress import show_progress
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.start_notes import start_notes
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.sampling.held_signals import HeldSignals, held_signals
+from symbody.simulation.sampling.later_samples import sample_later
 from symbody.simulation.simulation_problem import SimulationProblem
 
 
@@ -59,12 +61,11 @@ def simulate(
         Overrides values of the model.
     inputs : mapping of name to expression, table or callable
         In t, states and parameters, as ``{"F": "sin(omega*t)"}``; a `Table` or (times, values); a slow
-        function f(t, q, u) that returns a number. Others are 0.
+        function f(t, q, u) that returns a number; an `FmuInput`. Others are 0.
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
-        ``Explicit(order=8)``, with a change to `Stiff` where it pays, or `FixedStep`; ``Projection()`` holds
-        closed loops.
+        ``Explicit(order=8)``, changed to `Stiff` where it pays; ``Projection()`` holds closed loops.
     events : Event or sequence of Event
         Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
@@ -73,37 +74,43 @@ def simulate(
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
     progress : bool or callable, optional
-        True shows a bar, also of the loop's compilation; a callable takes the share that is done, and ends
-        the motion by returning False.
+        True shows a bar, and until the motion begins the stage of the work; a callable takes the share that
+        is done, and ends the motion by returning False.
 
     Raises
     ------
     CompileError, FormulationError, UsageError, AssemblyError, SimulationError
-        If names, values, times, tables or events make no sense, initial values do not fit, or a function
-        given as input fails. Other failures on the way stand in `status`.
+        If names, values, times, tables or events make no sense, initial values do not fit, or the law of an
+        input fails. Other failures stand in `status`.
     """
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
-    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
-    first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
-    notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
-    notes += start_notes(problem, first, {**(guess or {}), **(initial or {})})
-    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
+    held = held_signals(eqs, span, parameters, initial, inputs)
+    inputs, initial = {**inputs, **held.laws}, held.others(initial)
+    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     with show_progress(progress, "motion") as report:
+        first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
+        problem = held.pose(
+            pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first), watched
+        )
+        notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
+        notes += start_notes(problem, first, {**(guess or {}), **initial})
+        x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
-        run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
-    return _annotate(run, eqs, problem, first, notes)
+        run, problem = run_motion(plan, inputs)
+    return _annotate(run, problem, first, notes, held)
 
 
 def _annotate(
-    run: Trajectory, eqs: EquationSet, problem: SimulationProblem, first: State, notes: tuple[str, ...]
+    run: Trajectory, problem: SimulationProblem, first: State, notes: tuple[str, ...], held: HeldSignals
 ) -> Trajectory:
     """Return a run with notes on its start and its reactions, and with what it was computed from."""
+    eqs, laws = first.eqs, problem.laws
     further = _undetermined_notes(eqs, first, run) if run.t.size else ()
-    source = provenance_of(eqs, problem.parameters, problem.laws, switches=switches(eqs.formed))
+    sample_later(held, problem, run.dense_output)
+    source = provenance_of(eqs, problem.parameters, laws, held=held.record, switches=switches(eqs.formed))
     return replace(run, notes=(*notes, *run.notes, *further), provenance=source)
 
 

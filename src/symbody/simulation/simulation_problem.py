@@ -16,11 +16,12 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.outputs.output_roots import OF_MOTIONS
+from symbody.equations.outputs.output_roots import OF_MOTIONS, OF_STEPS
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.sampling.sampler import Sampler
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -38,6 +39,8 @@ class SimulationProblem:
     ----------
     first : State, optional
         Where a motion starts, whose numbers need not be computed again.
+    sampler : Sampler, optional
+        Takes the samples of held values that the motion reads.
     """
 
     eqs: EquationSet
@@ -45,6 +48,7 @@ class SimulationProblem:
     laws: InputLaws
     scales: Scales
     first: State | None = None
+    sampler: Sampler | None = None
     # Functions already compiled; they follow from the fields above.
     _functions: SingleFlight[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False, compare=False
@@ -66,7 +70,7 @@ class SimulationProblem:
     def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
         """Return where what depends on time alone changes, in the equations and in expressions `watched`."""
         pieces_of_all = NO_BREAKPOINTS
-        for outputs in (("xdot", "power"), tuple(watched)):
+        for outputs in (OF_STEPS, tuple(watched)):
             key = self.eqs, outputs
             if outputs and (key not in self._breakpoints or not _contains(self._breakpoints[key][0], span)):
                 self._breakpoints[key] = sorted(span), self._find_breakpoints(outputs, span)

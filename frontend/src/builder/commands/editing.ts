@@ -1,12 +1,12 @@
 /** Copy, paste, delete and their like, of what is selected. */
 
 import { copyEntries, pasteEntries, removeEntries } from "../model/edit";
-import { entriesOf, GROUND } from "../model/entries";
-import { withoutLayout } from "../model/layout";
+import { entriesOf, GROUND, inputsOf } from "../model/entries";
+import { forgetArrangement, withoutLayout } from "../model/layout";
 import { patched } from "../model/pointers";
 import { fitDiagram } from "../diagram/flow";
 import { edit, endGesture, say, select, useStore } from "../store";
-import type { Problem } from "../types";
+import type { Model, Problem } from "../types";
 
 export function copySelection(): void {
   const { data, selection } = useStore.getState();
@@ -48,7 +48,8 @@ export function removeSelection(): void {
   if (next === data) return;
   select([]);
   edit(() => next);
-  say(`${entriesOf(data).length - entriesOf(next).length} deleted`);
+  const countOf = (model: Model): number => entriesOf(model).length + inputsOf(model).length;
+  say(`${countOf(data) - countOf(next)} deleted`);
 }
 
 export function cutSelection(): void {
@@ -58,7 +59,7 @@ export function cutSelection(): void {
 
 export function selectAll(): void {
   const { data } = useStore.getState();
-  const ids = entriesOf(data).map((each) => each.id);
+  const ids = [...entriesOf(data), ...inputsOf(data)].map((each) => each.id);
   select([GROUND, ...ids], `${ids.length + 1} selected`);
 }
 
@@ -70,6 +71,7 @@ export function renameSelection(): void {
 /** Arrange the whole diagram anew. */
 export function arrange(): void {
   endGesture();
+  forgetArrangement();
   edit(withoutLayout);
   setTimeout(fitDiagram, 30); // when the nodes are where they belong
 }

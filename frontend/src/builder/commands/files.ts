@@ -85,25 +85,33 @@ async function lookOutside(): Promise<void> {
   if (changed && useStore.getState().document === shown) useStore.setState({ outside: true, spoken: "The file was changed outside." });
 }
 
-/** Write a text as a file of the browser. */
-export function download(name: string, text: string, type = "text/plain"): void {
+/** Write a text, or bytes, as a file of the browser. */
+export function download(name: string, content: string | Uint8Array<ArrayBuffer>, type = "text/plain"): void {
   const link = document.createElement("a");
-  const address = URL.createObjectURL(new Blob([text], { type }));
+  const address = URL.createObjectURL(new Blob([content], { type }));
   link.href = address;
   link.download = name;
   link.click();
   setTimeout(() => { URL.revokeObjectURL(address); }, 1000);
 }
 
+function bytesOf(base64: string): Uint8Array<ArrayBuffer> {
+  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+}
+
 export const EXPORTS = [
   ["toml", "Model file (TOML)"], ["python", "Python script"], ["c", "C code"], ["latex", "Equations (LaTeX)"], ["html", "Animation (HTML)"],
+  ["fmu", "FMU (FMI 3.0)"],
 ] as const; // prettier-ignore
 
 export async function exportModel(kind: string): Promise<void> {
   const { data, simulated, document: shown } = useStore.getState();
   try {
-    const { name, text } = await api.exported(shown?.id ?? "", data, kind, kind === "html" ? (simulated?.job ?? null) : null);
-    download(name, text, kind === "html" ? "text/html" : "text/plain");
+    if (kind === "fmu") say("The FMU is being compiled…");
+    const { name, text, base64, notes } = await api.exported(shown?.id ?? "", data, kind, kind === "html" ? (simulated?.job ?? null) : null);
+    if (base64 === undefined) download(name, text ?? "", kind === "html" ? "text/html" : "text/plain");
+    else download(name, bytesOf(base64), "application/octet-stream");
+    notice(notes ?? []);
     say(`${name} written`);
   } catch (error) {
     notice(problemsOf(error));

@@ -1,9 +1,10 @@
-/** A body, the ground or a coupling: a box with its frames as ports. */
+/** A body, the ground, a part, a coupling or a signal: a box, with its frames as ports. */
 
 import { Handle, Position, useUpdateNodeInternals, type NodeProps } from "@xyflow/react";
 import { memo, useEffect, type ReactElement } from "react";
 import { count } from "../shell/counts";
 import { Icon } from "../shell/icons";
+import { INPUTS } from "../model/entries";
 import type { CouplingLink } from "../model/couplings";
 import { select, useStore } from "../store";
 import { handleOf, type BodyFlowNode, type Port } from "./flow";
@@ -23,10 +24,11 @@ export const BodyNode = memo(function BodyNode({ id, data, selected }: NodeProps
   const glowing = useStore(({ glowing: ids }) => ids.includes(id));
   const state = `${selected ? " selected" : ""}${highlighted ? " highlighted" : glowing ? " glowing" : ""}${severity === null ? "" : ` ${severity}`}`;
   return (
-    <div className={`body-node ${node.kind}${state}`} data-testid={`node-${node.name}`}>
+    <div className={`body-node ${node.kind} ${node.section}${state}`} data-testid={`${node.section === INPUTS ? "input" : "node"}-${node.name}`}>
+      {node.kind === "signal" && <SignalPorts section={node.section} />}
       {ports.map((port) => <PortHandle key={port.frame} body={node.name} port={port} ground={node.kind === "ground"} />)}
       <div className="body-name">
-        {node.kind === "coupling" && <Icon name={node.type} fallback={node.section} size={15} />}
+        {!["body", "ground"].includes(node.kind) && <Icon name={node.type} fallback={node.section} size={15} />}
         {renaming ? <NameEditor id={id} name={node.name} /> : <strong>{node.name}</strong>}
       </div>
       <Detail node={node} links={links} />
@@ -35,7 +37,21 @@ export const BodyNode = memo(function BodyNode({ id, data, selected }: NodeProps
   );
 });
 
+/** Where wires arrive and leave; signals are joined by writing names, not by drawing. */
+function SignalPorts({ section }: { section: string }): ReactElement {
+  return <>{section !== INPUTS && <i className="signal-port in" />}<i className="signal-port out" /></>;
+}
+
+/** What a signal stands for; long formulas are shortened, the whole is their title. */
+function SignalDetail({ node }: Pick<BodyFlowNode["data"], "node">): ReactElement | null {
+  const title = useStore((state) => state.schema?.elements.find((each) => each.section === node.section && each.type === node.type)?.title ?? "");
+  if (node.section === INPUTS) return null;
+  const text = node.section === "block" ? `${title}${node.detail === "" ? "" : ` of ${node.detail}`}` : node.detail;
+  return <div className="body-detail" title={text}>{text}</div>;
+}
+
 function Detail({ node, links }: Pick<BodyFlowNode["data"], "node" | "links">): ReactElement | null {
+  if (node.kind === "signal") return <SignalDetail node={node} />;
   if (links.length > 0) return <LinkedJoints links={links} />;
   return node.detail === "" ? null : <div className="body-detail">{node.kind === "body" ? <>mass {node.detail}</> : node.detail}</div>;
 }

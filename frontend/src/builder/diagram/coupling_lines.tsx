@@ -17,7 +17,7 @@ interface Props {
 }
 
 /** Return where the badge of a joint is now. */
-function badgeSpot(edge: JointFlowEdge, nodes: ReadonlyMap<string, BodyFlowNode>): Spot | null {
+export function badgeSpot(edge: JointFlowEdge, nodes: ReadonlyMap<string, BodyFlowNode>): Spot | null {
   const [source, target] = [nodes.get(edge.source), nodes.get(edge.target)];
   if (source === undefined || target === undefined || edge.data === undefined) return null;
   const { edge: own, part } = edge.data;
@@ -25,7 +25,7 @@ function badgeSpot(edge: JointFlowEdge, nodes: ReadonlyMap<string, BodyFlowNode>
 }
 
 /** Return where the border of a node lies towards a point. */
-function borderSpot({ position, width = 0, height = 0 }: BodyFlowNode, [x, y]: Spot): Spot {
+export function borderSpot({ position, width = 0, height = 0 }: BodyFlowNode, [x, y]: Spot): Spot {
   const [middleX, middleY] = [position.x + width / 2, position.y + height / 2];
   const [across, down] = [x - middleX, y - middleY];
   const share = Math.min(width / 2 / Math.max(Math.abs(across), 1e-6), height / 2 / Math.max(Math.abs(down), 1e-6), 1);

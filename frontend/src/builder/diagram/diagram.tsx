@@ -6,12 +6,11 @@ import {
 import "@xyflow/react/dist/base.css";
 import { useCallback, useEffect, useMemo, useState, type MouseEvent as ReactMouseEvent, type ReactElement } from "react";
 import { useStoreWithEqualityFn } from "zustand/traditional";
-import { diagramOf } from "../model/graph";
+import { diagramOf, type DiagramGraph } from "../model/graph";
 import { GRID } from "../model/layout";
 import { Icon } from "../shell/icons";
 import { select, useStore } from "../store";
 import { BodyNode } from "./body_node";
-import type { CouplingLink } from "../model/couplings";
 import { ConnectionLine } from "./connection_line";
 import { CouplingLines } from "./coupling_lines";
 import { flowEdges, flowNodes, severities } from "./elements";
@@ -20,6 +19,7 @@ import * as gestures from "./gestures";
 import { isEqual, isSameDrawing, kept, useKept } from "./kept";
 import { Guides, useGuides } from "./guides";
 import { JointEdge } from "./joint_edge";
+import { Wires } from "./wires";
 import type { Problem } from "../types";
 
 const NODE_TYPES = { body: BodyNode };
@@ -35,13 +35,15 @@ const paneMenu = (event: MouseEvent | ReactMouseEvent): void => { gestures.menu(
 const movedAll = (_: unknown, all: BodyFlowNode[]): void => { gestures.movedAll(all); };
 
 /** Return the nodes that are drawn: those of the model, where the pointer has them now. */
-function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<BodyFlowNode>[]) => void, readonly CouplingLink[]] {
+function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<BodyFlowNode>[]) => void, DiagramGraph] {
   const data = useStoreWithEqualityFn(useStore, (state) => state.data, isSameDrawing);
   const problems = useStoreWithEqualityFn(useStore, (state) => state.check?.problems ?? NO_PROBLEMS, isEqual);
   const summary = useStoreWithEqualityFn(useStore, (state) => state.check?.summary ?? null, isEqual);
   const selection = useStore((state) => state.selection);
   const highlighted = useStore((state) => state.highlighted);
-  const graph = useMemo(() => diagramOf(data), [data]);
+  const wires = useStoreWithEqualityFn(useStore, (state) => state.check?.wires ?? null, isEqual);
+  // the diagram has the wires that the last check brought
+  const graph = useMemo(() => diagramOf(data), [data, wires]);
   const marks = useMemo(() => ({ selection, highlighted, worst: severities(problems) }), [selection, highlighted, problems]);
   const own = useKept(useMemo(() => flowNodes(data, graph, marks), [data, graph, marks]));
   const edges = useKept(useMemo(() => flowEdges(data, graph, own, summary, marks), [data, graph, own, summary, marks]));
@@ -60,11 +62,11 @@ function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<Body
     const others = changes.filter((each) => each.type === "position" || each.type === "dimensions");
     if (others.length > 0) setNodes((before) => applyNodeChanges(others, before));
   }, []);
-  return [nodes, edges, change, graph.links];
+  return [nodes, edges, change, graph];
 }
 
 export function Diagram(): ReactElement {
-  const [nodes, edges, change, links] = useNodes();
+  const [nodes, edges, change, graph] = useNodes();
   const selection = useStore((state) => state.selection);
   const free = useAlt();
   const document = useStore((state) => state.document?.id);
@@ -90,7 +92,8 @@ export function Diagram(): ReactElement {
         nodeDragThreshold={2}
       >
         <Background variant={BackgroundVariant.Dots} gap={2 * GRID} size={1.2} />
-        <CouplingLines links={links} nodes={nodes} edges={edges} selection={selection} />
+        <Wires graph={graph} nodes={nodes} edges={edges} selection={selection} />
+        <CouplingLines links={graph.links} nodes={nodes} edges={edges} selection={selection} />
         <Guides lines={guides.lines} />
         <Panel position="bottom-left"><ZoomButtons /></Panel>
       </ReactFlow>

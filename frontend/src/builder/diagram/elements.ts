@@ -2,7 +2,7 @@
 
 import { badgeParts, type End } from "../model/curves";
 import type { DiagramEdge, DiagramGraph, DiagramNode } from "../model/graph";
-import { entryOfPointer, type EntryId } from "../model/entries";
+import { entryOfPointer, INPUTS, type EntryId } from "../model/entries";
 import { sidesOf, sizeOf, spotsOf } from "../model/layout";
 import { isInTree } from "../model/trees";
 import type { Model, Problem, Severity, Summary } from "../types";
@@ -41,13 +41,19 @@ export function flowNodes(data: Model, graph: DiagramGraph, { selection, highlig
       width: size.width,
       height: size.height,
       selected: selection.includes(node.id),
-      ariaLabel: `${node.kind === "coupling" ? node.type : node.kind} ${node.name}`,
+      ariaLabel: `${roleOf(node)} ${node.name}${node.kind === "signal" && node.detail !== "" ? `: ${node.detail}` : ""}`,
       data: {
         node, links: graph.links.filter((each) => each.coupling === node.id), ports: portsOf(node, (frame) => sides.get(`${node.id} ${frame}`) ?? "right"),
         severity: worst.get(node.id) ?? null, highlighted: highlighted.includes(node.id),
       }, // prettier-ignore
     };
   });
+}
+
+function roleOf({ kind, type, section }: DiagramNode): string {
+  if (section === INPUTS) return "input";
+  if (kind === "signal") return type === "" ? section : `${type.replaceAll("_", " ")} block`;
+  return kind === "coupling" ? type : kind;
 }
 
 function portsOf(node: DiagramNode, sideOf: (frame: string) => Port["side"]): Port[] {
@@ -97,6 +103,6 @@ export function flowEdges(data: Model, graph: DiagramGraph, nodes: readonly Body
     selected: selection.includes(edge.id),
     reconnectable: true,
     ariaLabel: `${edge.type} ${edge.name}`,
-    data: { edge, couplings: couplingsOf(edge.id), highlighted: highlighted.includes(edge.id), part: parts.get(edge.id)!, ...details.get(edge.id)! },
+    data: { edge, couplings: couplingsOf(edge.id), highlighted: highlighted.includes(edge.id), part: parts.get(edge.id)!, width: widthOf(edge), ...details.get(edge.id)! },
   }));
 }

@@ -41,6 +41,8 @@ export type JointEdgeData = {
   readonly translation: boolean | null;
   /** Where along the line the badge is, from 0 to 1. */
   readonly part: number;
+  /** Of the badge. */
+  readonly width: number;
 };
 export type JointFlowEdge = Edge<JointEdgeData, "joint">;
 

@@ -3,7 +3,7 @@
 import type { Connection, Edge, EdgeChange, FinalConnectionState, Node, NodeChange } from "@xyflow/react";
 import type { DragEvent, KeyboardEvent, MouseEvent } from "react";
 import { insertElement } from "../commands/insert";
-import { entryAt, GROUND, referenceText, type EntryId } from "../model/entries";
+import { entryAt, GROUND, PART, referenceText, type EntryId } from "../model/entries";
 import { reconnect } from "../model/edit";
 import { diagramOf } from "../model/graph";
 import { GRID, snapped, spotsOf, withLayout, type Spot } from "../model/layout";
@@ -29,9 +29,19 @@ function nameOf(id: EntryId): string {
   return id === GROUND ? GROUND : (entryAt(useStore.getState().data, id)?.name ?? "");
 }
 
+/** Return the frame of a port; those of parts belong to bodies that begin with the part's prefix. */
+function referenceOfPort(id: EntryId, handle: string | null): string {
+  const frame = frameOf(handle);
+  return id.startsWith(`${PART}/`) ? `${nameOf(id)}_${frame}` : referenceText({ body: nameOf(id), frame });
+}
+
+/** Whether joints can lead to a node: to bodies, the ground, and ports of parts. */
+function takesJoints(id: EntryId, handle: string | null | undefined): boolean {
+  return id === GROUND || id.startsWith("body/") || (id.startsWith(`${PART}/`) && frameOf(handle) !== "");
+}
+
 function endsOfConnection({ source, target, sourceHandle, targetHandle }: Connection): [string, string] {
-  const from = referenceText({ body: nameOf(source), frame: frameOf(sourceHandle) });
-  const to = referenceText({ body: nameOf(target), frame: frameOf(targetHandle) });
+  const [from, to] = [referenceOfPort(source, sourceHandle), referenceOfPort(target, targetHandle)];
   // the ground is where a joint starts
   return target === GROUND ? [to, from] : [from, to];
 }
@@ -60,14 +70,14 @@ export function endConnection(event: globalThis.MouseEvent | TouchEvent, { isVal
   const target = nodeAt(...lastPointer);
   if (taken || fromNode === null || target === undefined) return;
   if (target === fromNode.id) say("A body is not joined to itself.");
+  else if (!takesJoints(target, null)) say("Joints and forces join bodies. A signal is used by writing its name.");
   else connect({ source: fromNode.id, sourceHandle: fromHandle.id ?? null, target, targetHandle: "@" });
 }
 
 export function reconnected(edge: JointFlowEdge, connection: Connection): void {
   if (connection.source === connection.target) return;
   endGesture();
-  const from = referenceText({ body: nameOf(connection.source), frame: frameOf(connection.sourceHandle) });
-  const to = referenceText({ body: nameOf(connection.target), frame: frameOf(connection.targetHandle) });
+  const [from, to] = [referenceOfPort(connection.source, connection.sourceHandle), referenceOfPort(connection.target, connection.targetHandle)];
   edit((data) => reconnect(data, edge.id, from, to));
 }
 

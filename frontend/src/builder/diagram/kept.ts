@@ -4,7 +4,7 @@ import { useEffect, useRef } from "react";
 import type { Model } from "../types";
 
 // Of a model these are not in the diagram.
-const ASIDE = ["name", "gravity", "parameters", "inputs", "initial"];
+const ASIDE = ["name", "gravity", "parameters", "initial"];
 
 /** Return whether two models have the same diagram: their parts are the same objects, as edits leave them. */
 export function isSameDrawing(one: Model, other: Model): boolean {

@@ -1,9 +1,10 @@
 /** Changes of a model as functions of its data. */
 
 import {
-  endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, namesOf, pointerOf, referenceOf, referenceText, textOf, type EntryId,
+  endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, INPUTS, inputsOf, layoutNameOf, namesOf, PART, pointerOf, referenceOf,
+  referenceText, symbolsOf, textOf, type EntryId,
 } from "./entries"; // prettier-ignore
-import { diagramOf } from "./graph";
+import { diagramOf, SIGNALS } from "./graph";
 import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
 import { choicesOf, definitionNode, isFormula, resolveNode, type SchemaNode } from "./schema";
@@ -58,10 +59,13 @@ export function newEntry(schema: JsonObject, element: PaletteElement, name: stri
 }
 
 /** A body that nothing is said of yet has to be able to move. */
-const USUAL: Readonly<Record<string, JsonObject>> = { body: { mass: "1", inertia: ["0.1", "0.1", "0.1"] } };
+const USUAL: Readonly<Record<string, JsonObject>> = {
+  body: { mass: "1", inertia: ["0.1", "0.1", "0.1"] }, signal: { value: "0" }, table: { points: [["0", "0"], ["1", "1"]] },
+};
 const STEMS: Readonly<Record<string, string>> = { body: "Body1" };
 
 function stemOf(element: PaletteElement): string {
+  if (SIGNALS.includes(element.section)) return `${element.type === "" ? element.section : element.type}1`;
   return STEMS[element.section] ?? `${element.section.charAt(0).toUpperCase()}1`;
 }
 
@@ -69,7 +73,8 @@ function stemOf(element: PaletteElement): string {
 export function addElement(
   schema: JsonObject, data: Model, element: PaletteElement, ends: readonly [string, string] | null, spot: Spot | null,
 ): Edited { // prettier-ignore
-  const name = freeName(stemOf(element), namesOf(data));
+  const taken = SIGNALS.includes(element.section) ? new Set([...namesOf(data), ...symbolsOf(data)]) : namesOf(data);
+  const name = freeName(stemOf(element), taken);
   const items = valueAt(data, `/${element.section}`);
   const list = isArray(items) ? items : [];
   const id = `${element.section}/${list.length}`;
@@ -130,12 +135,12 @@ export function removeEntries(data: Model, ids: readonly EntryId[]): Model {
     if (ends?.some((end) => gone.has(referenceOf(end).body))) removed.add(id);
   }
   const before = withLayout(data);
-  const names = new Set([...removed].map((id) => entryAt(data, id)?.name ?? ""));
+  const names = new Set([...removed].map((id) => layoutNameOf(id, entryAt(data, id)?.name ?? "")));
   const kept = Object.entries(before).map(([section, items]): [string, Json] => {
     return isArray(items) ? [section, items.filter((_, index) => !removed.has(`${section}/${index}`))] : [section, items];
   });
   const cut: Model = Object.fromEntries(kept);
-  const left = namesOf(cut);
+  const left = new Set([...entriesOf(cut), ...inputsOf(cut)].map(({ id, name }) => layoutNameOf(id, name)));
   const spots = valueAt(cut, "/layout/nodes");
   if (!isObject(spots)) return cut;
   return withValue(cut, "/layout/nodes", Object.fromEntries(Object.entries(spots).filter(([name]) => left.has(name) || !names.has(name))));
@@ -149,7 +154,7 @@ export interface Copied {
 export function copyEntries(data: Model, ids: readonly EntryId[]): Copied {
   const spots = spotsOf(data, diagramOf(data));
   const bodies = new Set(ids.flatMap((id) => (id.startsWith("body/") ? [entryAt(data, id)?.name ?? ""] : [])));
-  const chosen = new Set(ids.filter((id) => id !== GROUND));
+  const chosen = new Set(ids.filter((id) => id !== GROUND && !id.startsWith(`${PART}/`) && !id.startsWith(`${INPUTS}/`)));
   // what joins two copied bodies goes with them
   for (const { id, value } of entriesOf(data)) {
     const ends = endsOf(value)?.map((each) => referenceOf(each).body);
@@ -162,7 +167,7 @@ export function copyEntries(data: Model, ids: readonly EntryId[]): Copied {
 /** Return data with copies under free names; connections among copied bodies join the copies. */
 export function pasteEntries(data: Model, { entries }: Copied): Edited {
   const shift = freeShift(data, entries.flatMap(({ spot }) => (spot === null ? [] : [spot])));
-  const taken = namesOf(data);
+  const taken = new Set([...namesOf(data), ...symbolsOf(data)]);
   const names = new Map<string, string>();
   for (const { value } of entries) {
     const name = freeName(textOf(value["name"]), taken);

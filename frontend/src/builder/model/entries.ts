@@ -4,6 +4,10 @@ import { isArray, isObject, joinPointer, splitPointer, valueAt } from "./pointer
 import type { Json, JsonObject, Model } from "../types";
 
 export const GROUND = "ground";
+/** The section of parts, which are files of their own. */
+export const PART = "include";
+/** The section of inputs, which are names alone. */
+export const INPUTS = "inputs";
 /** What new frames are called, the first that is free. */
 export const FRAME_NAMES: readonly string[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ".split("");
 
@@ -27,7 +31,20 @@ export function entriesOf(data: Model): Entry[] {
 }
 
 function entryOf(section: string, index: number, value: JsonObject): Entry {
-  return { id: `${section}/${index}`, section, name: textOf(value["name"]), type: textOf(value["type"]), value };
+  const name = textOf(value[section === PART ? "prefix" : "name"]);
+  return { id: `${section}/${index}`, section, name, type: textOf(value["type"]), value };
+}
+
+/** Return the inputs, which have no fields. */
+export function inputsOf(data: Model): Entry[] {
+  const inputs = data[INPUTS];
+  return (isArray(inputs) ? inputs : []).flatMap((_, index) => entryAt(data, `${INPUTS}/${index}`) ?? []);
+}
+
+/** Return the name under which the layout keeps what an entry is drawn as; no other entry has it. */
+export function layoutNameOf(id: EntryId, name: string): string {
+  const section = id.split("/")[0]!;
+  return id === GROUND ? GROUND : section === INPUTS || section === PART ? `${section}.${name}` : name;
 }
 
 export function textOf(value: Json | undefined): string {
@@ -37,6 +54,7 @@ export function textOf(value: Json | undefined): string {
 export function entryAt(data: Model, id: EntryId): Entry | null {
   const [section, index] = id.split("/");
   const value = valueAt(data, `/${id}`);
+  if (section === INPUTS && typeof value === "string") return { id, section, name: value, type: "", value: {} };
   if (section === undefined || index === undefined || !isObject(value)) return null;
   return entryOf(section, Number(index), value);
 }
@@ -99,6 +117,13 @@ export function freeName(base: string, taken: ReadonlySet<string>): string {
   let number = 1;
   while (taken.has(`${stem}${number}`)) number += 1;
   return `${stem}${number}`;
+}
+
+/** Return the names that formulas can contain, as far as the file has them. */
+export function symbolsOf(data: Model): Set<string> {
+  const parameters = data["parameters"];
+  const coordinates = entriesOf(data).flatMap(({ value }) => [value["coordinate"], ...(isArray(value["coordinates"]) ? value["coordinates"] : [])]);
+  return new Set([...Object.keys(isObject(parameters) ? parameters : {}), ...inputsOf(data).map((each) => each.name), ...coordinates.map(textOf)]);
 }
 
 export function namesOf(data: Model): Set<string> {

@@ -12,8 +12,9 @@ export type FieldKind =
   | { readonly kind: "matrix"; readonly rows: number; readonly columns: number }
   | { readonly kind: "reference"; readonly of: "frame" | "body" | "coordinate"; readonly labels: readonly string[] }
   | { readonly kind: "axes"; readonly count: number }
+  | { readonly kind: "rows"; readonly columns: number | null }
   | { readonly kind: "group"; readonly node: SchemaNode }
-  | { readonly kind: "map"; readonly node: SchemaNode }
+  | { readonly kind: "map"; readonly node: SchemaNode; readonly names: readonly string[] }
   | { readonly kind: "list" }
   | { readonly kind: "entries"; readonly node: SchemaNode }
   | { readonly kind: "law"; readonly curve: SchemaNode };
@@ -49,8 +50,10 @@ const TIPS: Readonly<Record<string, string>> = { name: "Messages and outputs cal
 
 export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean): Field {
   const description = textOf(node["description"] ?? TIPS[key]);
-  const units = /\s*\[([^\]]+)\]/.exec(description);
-  const tip = description.replace(/\s*\[[^\]]+\]/g, "").trim();
+  const control = controlOf(schema, key, node);
+  // a unit among the words of named formulas is that of one of them
+  const units = control.kind === "map" ? null : /\s*\[([^\]]+)\]/.exec(description);
+  const tip = units === null ? description : description.replace(/\s*\[[^\]]+\]/g, "").trim();
   return {
     key,
     label: labelOf(key),
@@ -59,7 +62,7 @@ export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, requi
     tip: units?.[1]?.includes(",") === true ? description : tip,
     required,
     default: node["default"] ?? null,
-    control: controlOf(schema, key, node),
+    control,
   };
 }
 
@@ -104,8 +107,14 @@ function singleControl(schema: JsonObject, node: SchemaNode, description: string
   if (hasType(node, "boolean")) return { kind: "switch" };
   if (hasType(node, "array")) return arrayControl(schema, node, description);
   if (isObject(node["properties"])) return { kind: "group", node };
-  if (isObject(node["additionalProperties"])) return { kind: "map", node: resolveNode(schema, node["additionalProperties"]) };
+  if (isObject(node["additionalProperties"])) return { kind: "map", node: resolveNode(schema, node["additionalProperties"]), names: keysOf(node) };
   return hasType(node, "string") ? { kind: "text" } : { kind: "json" };
+}
+
+/** Return the only keys that an object of formulas may have, where the schema names them. */
+function keysOf(node: SchemaNode): readonly string[] {
+  const names = node["propertyNames"];
+  return isObject(names) && isArray(names["enum"]) ? names["enum"].map(textOf) : [];
 }
 
 function arrayControl(schema: JsonObject, node: SchemaNode, description: string): FieldKind {
@@ -115,6 +124,10 @@ function arrayControl(schema: JsonObject, node: SchemaNode, description: string)
   if (count !== null) return fixedControl(item, inner, description, count);
   if (isFormula(item)) return { kind: "formulas" };
   if (isArray(item["prefixItems"])) return { kind: "list" };
+  if (item["type"] === "array" && isFormula(resolveNode(schema, item["items"]))) {
+    const columns = item["minItems"] === item["maxItems"] && typeof item["minItems"] === "number" ? item["minItems"] : null;
+    return { kind: "rows", columns };
+  }
   if (inner.some((each) => isObject(each["properties"]))) return { kind: "entries", node: item };
   return hasType(item, "string") ? { kind: "names" } : { kind: "json" };
 }

@@ -2,22 +2,20 @@
 
 import { Graph, layout as arrange } from "@dagrejs/dagre";
 import { diagramOf, topologyOf, type DiagramGraph, type DiagramNode } from "./graph";
-import { GROUND, referenceText } from "./entries";
+import { GROUND, INPUTS, layoutNameOf, referenceText } from "./entries";
+import { arrangedSignals } from "./signal_layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
+import type { Size, Spot } from "./spots";
 import type { Json, Model } from "../types";
 
-export type Spot = readonly [number, number];
+export type { Size, Spot };
 export type Side = "left" | "right" | "top" | "bottom";
 export const SIDES: readonly Side[] = ["left", "right", "top", "bottom"];
 export const GRID = 10;
 
-export interface Size {
-  readonly width: number;
-  readonly height: number;
-}
-
 /** Return the size that a node is drawn with. */
 export function sizeOf(node: DiagramNode): Size {
+  if (node.kind === "signal") return signalSize(node);
   const label = Math.max(node.kind === "ground" ? 6 : 2, ...node.frames.map((each) => each.length));
   const detail = node.kind === "coupling" ? 8 * node.detail.length + 40 : 0; // with a frame about each coordinate
   const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 30 + 14 * Math.min(label, 14), Math.min(detail, 320));
@@ -26,19 +24,31 @@ export function sizeOf(node: DiagramNode): Size {
   return { width: 2 * snapped(width / 2), height: 2 * snapped(height / 2) };
 }
 
+/** Return the size of a signal; long formulas are shortened. */
+function signalSize({ name, section, detail }: DiagramNode): Size {
+  const title = 8.6 * name.length + 52;
+  if (section === INPUTS) return { width: 2 * snapped(Math.max(70, title) / 2), height: 40 };
+  return { width: 2 * snapped(Math.max(110, title, Math.min(7.4 * detail.length + 34, 210)) / 2), height: 60 };
+}
+
 export function snapped(value: number): number {
   return GRID * Math.round(value / GRID);
 }
 
 /** Return the name under which the layout of a file keeps a node. */
 export function layoutName(node: DiagramNode): string {
-  return node.id === GROUND ? GROUND : node.name;
+  return layoutNameOf(node.id, node.name);
 }
 
 const AROUND: readonly Spot[] = [[1, 0], [0, 1], [1, 1], [0, -1], [1, -1], [-1, 0], [-1, 1], [-1, -1]];
 
 let lastTopology = "";
 let lastSpots: ReadonlyMap<string, Spot> = new Map();
+
+/** Arrange anew what is asked for next, by the wires as they are then. */
+export function forgetArrangement(): void {
+  lastTopology = "";
+}
 
 /** Return an arrangement without overlap; the same for the same bodies and connections. */
 export function automaticSpots(graph: DiagramGraph): ReadonlyMap<string, Spot> {
@@ -57,7 +67,8 @@ function arranged(graph: DiagramGraph): ReadonlyMap<string, Spot> {
   const plan = new Graph({ multigraph: true });
   plan.setGraph({ rankdir: "LR", nodesep: 70, ranksep: Math.max(130, 70 + longest), edgesep: 30, marginx: 40, marginy: 40 });
   plan.setDefaultEdgeLabel(() => ({}));
-  for (const node of graph.nodes) if (node.kind !== "coupling") plan.setNode(node.id, { ...sizeOf(node) });
+  const mechanical = graph.nodes.filter((each) => each.kind !== "coupling" && each.kind !== "signal");
+  for (const node of mechanical) plan.setNode(node.id, { ...sizeOf(node) });
   const order = distances(graph);
   graph.edges.forEach(({ source, target }, index) => {
     if (source === target) return;
@@ -65,18 +76,30 @@ function arranged(graph: DiagramGraph): ReadonlyMap<string, Spot> {
     const forward = (order.get(source) ?? 0) <= (order.get(target) ?? 0);
     plan.setEdge(forward ? source : target, forward ? target : source, {}, String(index));
   });
+  graph.attachments.forEach(({ node, part }, index) => plan.setEdge(node, part, {}, `part ${index}`));
   arrange(plan);
   const spots = new Map<string, Spot>();
   let bottom = 0;
-  for (const node of graph.nodes) {
-    if (node.kind === "coupling") continue;
+  for (const node of mechanical) {
     const { x, y } = plan.node(node.id) as unknown as { x: number; y: number };
     const { width, height } = sizeOf(node);
     spots.set(node.id, [snapped(x - width / 2), snapped(y - height / 2)]);
     bottom = Math.max(bottom, y + height / 2);
   }
+  const couplings = graph.nodes.filter((each) => each.kind === "coupling");
   placeCouplings(graph, spots, bottom + 60);
+  const below = couplings.length === 0 ? bottom : bottom + 60 + Math.max(...couplings.map((each) => sizeOf(each).height));
+  const right = Math.max(0, ...mechanical.map((each) => spots.get(each.id)![0] + sizeOf(each).width));
+  const signals = arrangedSignals(graph, sizeOf, (id) => middleAt(graph, spots, id), right);
+  for (const [id, [x, y]] of signals) spots.set(id, [snapped(x), snapped(y + below + 80)]);
   return spots;
+}
+
+/** Return how far right the middle of a node, or of what joins two nodes, is; null before it has a place. */
+function middleAt({ nodes, edges }: DiagramGraph, spots: ReadonlyMap<string, Spot>, id: string): number | null {
+  const ends = edges.filter((each) => each.id === id).flatMap(({ source, target }) => [source, target]);
+  const middles = nodes.filter((each) => (ends.length > 0 ? ends.includes(each.id) : each.id === id) && spots.has(each.id)).map((node) => spots.get(node.id)![0] + sizeOf(node).width / 2);
+  return middles.length === 0 ? null : middles.reduce((sum, each) => sum + each, 0) / middles.length;
 }
 
 /** Set couplings in a row below everything else, each as near as can be to the joints that it couples. */
@@ -103,7 +126,8 @@ function distances(graph: DiagramGraph): Map<string, number> {
   let front = [GROUND];
   while (front.length > 0) {
     const next: string[] = [];
-    for (const { source, target } of graph.edges) {
+    const fixed = graph.attachments.map(({ node, part }) => ({ source: node, target: part }));
+    for (const { source, target } of [...graph.edges, ...fixed]) {
       for (const [from, to] of [[source, target], [target, source]] as const) {
         if (!front.includes(from) || far.has(to)) continue;
         far.set(to, far.get(from)! + 1);
@@ -127,8 +151,19 @@ export function spotsOf(data: Model, graph: DiagramGraph): ReadonlyMap<string, S
   }
   if (open.length === 0) return spots;
   const automatic = automaticSpots(graph);
-  for (const node of open) spots.set(node.id, freeSpot(automatic.get(node.id) ?? [40, 40], node, graph, spots));
+  const beside = spotBelow(graph, spots);
+  for (const node of open) {
+    const usual = automatic.get(node.id) ?? [40, 40];
+    spots.set(node.id, freeSpot(node.kind === "signal" && beside !== null ? beside : usual, node, graph, spots));
+  }
   return spots;
+}
+
+/** Return a spot below all nodes that have one; null where none has. */
+function spotBelow({ nodes }: DiagramGraph, spots: ReadonlyMap<string, Spot>): Spot | null {
+  const placed = nodes.filter((each) => spots.has(each.id));
+  if (placed.length === 0) return null;
+  return [Math.min(...placed.map((each) => spots.get(each.id)![0])), 40 + Math.max(...placed.map((each) => spots.get(each.id)![1] + sizeOf(each).height))];
 }
 
 function spotFrom(value: Json | undefined): Spot | null {

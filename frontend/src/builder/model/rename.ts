@@ -1,8 +1,12 @@
 /** New names, and all places that refer to the old ones. */
 
-import { entriesOf, entryAt, GROUND, pointerOf, referenceOf, referenceText, textOf, type EntryId } from "./entries";
+import {
+  entriesOf, entryAt, GROUND, INPUTS, layoutNameOf, pointerOf, referenceOf, referenceText, textOf, type Entry, type EntryId,
+} from "./entries"; // prettier-ignore
+import { SIGNALS } from "./graph";
 import { isArray, isObject, valueAt, withKey, withValue } from "./pointers";
 import { mapFormulas } from "./schema";
+import { wiresOf } from "./wires";
 import type { Json, JsonObject, Model } from "../types";
 
 /** The fields of an entry that refer to bodies and frames. */
@@ -22,16 +26,46 @@ function changedReferences(data: Model, change: Change): Model {
 }
 
 /** Return data in which an entry has another name, and all that refers to it follows. */
-export function renameEntry(data: Model, id: EntryId, name: string): Model {
+export function renameEntry(schema: JsonObject, data: Model, id: EntryId, name: string): Model {
   const entry = entryAt(data, id);
   if (entry === null || entry.name === name) return data;
-  const named = withValue(data, pointerOf(id, "name"), name);
-  if (entry.section !== "body") return renameInLayout(renameAutomatic(named, entry.name, name, entry.value), entry.name, name);
+  const key = layoutNameOf(id, name);
+  if (entry.section === INPUTS) return renameInLayout(renameInput(schema, data, Number(id.split("/")[1]), name), layoutNameOf(id, entry.name), key);
+  const read = renameOutputs(renameReadings(schema, data, entry, name), entry, name);
+  const named = withValue(read, pointerOf(id, "name"), name);
+  if (entry.section !== "body") return renameInLayout(renameAutomatic(named, entry.name, name, entry.value), entry.name, key);
   const referred = changedReferences(named, (text) => {
     const reference = referenceOf(text);
     return reference.body === entry.name ? referenceText({ ...reference, body: name }) : text;
   });
   return renameInLayout(referred, entry.name, name);
+}
+
+/** Return whether an entry lends its name to symbols: signals do, and joints whose coordinates have no names. */
+function namesSymbols({ section, value }: Entry): boolean {
+  return SIGNALS.includes(section) || (section === "joint" && value["coordinate"] === undefined && value["coordinates"] === undefined);
+}
+
+/** Return data in whose formulas all that is called after an entry, such as the current of a motor, has its new name. */
+function renameReadings(schema: JsonObject, data: Model, entry: Entry, name: string): Model {
+  if (!namesSymbols(entry)) return data;
+  const read = wiresOf(data).filter((each) => each.source === entry.id).flatMap((each) => each.roots);
+  const symbols = new Set([...(SIGNALS.includes(entry.section) ? [entry.name] : []), ...read]);
+  return [...symbols].filter((each) => each.startsWith(entry.name)).reduce((before, symbol) => (
+    renameInFormulas(schema, before, symbol, name + symbol.slice(entry.name.length))
+  ), data);
+}
+
+/** Return data in which signals read the outputs of an element, or of one of its frames, under a new name. */
+function renameOutputs(data: Model, { id, name: before }: Entry, after: string, frame = ""): Model {
+  return wiresOf(data).filter((each) => each.source === id && each.target.startsWith("signal/")).reduce((within, { target, names }) => {
+    const pointer = pointerOf(target, "output");
+    const words = textOf(valueAt(within, pointer)).split(" ");
+    const isOwn = (word: string): boolean => names.includes(word) && (frame === "" ? word === before || word.startsWith(`${before}.`) : word === `${before}.${frame}`);
+    if (!words.some(isOwn)) return within;
+    const changed = words.map((word) => (isOwn(word) ? (frame === "" ? after + word.slice(before.length) : `${before}.${after}`) : word));
+    return withValue(within, pointer, changed.join(" "));
+  }, data);
 }
 
 /** A joint without names of coordinates lends its own to its only one. */
@@ -41,7 +75,9 @@ function renameAutomatic(data: Model, before: string, after: string, value: Json
 
 export function renameFrame(data: Model, id: EntryId, before: string, after: string): Model {
   const body = id === GROUND ? GROUND : (entryAt(data, id)?.name ?? "");
-  const keyed = withKey(data, pointerOf(id, "frames"), before, after);
+  const entry = entryAt(data, id);
+  const read = entry === null ? data : renameOutputs(data, entry, after, before);
+  const keyed = withKey(read, pointerOf(id, "frames"), before, after);
   const referred = changedReferences(keyed, (text) => text === `${body}.${before}` ? `${body}.${after}` : text);
   return withKey(referred, "/layout/sides", `${body}.${before}`, `${body}.${after}`);
 }

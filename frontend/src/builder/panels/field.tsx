@@ -14,6 +14,7 @@ import { FieldFrame, FieldGroup, useProblems } from "./field_frame";
 import { Choice, FormulaInput, LiveInput, NameInput, setValue, VectorInput } from "./inputs";
 import { GroupControl, JsonControl, LawControl, ListControl, MapControl, NamesControl } from "./nested";
 import type { FieldsProps } from "./nesting";
+import { NamedFormulas, RowsControl } from "./rows_control";
 import { TreeControl } from "./tree_control";
 
 export interface FieldProps {
@@ -138,15 +139,17 @@ function ReferencePart({ of, pointer, list, index, label }: { readonly of: "fram
 const GROUPED_CONTROLS: { readonly [K in FieldKind["kind"]]?: (props: FieldProps, control: Extract<FieldKind, { kind: K }>) => ReactElement } = {
   vector: ({ field, pointer, value }, { labels }) => {
     const usual = isArray(field.default) ? field.default : [];
-    return <VectorInput pointer={pointer} value={isArray(value) ? value : usual} labels={labels} label={field.label} />;
+    const mayLack = !field.required && field.default === null;
+    return <VectorInput pointer={pointer} value={isArray(value) ? value : usual} labels={labels} label={field.label} fill={mayLack ? "" : "0"} />;
   },
   axis: ({ field, pointer, value }) => <AxisControl pointer={pointer} value={value ?? field.default} label={field.label} />,
   axes: ({ field, pointer, value }, { count }) => <AxesControl pointer={pointer} value={value ?? field.default} count={count} label={field.label} />,
   matrix: ({ field, pointer, value }, { rows, columns }) => <MatrixControl pointer={pointer} value={value} rows={rows} columns={columns} label={field.label} />,
+  rows: ({ field, pointer, value }, { columns }) => <RowsControl pointer={pointer} value={value} columns={columns} label={field.label} />,
   tree: ({ pointer }) => <TreeControl pointer={pointer} />,
   reference: (props) => <ReferencesControl {...props} />,
   group: ({ field, pointer, value }, { node }) => <GroupControl pointer={pointer} node={node} value={isObject(value) ? value : null} label={field.label} Fields={Fields} />,
-  map: ({ field, pointer, value }, { node }) => <MapControl pointer={pointer} node={node} value={isObject(value) ? value : {}} field={field} Fields={Fields} />,
+  map: ({ field, pointer, value }, { node, names }) => names.length > 0 ? <NamedFormulas pointer={pointer} value={isObject(value) ? value : {}} names={names} label={field.label} /> : <MapControl pointer={pointer} node={node} value={isObject(value) ? value : {}} field={field} Fields={Fields} />,
   entries: ({ field, pointer, value }, { node }) => <EntriesControl pointer={pointer} node={node} value={isArray(value) ? value : []} label={field.label} Fields={Fields} />,
   list: ({ field, pointer, value }) => <ListControl pointer={pointer} value={isArray(value) ? value : []} label={field.label} />,
   law: ({ field, pointer, value }, { curve }) => <LawControl pointer={pointer} value={value} curve={curve} label={field.label} Fields={Fields} />,

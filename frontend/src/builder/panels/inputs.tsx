@@ -104,7 +104,14 @@ export function FormulaInput({ value, optional = false, ...rest }: InputProps & 
   );
 }
 
-/** Components of a vector side by side; the whole of them is changed. */
+/** Return components after a change of one; where they may lack, all of them empty are none. */
+function changedComponents(texts: readonly string[], index: number, next: string, fill: string): string[] | undefined {
+  const changed = texts.map((text, place) => (place === index ? next : text));
+  if (fill === "" && changed.every((text) => text === "")) return undefined;
+  return changed.map((text, place) => (text === "" && place !== index ? "0" : text));
+}
+
+/** Components of a vector side by side; the whole of them is changed. `fill` stands where there are none. */
 export function VectorInput({ pointer, value, labels, label, fill = "0" }: {
   readonly pointer: string; readonly value: readonly Json[]; readonly labels: readonly string[]; readonly label: string; readonly fill?: string;
 }): ReactElement { // prettier-ignore
@@ -119,7 +126,7 @@ export function VectorInput({ pointer, value, labels, label, fill = "0" }: {
             <span aria-hidden="true">{each}</span>
             <LiveInput
               pointer={own} value={texts[index]!} label={`${label} ${each}`} wrong={problems?.some((problem) => problem.pointer === own) ?? false}
-              change={(next) => { setValue(pointer, texts.map((text, place) => (place === index ? next : text))); }}
+              change={(next) => { setValue(pointer, changedComponents(texts, index, next, fill)); }}
             />
             <Echo pointer={own} value={texts[index]!} />
           </label>

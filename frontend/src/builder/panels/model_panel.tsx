@@ -2,10 +2,11 @@
 
 import { useId, type ReactElement } from "react";
 import { expectChanges } from "../checking";
-import { freeName, textOf } from "../model/entries";
+import { freeName, INPUTS, symbolsOf, textOf } from "../model/entries";
 import { isArray, isObject, joinPointer, valueAt, withValue } from "../model/pointers";
-import { renameInitial, renameInput, renameParameter } from "../model/rename";
+import { renameInitial, renameParameter } from "../model/rename";
 import { Icon } from "../shell/icons";
+import { acceptName } from "../rename_command";
 import { edit, endGesture, useStore } from "../store";
 import type { Json, Model } from "../types";
 import { FieldFrame, FieldGroup, ProblemLines, useProblems } from "./field_frame";
@@ -116,13 +117,11 @@ function Inputs(): ReactElement {
   const value = useStore((state) => state.data["inputs"]);
   const names = isArray(value) ? value.map(textOf) : [];
   const change = (index: number, text: string): void => {
-    const { schema } = useStore.getState();
-    endGesture();
-    if (schema !== null && text !== "") edit((data) => renameInput(schema.schema, data, index, text));
+    acceptName(`${INPUTS}/${index}`, text);
   };
   const add = (): void => {
     endGesture();
-    edit((data) => withValue(data, "/inputs", [...names, freeName("u1", new Set(names))]));
+    edit((data) => withValue(data, "/inputs", [...names, freeName("u1", symbolsOf(data))]));
     useStore.setState({ focusPointer: `/inputs/${names.length}` });
   };
   return (

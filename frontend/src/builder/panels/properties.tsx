@@ -4,9 +4,10 @@ import { useMemo, type ReactElement } from "react";
 import { duplicate, removeSelection } from "../commands/editing";
 import { joins } from "../commands/insert";
 import { changeType } from "../model/edit";
-import { entryAt, GROUND, type Entry, type EntryId } from "../model/entries";
+import { entryAt, GROUND, INPUTS, PART, type Entry, type EntryId } from "../model/entries";
 import { isObject, valueAt } from "../model/pointers";
 import { definitionNode, elementOf } from "../model/schema";
+import { hiddenFields } from "../model/signal_forms";
 import { Icon } from "../shell/icons";
 import { edit, endGesture, useStore } from "../store";
 import type { PaletteElement, SchemaAnswer } from "../types";
@@ -14,6 +15,8 @@ import { ProblemLines } from "./field_frame";
 import { Choice } from "./inputs";
 import { ModelPanel } from "./model_panel";
 import { Fields } from "./field";
+import { InputPanel, PartPanel, Readers } from "./signal_panels";
+import { SignalKind } from "./signal_kind";
 
 export function Properties(): ReactElement {
   const selection = useStore((state) => state.selection);
@@ -50,6 +53,8 @@ function EntryPanel({ id, schema }: { readonly id: EntryId; readonly schema: Sch
   const data = useStore((state) => state.data);
   const entry = entryAt(data, id);
   if (id === GROUND) return <GroundPanel schema={schema} />;
+  if (entry?.section === INPUTS) return <InputPanel id={id} entry={entry} buttons={<EntryButtons />} />;
+  if (entry?.section === PART) return <PartPanel id={id} entry={entry} />;
   const element = entry === null ? null : elementOf(schema.elements, entry.section, entry.type);
   if (entry === null || element === null) return <p className="soft pad">This element is unknown to the program.</p>;
   const node = definitionNode(schema.schema, element.definition);
@@ -63,7 +68,9 @@ function EntryPanel({ id, schema }: { readonly id: EntryId; readonly schema: Sch
       <p className="tip">{element.summary}</p>
       <EntryProblems id={id} />
       <TypeChoice entry={entry} element={element} schema={schema} />
-      <Fields node={node} pointer={`/${id}`} value={entry.value} />
+      {entry.section === "signal" && <SignalKind entry={entry} />}
+      <Fields node={node} pointer={`/${id}`} value={entry.value} skip={entry.section === "signal" ? hiddenFields(entry.value) : []} />
+      <Readers id={id} />
       <EntryButtons />
     </div>
   );

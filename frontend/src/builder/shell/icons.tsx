@@ -54,6 +54,18 @@ const PATHS: Readonly<Record<string, string>> = {
   rolling: "M10 3a6 6 0 1 0 0 12 6 6 0 0 0 0-12M10 9V5M2 16h16",
   distance: "M3 6v8M17 6v8M3 10h14M6 7l-3 3 3 3M14 7l3 3-3 3",
   equation: "M4 8h12M4 12h12",
+  signal: "M2 10c2-8 4-8 6 0s4 8 6 0 3-6 4-6",
+  block: "M5 5h10v10H5zM1.500 10H5M15 10h3.500",
+  inputs: "M2 10h9M8 6l4 4-4 4M15 4v12",
+  include: "M3 7l7-4 7 4v7l-7 4-7-4zM3 7l7 4 7-4M10 11v7",
+  table: "M3 4h14v12H3zM3 8h14M3 12h14M9 4v12",
+  pid: "M5 3h10v14H5zM1.500 10H5M15 10h3.500M8 13V7h2a1.700 1.700 0 0 1 0 3.400H8",
+  dc_motor: "M10 4a6 6 0 1 0 0 12 6 6 0 0 0 0-12M1.500 10H4M16 10h2.500M7.500 12.500v-5l2.500 3 2.500-3v5",
+  delay: "M3 4v12h14M3 14h5V7h9M5 10h3",
+  first_order: "M3 4v12h14M3 16c2-7 4-9 13-9",
+  rate_limit: "M3 4v12h14M4 15l8-8h5",
+  state_space: "M6 3H3v14h3M14 3h3v14h-3M7 8h6M7 12h6",
+  transfer_function: "M4 10h12M8 6.500h4M7 13.500h6",
 };
 
 export function Icon({ name, fallback = "joint", size = 18 }: { name: string; fallback?: string; size?: number }): ReactElement {

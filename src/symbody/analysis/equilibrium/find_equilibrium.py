@@ -15,6 +15,7 @@ from symbody.analysis.assembly import assemble
 from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.equilibrium.equilibrium_search import examine_neighbourhood
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
+from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
 from symbody.analysis.one_sided import settle
@@ -120,8 +121,9 @@ def find_equilibrium(
         If the loops do not close, a motion in time leaves no rest, or forces balance nowhere near the guess:
         with what is left of them at the best configuration, and along which speed.
     """
-    first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
+    refuse_held(eqs, "an equilibrium", {*(inputs or {}), *unknowns})
+    first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
     _check(eqs, unknowns, fixed or {})
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
     evaluator = constraint_evaluator(
@@ -145,13 +147,21 @@ def find_equilibrium(
 
 def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]) -> None:
     problems = [
+        Problem("equilibrium.signal", name, f"{name!r} is a state of a signal, not a coordinate in q",
+                "states of signals are found with the positions: where their rates are 0",
+                f"leave it out; guess={{{name!r}: ..}} says where to look, a signal with a value instead "
+                "of a rate holds it")
+        for name in fixed
+        if name in eqs.signal_state_names
+    ]  # fmt: skip
+    problems += [
         Problem("equilibrium.unknown_name", name, f"there is no {word} {name!r}", "", nearest(name, existing))
         for word, names, existing in (
             ("input", unknowns, eqs.input_names),
             ("coordinate in q", fixed, eqs.coordinate_names),
         )
         for name in names
-        if name not in existing
+        if name not in existing and name not in eqs.signal_state_names
     ]
     if problems:
         raise AssemblyError(*problems)

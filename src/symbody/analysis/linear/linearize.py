@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.cyclic import check_cyclic
 from symbody.analysis.linear.independence import Basis, Selection, basis, select
 from symbody.analysis.linear.linearization import Linearization
@@ -81,6 +82,7 @@ def linearize(
     CompileError, FormulationError
         If values are missing or names are unknown.
     """
+    refuse_held(eqs, "a linear model", {**(at.inputs if isinstance(at, State) else {}), **(inputs or {})})
     state = _state(eqs, at, parameters, inputs, t, scales)
     listed = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     sides = settle(eqs, state)
@@ -144,14 +146,19 @@ class _Point:
     def _moving_states(self, A: Floats, affine: Floats, kept: list[int]) -> list[int]:
         """Return the states that change at the point itself, beyond rounding."""
         sizes, independent = self.selection.sizes[kept], self.selection.speeds.independent
-        rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0)) if A.size else 0.0
         speeds = len(independent)
         values = np.array(list(self.state.u.values()))[list(independent)]
         reach = np.concatenate([np.abs(values), sizes[speeds:]])
         bounds = _AT_REST * (np.abs(A) @ reach)
-        bounds[speeds:] = np.maximum(bounds[speeds:], _AT_REST * rate * sizes[speeds:])
         least = _STILL * sizes / np.where(np.arange(sizes.size) < speeds, self.time**2, self.time)
-        return [k for k in range(len(affine)) if abs(affine[k]) > bounds[k] + least[k]]
+        moving = np.flatnonzero(np.abs(affine) > bounds + least)
+        if (
+            moving < speeds
+        ).all():  # all eigenvalues are needed for coordinates that change, and nothing else
+            return [int(k) for k in moving]
+        rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
+        bounds[speeds:] = np.maximum(bounds[speeds:], _AT_REST * rate * sizes[speeds:])
+        return [int(k) for k in moving if abs(affine[k]) > bounds[k] + least[k]]
 
     def _notes(self, moving: list[int], names: tuple[str, ...], affine: Floats) -> tuple[str, ...]:
         notes = [*self.selection.notes, *self.function.nonsmooth_notes(self.slopes)]

@@ -11,6 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import laws_key, partial_derivatives, with_laws, with_outputs
+from symbody.analysis.linear.directional_slopes import (
+    DirectionalSlopes,
+    directional_slopes,
+    is_large,
+    with_slopes_along,
+)
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.bound_function import bound_function, evaluate_once
@@ -21,7 +27,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_law_nodes
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.canonical import sub
-from symbody.expr.graph import TIME, SymbolKind
+from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
@@ -83,6 +89,9 @@ class Slopes:
         return self.by_state[len(self.rates) + self.outputs :]
 
 
+SlopeProgram = CompiledFunction | DirectionalSlopes
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SlopeFunction:
     """Derivatives as a function of states, at one time and with values of parameters and inputs.
@@ -113,7 +122,7 @@ class SlopeFunction:
     nodes: tuple[int, ...]
     switches: tuple[Switch, ...]
     beside: Floats
-    function: CompiledFunction
+    function: SlopeProgram
     signals: Floats
 
     def evaluate(self, q: Floats, u: Floats) -> Slopes:
@@ -150,7 +159,12 @@ def slope_function(
     words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", "constraints",
              "velocity_constraints", _KINKS)  # fmt: skip
     given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
-    function = bound_function(plan.wider, words, parameters, (), given)
+    function: SlopeProgram
+    if is_large(eqs):
+        counts = len(eqs.state_names), len(plan.inputs)
+        function = directional_slopes(plan.wider, counts, _KINKS, parameters, given)
+    else:
+        function = bound_function(plan.wider, words, parameters, (), given)
     # Without the accelerations, as far as it goes: there need be none at a place that fits no constraint.
     far = {"t": [state.t], "r": [], **_far_state(eqs, mechanism, state)}
     beside = np.array(evaluate_once(plan.wider, _KINKS, parameters, given, far)[0], dtype=np.float64)
@@ -177,19 +191,29 @@ def _plan_slopes(eqs: EquationSet, outputs: Sequence[str], laws: Mapping[str, Va
     nodes = with_laws(eqs, [*rates_and_outputs, *eqs.roots("velocity_constraints").nodes], laws)
     inputs = tuple(symbol for symbol in eqs.formed.inputs if symbol.name not in laws)
     states = (*eqs.formed.u, *eqs.formed.q, *eqs.formed.signal_states)
-    by_state = partial_derivatives(eqs, _BY_STATE, nodes, states)
-    by_input = partial_derivatives(eqs, _BY_INPUT, nodes, inputs)
     between = switches(eqs, nodes)
     kinks = Roots(_KINKS, (len(between),), tuple(node for _, node in between))
     graph, every = eqs.formed.graph, (*nodes, *eqs.roots("constraints").nodes)
     return _SlopePlan(
-        with_outputs(eqs, [by_state, by_input, kinks]),
+        _with_slopes(eqs, nodes, (states, inputs), kinks),
         _scalars(shown),
         tuple(symbol.name for symbol in inputs),
         graph.symbol(TIME) in symbols_of(graph, every),
         every,
         between,
     )
+
+
+def _with_slopes(
+    eqs: EquationSet, nodes: Sequence[int], by: tuple[Sequence[Symbol], Sequence[Symbol]], kinks: Roots
+) -> EquationSet:
+    """Return the equations with the derivatives of nodes by states and by inputs."""
+    states, inputs = by
+    if is_large(eqs):
+        return with_slopes_along(eqs, nodes, (*states, *inputs), [kinks])
+    by_state = partial_derivatives(eqs, _BY_STATE, nodes, states)
+    by_input = partial_derivatives(eqs, _BY_INPUT, nodes, inputs)
+    return with_outputs(eqs, [by_state, by_input, kinks])
 
 
 def _far_state(eqs: EquationSet, scales: Scales, state: State) -> dict[str, list[float]]:

@@ -77,7 +77,8 @@ def rotations(eqs: EquationSet, q: Floats, q_dot: Floats) -> Rotations:
         four = inside.get(name)
         if four is None:
             names.append(name)
-            unit = np.eye(len(places))[:, k : k + 1]
+            unit = np.zeros((len(places), 1))
+            unit[k] = 1.0
             out.append(unit)
             back.append(unit.T)
             turning.append(np.zeros((1, 1)))

@@ -13,6 +13,7 @@ from symbody.builder.tasks.mechanisms import mechanism_of, solver_of
 from symbody.builder.tasks.placement import draw_unassembled, drawn_at
 from symbody.builder.tasks.reading import Data, Latest, ReadModel, model_key, read_model
 from symbody.builder.tasks.summary import equation_summary, tree_summary
+from symbody.builder.wires import model_wires
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SymbodyError
 from symbody.graph.topology import choose_topology
@@ -43,7 +44,7 @@ class Checked:
 
 
 def check_model(payload: Mapping[str, Any], report: Report) -> Answer:
-    """Return problems, summary, picture, values of coordinates, and formulas of a model."""
+    """Return problems, summary, picture, values of coordinates, formulas and wires of a model."""
     data, folder = payload["data"], payload["folder"]
     return _CHECKS.get(model_key(data, folder), lambda: _check(data, folder))
 
@@ -58,6 +59,7 @@ def _check(data: Data, folder: str) -> Answer:
         "picture": picture,
         "values": checked.positions or {},
         "formulas": model_formulas(data),
+        "wires": model_wires(data),
     }
 
 

@@ -20,7 +20,6 @@ from symbody.builder.tasks.formula_blocks import (
 from symbody.builder.tasks.options import EquationOptions, read_options
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.term_sources import term_sources
-from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.formulations.registry import formulation_types
@@ -32,6 +31,7 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.closed_form import readable
 from symbody.expr.rewrite import tree_sizes
 from symbody.formats.native import to_data
+from symbody.simulation.programs.generate_code import generate_code
 from symbody.spatial.vector import components
 
 Answer = dict[str, Any]

@@ -1,25 +1,30 @@
-"""A model in another form: Python, C, LaTeX, or a page that shows its motion."""
+"""A model in another form: Python, C, LaTeX, a page that shows its motion, or an FMU."""
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Callable, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.analysis.assembly import assemble
 from symbody.builder.file_names import file_stem
+from symbody.builder.page_problems import page_notes
 from symbody.builder.task_failure import Report
 from symbody.builder.tasks.equations import equation_tabs
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.simulation import kept_run
-from symbody.codegen.compile import generate_code
 from symbody.equations.form import form_equations
+from symbody.fmu.export import save_fmu
 from symbody.formats.python_script import model_to_script
 from symbody.model.model import Model
+from symbody.simulation.programs.generate_code import generate_code
 from symbody.visual.viewer.animation import make_animation
 from symbody.visual.viewer.page import page_data, page_text
 
-Answer = dict[str, str]
+Answer = dict[str, Any]
 
 _PREAMBLE: Final = r"""\documentclass{article}
 \usepackage{amsmath}
@@ -29,11 +34,26 @@ _PREAMBLE: Final = r"""\documentclass{article}
 
 
 def export_model(payload: Mapping[str, Any], report: Report) -> Answer:
-    """Return the name of a file and its text."""
-    ending, make = _MAKERS[payload["kind"]]
+    """Return the name of a file and its text; of an FMU its bytes in base 64, and notes."""
     report("writing", None)
     name = file_stem(str(payload["data"].get("name") or "model"))
+    if payload["kind"] == "fmu":
+        return _fmu(payload, f"{name}.fmu")
+    ending, make = _MAKERS[payload["kind"]]
     return {"name": f"{name}{ending}", "text": make(payload)}
+
+
+def _fmu(payload: Mapping[str, Any], name: str) -> Answer:
+    with TemporaryDirectory() as folder:
+        fmu = save_fmu(form_equations(_model(payload)), Path(folder, name))
+        content = fmu.path.read_bytes()
+    where = ", ".join(fmu.platforms) or "sources alone"
+    summary = f"{name}: FMI {fmu.version}, {len(fmu.variables)} variables, {where}"
+    return {
+        "name": name,
+        "base64": b64encode(content).decode("ascii"),
+        "notes": page_notes([summary, *fmu.notes], payload["data"]),
+    }
 
 
 def _model(payload: Mapping[str, Any]) -> Model:

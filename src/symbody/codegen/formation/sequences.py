@@ -26,6 +26,7 @@ from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.model.arguments import plain_value
 from symbody.model.content import content_bytes
 from symbody.model.model import Model, value_problems
+from symbody.model.signals.block import SignalBlock
 
 
 def form_sequence(
@@ -159,6 +160,20 @@ def _undefined_formula(eqs: EquationSet, replacements: Mapping[int, int]) -> str
                 substitute(graph, [names.expression(use.formula, where).index], replacements)
             except ExpressionError:
                 return where
+    return _undefined_signal(eqs, replacements)
+
+
+def _undefined_signal(eqs: EquationSet, replacements: Mapping[int, int]) -> str:
+    """Return which signal that a block expands into has no value with these parameters."""
+    names, graph = eqs.formed.names, eqs.formed.graph
+    for block in eqs.model.elements:
+        for signal in block.signals if isinstance(block, SignalBlock) else ():
+            for use in signal.formula_sites():
+                where = f"block {block.name}, {use.path} of its signal {signal.name}, {use.formula.text}"
+                try:
+                    substitute(graph, [names.expression(use.formula, where).index], replacements)
+                except ExpressionError:
+                    return where
     return ""
 
 

@@ -13,6 +13,7 @@ mass matrix of a tree of 35 speeds, whose last rows belong to the leaves, has 58
 from __future__ import annotations
 
 from collections.abc import Iterable
+from collections.abc import Sequence as Items
 from dataclasses import replace
 
 from symbody.expr import opcodes as op
@@ -27,17 +28,31 @@ def order_operations(sequence: Sequence) -> Sequence:
     arguments = [sequence.operations[k].operands[0] for k in circles]
     kernels = [k for k, operation in enumerate(sequence.operations) if operation.op in (op.SADDLE, op.MAP)]
     results = [k for output in sequence.outputs for k in output.values]
-    needed = set(_depth_first(sequence, results))
-    first = [k for k in (*arguments, *circles, *kernels) if k in needed]
-    both = (_depth_first(sequence, [*first, *ends]) for ends in (results, results[::-1]))
-    order = min(both, key=lambda order: _alive(sequence, order))
-    number = {k: place for place, k in enumerate(order)}
+    operands = [operation.operands for operation in sequence.operations]
+    needed = _find_needed(operands, results)
+    first = [k for k in (*arguments, *circles, *kernels) if needed[k]]
+    both = (_depth_first(operands, [*first, *ends]) for ends in (results, results[::-1]))
+    order = min(both, key=lambda order: _alive(sequence, operands, order))
+    number = [0] * len(operands)
+    for place, k in enumerate(order):
+        number[k] = place
     operations = [
         Operation(old.op, tuple([number[k] for k in old.operands]), old.datum)
         for old in (sequence.operations[k] for k in order)
     ]
     outputs = [Output(o.name, o.shape, tuple([number[k] for k in o.values])) for o in sequence.outputs]
     return replace(sequence, operations=tuple(operations), outputs=tuple(outputs))
+
+
+def _find_needed(operands: Items[tuple[int, ...]], results: Items[int]) -> list[bool]:
+    needed = [False] * len(operands)
+    for k in results:
+        needed[k] = True
+    for k in range(len(operands) - 1, -1, -1):
+        if needed[k]:
+            for operand in operands[k]:
+                needed[operand] = True
+    return needed
 
 
 def _early_circles(sequence: Sequence) -> list[int]:
@@ -52,22 +67,25 @@ def _early_circles(sequence: Sequence) -> list[int]:
     return circles
 
 
-def _alive(sequence: Sequence, order: list[int]) -> int:
+def _alive(sequence: Sequence, operands: Items[tuple[int, ...]], order: list[int]) -> int:
     """Return for how many operations values wait for the last that reads them, all together."""
-    operations = sequence.operations
-    last: dict[int, int] = {}
+    last = [-1] * len(operands)
     for place, k in enumerate(order):
-        for operand in operations[k].operands:
+        for operand in operands[k]:
             last[operand] = place
+    operations = sequence.operations
     return sum(
-        [last.get(k, place) - place for place, k in enumerate(order) if operations[k].op not in op.LEAVES]
+        [
+            last[k] - place
+            for place, k in enumerate(order)
+            if last[k] >= 0 and operations[k].op not in op.LEAVES
+        ]
     )
 
 
-def _depth_first(sequence: Sequence, roots: Iterable[int]) -> list[int]:
+def _depth_first(operands: Items[tuple[int, ...]], roots: Iterable[int]) -> list[int]:
     """Return all values below `roots`, each after its operands and as late as its first user allows."""
-    operations = sequence.operations
-    seen = [False] * len(operations)
+    seen = [False] * len(operands)
     order: list[int] = []
     for root in roots:
         stack = [root]
@@ -77,7 +95,11 @@ def _depth_first(sequence: Sequence, roots: Iterable[int]) -> list[int]:
                 order.append(~k)
             elif not seen[k]:
                 seen[k] = True
+                below = operands[k]
+                if not below:
+                    order.append(k)
+                    continue
                 stack.append(~k)
                 # What was made last is asked for first: it is the larger part as a rule.
-                stack.extend([j for j in sorted(operations[k].operands) if not seen[j]])
+                stack.extend([j for j in sorted(below) if not seen[j]])
     return order

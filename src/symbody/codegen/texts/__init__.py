@@ -1,4 +1,4 @@
-"""Texts for other people's tools: Fortran, MATLAB and Octave, Julia, JAX, CasADi; one language a file."""
+"""Texts for other people's tools: Fortran, MATLAB, Julia, JAX, CasADi, Modelica; one language a file."""
 
 import lazy_loader
 

@@ -5,5 +5,6 @@ from . import javascript as javascript
 from . import jax as jax
 from . import julia as julia
 from . import matlab as matlab
+from . import modelica as modelica
 from . import python as python
 from . import rust as rust

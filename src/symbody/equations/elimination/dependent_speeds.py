@@ -23,41 +23,61 @@ _TINY: Final = 1e-200  # under a root that would be 0 where a speed has no mass 
 _SHOWN: Final = 40  # operations of a pivot that is written down in a note
 
 
-def eliminate_speeds(
-    names: Names,
-    speeds: Sequence[Symbol],
-    rows: Sequence[ConstraintEquation],
-    dynamics: Dynamics,
-    dependent: Sequence[str],
-) -> SpeedElimination:
-    """Return the elimination of dependent speeds by the rows that are not holonomic.
+def named_speeds(
+    names: Names, speeds: Sequence[Symbol], rows: Sequence[ConstraintEquation], dependent: Sequence[str]
+) -> tuple[Symbol, ...]:
+    """Return the speeds that are to be eliminated by the rows that are not holonomic.
 
     Parameters
     ----------
     names : Names
         With every name of the model.
-    speeds, rows, dynamics
+    speeds, rows
         Of the equations with multipliers.
     dependent : sequence of str
-        Names of speeds, as many as there are rows.
+        Names of speeds, as many as there are such rows.
 
     Raises
     ------
     FormulationError
-        If there are no such rows, a name is not that of a speed, their number is wrong, or the rows
-        determine them at no configuration.
+        If there are no such rows, a name is not that of a speed, or their number is wrong.
     """
-    graph = names.graph
     tied = [row for row in rows if not row.is_holonomic]
     problems = list(_name_problems(names, speeds, tied, dependent))
     if problems:
         raise FormulationError(*problems)
-    chosen = tuple(next(u for u in speeds if u.label == name) for name in dependent)
+    return tuple(next(u for u in speeds if u.label == name) for name in dependent)
+
+
+def eliminate_speeds(
+    graph: Graph,
+    speeds: Sequence[Symbol],
+    rows: Sequence[ConstraintEquation],
+    dynamics: Dynamics,
+    chosen: Sequence[Symbol],
+    tied: Sequence[ConstraintEquation],
+) -> SpeedElimination:
+    """Return the elimination of chosen speeds.
+
+    Parameters
+    ----------
+    speeds, rows, dynamics
+        Of the equations with multipliers.
+    chosen : sequence of Symbol
+        The dependent speeds.
+    tied : sequence of ConstraintEquation
+        As many rows by which they are eliminated; balances of forces may be among them.
+
+    Raises
+    ------
+    FormulationError
+        If the rows determine the speeds at no configuration.
+    """
     zero = number(graph, 0)
     columns = [graph.symbol(u) for u in chosen]
     block = find_solution_order(graph, [[row.jacobian.get(u, zero) for u in columns] for row in tied])
     if block is None:
-        raise FormulationError(_singular(graph, speeds, tied, dependent))
+        raise FormulationError(_singular(graph, speeds, tied, [u.label for u in chosen]))
     offsets = dict(zip(columns, block.solve([-row.drift for row in tied]), strict=True))
     units = [[number(graph, int(i == k)) for i in range(len(tied))] for k in range(len(tied))]
     inverse = list(zip(*(block.solve(unit) for unit in units), strict=True))
@@ -65,9 +85,9 @@ def eliminate_speeds(
     slow = SpeedElimination(
         graph=graph,
         speeds=tuple(speeds),
-        dependent=chosen,
+        dependent=tuple(chosen),
         rows=tuple(tied),
-        given={row.name: (row.jacobian, row.drift) for row in rows},
+        given={row.name: (row.jacobian, row.drift) for row in (*rows, *tied)},
         slopes=_slopes(tied, block, columns, [graph.symbol(u) for u in speeds if u not in chosen]),
         rest=offsets,
         bias=dict.fromkeys(columns, zero),
@@ -107,11 +127,22 @@ def nothing_to_eliminate() -> Problem:
 def elimination_notes(elimination: SpeedElimination) -> tuple[str, ...]:
     """Return which speeds were eliminated, by which rows, and where they do not follow from the others."""
     graph, dependent = elimination.graph, elimination.dependent
-    listed = ", ".join(row.name for row in elimination.rows)
-    notes = [
-        f"dependent speeds {', '.join(u.label for u in dependent)} are eliminated by the constraints on "
-        f"velocities {listed}, whose multipliers are outputs; {len(elimination.independent)} speeds are left"
-    ]
+    pairs = list(zip(elimination.rows, dependent, strict=True))
+    tied = [(row.name, u.label) for row, u in pairs if not row.is_balance]
+    light = [u.label for row, u in pairs if row.is_balance]
+    notes = []
+    if tied:
+        listed, speeds = (", ".join(words) for words in zip(*tied, strict=True))
+        notes.append(
+            f"dependent speeds {speeds} are eliminated by the constraints on velocities {listed}, whose "
+            f"multipliers are outputs; {len(elimination.independent)} speeds are left"
+        )
+    if light:
+        follows = "follows from the balance" if len(light) == 1 else "follow from the balances"
+        notes.append(
+            f"no mass resists a motion in which {', '.join(light)} takes part: {', '.join(light)} {follows} "
+            "of forces in springs and dampers, and is no state; the coordinates are"
+        )
     for pivot in elimination.block.pivots:
         if _varies(graph, pivot):
             which = ", ".join(dependent[k].label for k in pivot.columns)

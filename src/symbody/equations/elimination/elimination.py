@@ -186,6 +186,7 @@ class SpeedElimination:
         return {
             row.name: _total((line[k] * x for line, x in zip(self.inverse, left, strict=True)), zero)
             for k, row in enumerate(self.rows)
+            if not row.is_balance
         }
 
     def _value_of_dependent(self, u: Symbol, rest: Mapping[int, Expr], *, rates: bool) -> Expr:

@@ -56,6 +56,16 @@ class Formulation(ABC):
         """
         return ""
 
+    def balance_obstacle(self, *, on_positions: bool) -> str:
+        """Return the reason why virtual work has to take its place where motions move no mass, empty if none.
+
+        Parameters
+        ----------
+        on_positions : bool
+            Whether balances of forces become constraints on positions.
+        """
+        return ""
+
 
 class Dynamics(ABC):
     """``M u' = F`` of a system and what follows from it; constraints come with the system given.

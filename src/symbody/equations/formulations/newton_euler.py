@@ -52,6 +52,12 @@ class NewtonEuler(Formulation):
 
     differentiates_placements: ClassVar[bool] = True
 
+    def balance_obstacle(self, *, on_positions: bool) -> str:
+        """Return the reason why free bodies cannot be solved for where balances transmit nothing."""
+        return (
+            "free bodies: a balance of forces holds a position, and transmits nothing" if on_positions else ""
+        )
+
     def derive(self, system: MultibodySystem) -> Dynamics:
         """Return the equations of motion; M and F are the free bodies projected on the partial velocities."""
         projected = project_bodies(system)

@@ -58,6 +58,10 @@ class Recursive(Formulation):
             return "recursion: the rotation tree is not the translation tree"
         return "" if topology.joints else "recursion: there are no joints"
 
+    def balance_obstacle(self, *, on_positions: bool) -> str:
+        """Return the reason why recursion is impossible."""
+        return "recursion: no mass resists some motion, which balances of forces determine"
+
     def derive(self, system: MultibodySystem) -> Dynamics:
         """Return mass matrix, forcing and accelerations by recursion, each formed on request."""
         names, kinematics, topology = system.names, system.kinematics, system.topology

@@ -36,6 +36,8 @@ class ConstraintEquation:
         Whether positions are constrained; otherwise only the rate of the row vanishes.
     driven : Expr or None
         Power for a multiplier of 1 of what the row itself says of time, as a length given by a formula in t.
+    is_balance : bool
+        Whether it is the balance of forces along a motion that moves no mass, which transmits nothing.
     """
 
     name: str
@@ -50,6 +52,7 @@ class ConstraintEquation:
     shares: Mapping[str, Expr] = field(default_factory=dict)
     is_holonomic: bool = True
     driven: Expr | None = None
+    is_balance: bool = False
 
 
 def scalar_equation(kinematics: Kinematics, name: str, element: str, value: Expr) -> ConstraintEquation:

@@ -29,7 +29,8 @@ def mechanism_names(graph: Graph, topology: Topology, roles: Iterable[JointRole]
     ]
     _check_clashes(topology, [*coordinates, *quasi])
     signals = [signal.name for signal in model.signals]
-    names = model_names(graph, model.parameters, model.inputs, coordinates, quasi, signals)
+    inputs = [*model.inputs, *(signal.name for signal in model.held_signals)]
+    names = model_names(graph, model.parameters, inputs, coordinates, quasi, signals)
     names = names.with_values(tables_of_time(names, model))
     prescribed: dict[str, Expr] = {}
     for role in roles:
@@ -47,7 +48,7 @@ def _check_clashes(topology: Topology, names: Sequence[str]) -> None:
     symbols = {
         *model.parameters,
         *model.inputs,
-        *(element.name for element in (*model.signals, *model.tables)),
+        *(element.name for element in (*model.signals, *model.held_signals, *model.tables)),
     }
     clashes = sorted({name for name in names if name in symbols or names.count(name) > 1})
     if clashes:

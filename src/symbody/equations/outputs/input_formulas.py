@@ -81,7 +81,7 @@ def _explicit(formed: EquationsOfMotion, value: Expr) -> int:
 def _inputs_read(formed: EquationsOfMotion, node: int, among: Iterable[str]) -> tuple[str, ...]:
     graph = formed.graph
     symbols = {graph.symbols[graph.left[k]].name for k in symbols_of(graph, [node])}
-    return tuple(name for name in among if name in symbols)
+    return tuple(name for name in among if name in symbols) if symbols else ()
 
 
 def _in_order(
@@ -113,9 +113,10 @@ def _ring(read: Mapping[str, tuple[str, ...]]) -> list[str]:
 def _ring_problem(formed: EquationsOfMotion, ring: list[str], laws: Mapping[str, FormulaLike]) -> Problem:
     name, following = ring[0], ring[1] if len(ring) > 1 else ring[0]
     formula = input_formula(laws[name], name)
+    texts = {**{text: f"'{text}'" for text in formula.outputs}, **{text: text for text in formula.names}}
     reading = [
-        text for text in formula.outputs
-        if following in _inputs_read(formed, _law_node(formed, input_formula(f"'{text}'", name), name), laws)
+        text for text, law in texts.items()
+        if following in _inputs_read(formed, _law_node(formed, input_formula(law, name), name), laws)
     ]  # fmt: skip
     what = f"its law reads {', '.join(reading) or formula.text}, which follows from {following}"
     way = " -> ".join([*ring, name])

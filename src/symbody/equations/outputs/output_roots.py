@@ -49,6 +49,8 @@ from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
 
+# What the loop of a motion evaluates: the work is one more state.
+OF_STEPS: Final = ("xdot", "power")
 # What is summed up or measured along a motion, and known of its samples alone.
 OF_MOTIONS: Final = ("work", "constraint_violation", "velocity_violation")
 

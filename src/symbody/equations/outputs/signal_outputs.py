@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from graphlib import CycleError
-from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.signals import Path, signal_symbol
@@ -20,8 +17,6 @@ from symbody.model.signals.signal import Signal
 
 # Takes equations and the name of an output; returns its shape and entries in u', multipliers and signals.
 RawOutput = Callable[[EquationsOfMotion, str], tuple[tuple[int, ...], Sequence[Expr]]]
-# Signals whose outputs are being formed: an output in quotes may lead back to the signal that contains it.
-_BEING_FORMED: Final[ContextVar[tuple[str, ...]]] = ContextVar("signals being formed", default=())
 
 
 def signal_rates(formed: EquationsOfMotion) -> list[Expr]:
@@ -126,8 +121,7 @@ def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput
         return formed.readable_names.expression(signal.value, f"signal {signal.name}, value")
     where, text = f"signal {signal.name}, output", str(signal.output)
     try:
-        with _without_ring(signal.name):
-            shape, values = raw_output(formed, text)
+        shape, values = raw_output(_inside(formed, signal.name), text)
     except SymbodyError as error:
         first = error.problems[0]
         raise FormulationError(Problem(first.code, where, first.what, first.why, first.fix)) from error
@@ -140,18 +134,13 @@ def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput
     return values[0]
 
 
-@contextmanager
-def _without_ring(name: str) -> Iterator[None]:
-    """Form the output of a signal; refuse it where this output is being formed already."""
-    names = _BEING_FORMED.get()
+def _inside(formed: EquationsOfMotion, name: str) -> EquationsOfMotion:
+    """Return the equations as the output of a signal reads them; refuse it where that is read for itself."""
+    names = formed.outer_signals
     if name in names:
         ring = (*names[names.index(name) :], name)
         raise FormulationError(loop_problem(ring[::-1]))
-    token = _BEING_FORMED.set((*names, name))
-    try:
-        yield
-    finally:
-        _BEING_FORMED.reset(token)
+    return replace(formed, outer_signals=(*names, name))
 
 
 def _in_order(

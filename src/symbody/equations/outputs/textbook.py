@@ -192,13 +192,26 @@ class Textbook:
 
     def reaction(self, joint: str, on: str, at: str, frame: str) -> Reaction:
         """Return a reaction as matrices; see `EquationSet.reaction`."""
+        graph = self.formed.graph
+        written = (
+            closed_forms(graph, [side], EXPAND_LIMIT) for side in self.reaction_sides(joint, on, at, frame)
+        )
+        force, moment = (
+            forms.matrices[name] for forms, name in zip(written, ("force", "moment"), strict=True)
+        )
+        return Reaction(force, moment)
+
+    def reaction_sides(self, joint: str, on: str = "", at: str = "", frame: str = "") -> tuple[Roots, Roots]:
+        """Return force and moment of a reaction by multipliers and accelerations, to be read."""
         wrench = reaction_wrench(self.formed, joint, on, at)
         tree = self.formed.kinematics.tree
         axes = self.formed.frame(frame) if frame else reaction_axes(self.formed, joint)
-        entries = [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
-        force = self._matrix("force", (3, 1), entries[:3])
-        moment = self._matrix("moment", (3, 1), entries[3:])
-        return Reaction(force, moment)
+        parts = {"force": wrench.force, "moment": wrench.moment}
+        force, moment = (
+            self._rewrite(name, (3, 1), [x.index for x in components(tree, vector, axes)])
+            for name, vector in parts.items()
+        )
+        return force, moment
 
     def _matrix(self, name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> SympyMatrix:
         graph = self.formed.graph

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
-from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import Resistance
+from symbody.equations.massless.force_balances import UndeterminedMotion, find_balances
+from symbody.equations.massless.null_motions import is_light, zero_pivots
 from symbody.equations.solving.friction_solution import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
-from symbody.expr.fingerprint import find_zeros
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
-from symbody.expr.rewrite import substitute
+from symbody.expr.rewrite import substitute, symbols_of
 
 
 def solve(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
@@ -49,19 +50,21 @@ def substitute_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> li
 
     The multipliers of redundant rows are 0; `substitute_shares` puts those of least norm in their place.
     """
-    graph = formed.graph
+    graph, nodes = formed.graph, [value.index for value in values]
+    if not symbols_of(graph, nodes):  # most inputs are numbers
+        return list(values)
     symbols = [
         *unknown_symbols(formed),
         *(Symbol(row.name, SymbolKind.MULTIPLIER) for row in formed.redundant),
     ]
-    nodes = {graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
-    if nodes.keys().isdisjoint(graph.reachable([value.index for value in values])):
+    places = {graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
+    if places.keys().isdisjoint(graph.reachable(nodes)):
         return list(values)
     udot, multipliers = solve(formed)
     idle = [Expr(graph, 0)] * len(formed.redundant)
     solution = [*udot, *multipliers, *resistance(formed).efforts, *idle]
-    replacements = {node: solution[k].index for node, k in nodes.items()}
-    found = substitute(graph, [value.index for value in values], replacements)
+    replacements = {node: solution[k].index for node, k in places.items()}
+    found = substitute(graph, nodes, replacements)
     return [Expr(graph, node) for node in found]
 
 
@@ -74,11 +77,12 @@ def _solve_linear(
 
 def _solve_tree(formed: EquationsOfMotion, forcing: Sequence[Expr]) -> list[Expr]:
     solution = formed.dynamics.solve(formed, forcing)
-    if any(map(_is_light, formed.bodies)):
-        zeros = find_zeros(formed.graph, [pivot.index for pivot in solution.pivots])
-        problems = [_massless(formed, k) for k, is_zero in enumerate(zeros) if is_zero]
-        if problems:
-            raise FormulationError(*problems)
+    if any(map(is_light, formed.bodies)):
+        places = zero_pivots(formed, solution)
+        if places:
+            balances = find_balances(formed)
+            reason = balances if isinstance(balances, UndeterminedMotion) else None
+            raise FormulationError(*(_massless(formed, k, reason) for k in places))
     return solution.values
 
 
@@ -99,15 +103,14 @@ def _solve_saddle(
     return solution[:n], solution[n:]
 
 
-def _is_light(body: Inertia) -> bool:
-    """Return whether a body may move without resistance in some direction."""
-    return body.mass.is_zero or body.tensor.isotropic.is_zero
-
-
-def _massless(formed: EquationsOfMotion, k: int) -> Problem:
+def _massless(formed: EquationsOfMotion, k: int, reason: UndeterminedMotion | None) -> Problem:
     name = formed.u[k].label
-    return Problem(
+    problem = Problem(
         "equations.massless", f"speed {name}", f"no mass resists {name} while all outward of it is free",
         "the mass matrix is singular everywhere, so this acceleration is not determined",
         "give mass or inertia to the bodies that move with it, or weld its joint",
     )  # fmt: skip
+    if reason is None:
+        return problem
+    more = f", and forces do not determine {reason.speed.label} either: {reason.why}"
+    return replace(problem, why=problem.why + more, fix=reason.fix)

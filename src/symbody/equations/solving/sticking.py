@@ -33,11 +33,11 @@ def set_modes(formed: EquationsOfMotion, modes: Mapping[str, int]) -> EquationsO
             continue
         laws.append(replace(law, slip=number(formed.graph, mode), switches=False, sticks=mode == STICKS))
         if mode == STICKS:
-            rows.append(_holding_row(formed, law))
+            rows.append(holding_row(formed, law))
     return replace(formed.with_rows(tuple(rows)), friction=tuple(laws))
 
 
-def _holding_row(formed: EquationsOfMotion, law: FrictionLaw) -> ConstraintEquation:
+def holding_row(formed: EquationsOfMotion, law: FrictionLaw) -> ConstraintEquation:
     """Return the row that keeps the rate of a joint zero."""
     kinematics, joint = formed.kinematics, law.joint
     role = next(role for role in formed.joint_roles if role.joint.name == joint.name)

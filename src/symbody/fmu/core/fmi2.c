@@ -3,6 +3,10 @@
 #include "fmi2Functions.h"
 #include "model.h"
 #include "motion.h"
+#include "conditions.h"
+#include "modes.h"
+#include "events.h"
+#include "steps.h"
 #include "instance.h"
 
 #define ANY (INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP | TERMINATED)
@@ -264,11 +268,8 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni)
 {
     LEGAL(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    OF_SIZE(ni, SB_EVENTS);
-    if (need(MOTION, HAS_INDICATORS) != SOLVED)
-        return (fmi2Status)fail(OURS, STATUS_DISCARD, __func__, "events have no value in this state");
-    memcpy(eventIndicators, MOTION->indicators, SB_EVENTS * sizeof(double));
-    return fmi2OK;
+    OF_SIZE(ni, SB_WATCHED);
+    return (fmi2Status)event_indicators(OURS, __func__, eventIndicators);
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx)

@@ -3,6 +3,10 @@
 #include "fmi3Functions.h"
 #include "model.h"
 #include "motion.h"
+#include "conditions.h"
+#include "modes.h"
+#include "events.h"
+#include "steps.h"
 #include "instance.h"
 
 #define ANY (INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP | TERMINATED)
@@ -352,11 +356,8 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators)
 {
     LEGAL(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    OF_SIZE(nEventIndicators, SB_EVENTS);
-    if (need(MOTION, HAS_INDICATORS) != SOLVED)
-        return (fmi3Status)fail(OURS, STATUS_DISCARD, __func__, "events have no value in this state");
-    memcpy(eventIndicators, MOTION->indicators, SB_EVENTS * sizeof(double));
-    return fmi3OK;
+    OF_SIZE(nEventIndicators, SB_WATCHED);
+    return (fmi3Status)event_indicators(OURS, __func__, eventIndicators);
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[], size_t nContinuousStates)
@@ -380,7 +381,7 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
 {
     LEGAL(ANY);
-    *nEventIndicators = SB_EVENTS;
+    *nEventIndicators = SB_WATCHED;
     return fmi3OK;
 }
 

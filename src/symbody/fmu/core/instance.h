@@ -14,7 +14,9 @@ enum {
     AT_CALCULATED = AT_P + SB_P,
     AT_OUTPUTS = AT_CALCULATED + SB_CALCULATED,
     AT_INDICATORS = AT_OUTPUTS + SB_SHOWN,
-    AT_END = AT_INDICATORS + SB_EVENTS
+    AT_CONDITIONS = AT_INDICATORS + SB_EVENTS,
+    AT_ELEMENTS = AT_CONDITIONS + SB_CONDITIONS,
+    AT_END = AT_ELEMENTS + SB_ELEMENTS
 };
 
 typedef struct {
@@ -99,11 +101,19 @@ static void free_instance(Instance *instance)
 /* Values that were set before and in initialization mode hold, the others follow from them. */
 static int prepare(Instance *instance, const char *function)
 {
+    static const int none[SB_ELEMENTS + 1] = {0};
     Motion *m = &instance->motion;
-    if (m->is_settled || !(m->mode & (INSTANTIATED | INITIALIZATION))) return STATUS_OK;
-    if (settle(m, sb_is_given) == SOLVED) return STATUS_OK;
+    if (!(m->mode & (INSTANTIATED | INITIALIZATION))) return STATUS_OK;
+    if (!m->is_settled) {
+        release(m);
+        if (settle(m, sb_is_given) != SOLVED)
+            return fail(instance, STATUS_ERROR, function,
+                "no configuration near the one before fulfils the constraints with the values that were set");
+    }
+    if (!SB_ELEMENTS || m->has_modes) return STATUS_OK;
+    if (switch_modes(m, none) == SOLVED) return STATUS_OK;
     return fail(instance, STATUS_ERROR, function,
-        "no configuration near the one before fulfils the constraints with the values that were set");
+        "no way of sticking and slipping, and of ropes taut and slack, fits the values that were set");
 }
 
 static int enter_initialization(Instance *instance, double start, int has_stop, double stop, double tolerance)
@@ -156,7 +166,9 @@ static int get_value(Instance *instance, const char *function, unsigned referenc
     else if (reference < AT_OUTPUTS) *value = m->calculated[reference - AT_CALCULATED];
     else if (reference == AT_OUTPUTS) *value = violation(m->outputs);
     else if (reference < AT_INDICATORS) *value = m->outputs[SB_CONSTRAINTS + reference - AT_OUTPUTS - 1];
-    else *value = m->indicators[reference - AT_INDICATORS];
+    else if (reference < AT_CONDITIONS) *value = m->indicators[reference - AT_INDICATORS];
+    else if (reference < AT_ELEMENTS) *value = condition_indicator(m, (int)(reference - AT_CONDITIONS));
+    else *value = shown_indicator(m, (int)(reference - AT_ELEMENTS));
     return STATUS_OK;
 }
 
@@ -174,6 +186,7 @@ static int set_parameter(Instance *instance, const char *function, unsigned refe
     m->has_arguments = 0;
     m->valid = 0;
     m->is_fresh = 1;
+    if (m->mode & early) m->has_modes = 0;
     if (sb_closes[k]) m->is_settled = 0;
     return STATUS_OK;
 }
@@ -186,6 +199,7 @@ static int set_value(Instance *instance, const char *function, unsigned referenc
     if (reference >= AT_R && reference < AT_P) {
         if (m->r[reference - AT_R] == value) return STATUS_OK;
         m->r[reference - AT_R] = value;
+        if (m->mode & (INSTANTIATED | INITIALIZATION)) m->has_modes = 0;
         m->has_arguments = 0;
         m->valid = 0;
         m->is_fresh = 1;
@@ -198,6 +212,7 @@ static int set_value(Instance *instance, const char *function, unsigned referenc
         if (!(m->mode & (INSTANTIATED | INITIALIZATION)))
             return fail_about(instance, function, reference, "can be set before initialization mode ends only");
         m->x[k] = value;
+        m->has_modes = 0;
         m->is_settled = 0;
         m->valid = 0;
         return STATUS_OK;
@@ -230,19 +245,24 @@ static int set_values(
 
 /* Event mode. */
 
-static void log_event(Instance *instance, int k)
+static void log_events(Instance *instance)
 {
+    Motion *m = &instance->motion;
     char text[512];
-    if (!instance->logs_events) return;
-    snprintf(text, sizeof text, "%s at t = %.17g", sb_names[AT_INDICATORS + k], instance->motion.time);
-    deliver(instance, STATUS_OK, "logEvents", text);
+    int i;
+    for (i = 0; i < m->happened_count && instance->logs_events; i++) {
+        int k = m->happened[i], reference = k < SB_EVENTS ? AT_INDICATORS + k : AT_ELEMENTS + k - SB_EVENTS;
+        snprintf(text, sizeof text, "%s at t = %.17g", sb_names[reference], m->happened_at[i]);
+        deliver(instance, STATUS_OK, "logEvents", text);
+    }
+    m->happened_count = 0;
 }
 
 /* One update of discrete states; `next` becomes the time of the next event, infinite without one. */
 static int update(Instance *instance, const char *function, int *has_changed, int *must_stop, double *next)
 {
     Motion *m = &instance->motion;
-    int k, acted;
+    int acted;
     *has_changed = *must_stop = 0;
     if (!m->is_settled) {
         if (settle_anew(m) != SOLVED)
@@ -255,21 +275,35 @@ static int update(Instance *instance, const char *function, int *has_changed, in
         m->must_project = 0;
         *has_changed = 1;
     }
-    for (k = 0; k < SB_EVENTS; k++)
-        if (m->pending[k]) log_event(instance, k);
     acted = act(m, must_stop);
+    log_events(instance);
     if (acted < 0) return fail(instance, STATUS_ERROR, function, "the state after an event has no solution");
     *has_changed |= acted;
     look_for_jump(m);
     *next = m->jump;
+    m->valid = 0; /* branches are decided anew, behind a jump in time */
+    if (SB_CONDITIONS) need(m, HAS_INDICATORS);
     keep_settled(m);
+    return STATUS_OK;
+}
+
+static int event_indicators(Instance *instance, const char *function, double *values)
+{
+    Motion *m = &instance->motion;
+    int k;
+    if (need(m, HAS_INDICATORS) != SOLVED)
+        return fail(instance, STATUS_DISCARD, function, "events have no value in this state");
+    memcpy(values, m->indicators, SB_EVENTS * sizeof(double));
+    for (k = 0; k < SB_CONDITIONS; k++) values[SB_EVENTS + k] = condition_indicator(m, k);
+    for (k = 0; k < SB_ELEMENTS; k++) values[SB_EVENTS + SB_CONDITIONS + k] = shown_indicator(m, k);
     return STATUS_OK;
 }
 
 static void completed_step(Instance *instance, int *enters_events)
 {
     Motion *m = &instance->motion;
-    *enters_events = note_events(m);
+    if (SB_ELEMENTS) note_rates(m);
+    *enters_events = note_events(m) | have_conditions_changed(m);
     if (is_open(m)) *enters_events = m->must_project = 1;
 }
 
@@ -287,6 +321,7 @@ static int do_step(Instance *instance, const char *function, double start, doubl
     if (settle_anew(m) != SOLVED)
         return fail(instance, STATUS_ERROR, function, "the constraints cannot be fulfilled with these parameters");
     code = go_to(m, start + length, must_stop);
+    log_events(instance);
     if (code == SB_RUNNING) return STATUS_OK;
     snprintf(text, sizeof text, "the motion cannot go on from t = %.17g: %s", m->time,
         code == SB_SINGULAR ? "the accelerations have no solution"

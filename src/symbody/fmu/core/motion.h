@@ -8,8 +8,9 @@
 #include <string.h>
 
 enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, STEP = 16, TERMINATED = 32 };
-enum { HAS_SLOPE = 1, HAS_OUTPUTS = 2, HAS_INDICATORS = 4, HAS_CALCULATED = 8, HAS_SLOPES = 16 };
+enum { HAS_SLOPE = 1, HAS_OUTPUTS = 2, HAS_INDICATORS = 4, HAS_CALCULATED = 8, HAS_SLOPES = 16, HAS_SIDES = 32 };
 enum { SOLVED, UNSOLVED, NOT_CLOSED };
+#define SB_KEPT 64
 
 typedef struct {
     int mode, valid, code;
@@ -18,13 +19,19 @@ typedef struct {
     int is_fresh;         /* the integrator has to begin at x */
     int has_stopped;      /* an event ended the motion */
     int must_project;     /* the state is to be brought back onto the constraints in event mode */
-    int side[SB_EVENTS + 1], pending[SB_EVENTS + 1];
+    int has_modes, mode_of[SB_ELEMENTS + 1]; /* see modes.h */
+    int side[SB_EVENTS + SB_ELEMENTS + 1], pending[SB_EVENTS + SB_ELEMENTS + 1];
+    int happened_count, happened[SB_KEPT];  /* events that are not yet logged */
+    double happened_at[SB_KEPT];
     double time, from, to, stop;
     double jump, jump_margin, past_jump; /* next jump of what depends on time alone; behind the last one */
     double x[SB_X + 1], settled_x[SB_X + 1];
     double r[SB_R + 1];
     double p[SB_P + 1], settled_p[SB_P + 1];
-    double slope[SB_X + 1], outputs[SB_OUTPUTS + 1], indicators[SB_EVENTS + 1], calculated[SB_CALCULATED + 1];
+    double side_of_condition[SB_CONDITIONS + 1]; /* which branches are taken in model exchange */
+    double modes[SB_MODES + 1], level[SB_ELEMENTS + 1], slight[SB_ELEMENTS + 1], fastest;
+    double slope[SB_X + 1], outputs[SB_OUTPUTS + 1], calculated[SB_CALCULATED + 1];
+    double indicators[SB_EVENTS + SB_ELEMENTS + 1], conditions[SB_CONDITIONS + 1];
     double slopes[SB_SLOPES + 1];
     double pieces[SB_PIECES + 1], ends[2];
     double pool[SB_POOL];
@@ -38,6 +45,8 @@ static void write_arguments(Motion *m, const SbFunction *f)
     double *p = numbers + (int)numbers[SB_P_PLACE], *c = numbers + (int)numbers[SB_C_PLACE];
     memcpy(numbers + SB_R_PLACE, m->r, SB_R * sizeof(double));
     memcpy(p, m->p, SB_P * sizeof(double));
+    memcpy(p + SB_P, m->modes, SB_MODES * sizeof(double));
+    memcpy(p + SB_P + SB_MODES, m->side_of_condition, SB_CONDITIONS * sizeof(double));
     if (f->values) f->values(none, none, none, none, p, c, c, m->pool + SB_SCRATCH);
 }
 
@@ -151,13 +160,17 @@ static double violation(const double *outputs)
     return worst;
 }
 
+static int project_place(Motion *m, double *x)
+{
+    if (!SB_PROJECTED) return SOLVED;
+    renew_arguments(m);
+    return isfinite(symbody_project(SB_PROJECTION, m->pool + SB_BLOCK, clock_of(m), x)) ? SOLVED : NOT_CLOSED;
+}
+
 static int project_state(Motion *m)
 {
-    if (SB_PROJECTED) {
-        renew_arguments(m);
-        if (!isfinite(symbody_project(SB_PROJECTION, m->pool + SB_BLOCK, clock_of(m), m->x))) return NOT_CLOSED;
-        m->valid = 0;
-    }
+    if (project_place(m, m->x) != SOLVED) return NOT_CLOSED;
+    if (SB_PROJECTED) m->valid = 0;
     return SOLVED;
 }
 
@@ -186,9 +199,13 @@ static int are_finite(const double *values, int count)
     return 1;
 }
 
+static void decide(Motion *m);
+static int watch(Motion *m, const double *x, double *values);
+
 static int need(Motion *m, int what)
 {
     renew_arguments(m);
+    if (SB_CONDITIONS && m->mode != CONTINUOUS && !(m->valid & HAS_SIDES)) decide(m);
     if ((m->valid & what) == what) return SOLVED;
     if (what == HAS_SLOPE) {
         if (compute(m, &sb_functions[SB_SLOPE], m->x, m->slope) || !are_finite(m->slope, SB_X)) return UNSOLVED;
@@ -200,203 +217,11 @@ static int need(Motion *m, int what)
                 || compute(m, &sb_functions[SB_SENSITIVITIES], m->x, m->slopes + SB_X * (SB_X + SB_R))))
             return UNSOLVED;
     } else if (what == HAS_INDICATORS) {
-        if (SB_EVENTS && compute(m, &sb_functions[SB_INDICATORS], m->x, m->indicators)) return UNSOLVED;
+        if (SB_EVENTS + SB_ELEMENTS && watch(m, m->x, m->indicators)) return UNSOLVED;
+        if (SB_CONDITIONS && compute(m, &sb_functions[SB_SIDES], m->x, m->conditions)) return UNSOLVED;
     } else if (what == HAS_CALCULATED) {
         if (SB_CALCULATED && compute(m, &sb_functions[SB_PARAMETERS], m->x, m->calculated)) return UNSOLVED;
     }
     m->valid |= what;
     return SOLVED;
-}
-
-/* Events: each watches a number that passes zero. */
-
-static int side_of(double value)
-{
-    return value > 0.0 ? 1 : value < 0.0 ? -1 : 0;
-}
-
-/* Note which events have happened since the side of each was looked at; return whether any has. */
-static int note_events(Motion *m)
-{
-    int k, any = 0;
-    if (!SB_EVENTS || need(m, HAS_INDICATORS) != SOLVED) return 0;
-    for (k = 0; k < SB_EVENTS; k++) {
-        int now = side_of(m->indicators[k]), before = m->side[k];
-        /* a value that is zero belongs to the side where it comes to */
-        int has_fallen = before > 0 && now <= 0, has_risen = before < 0 && now >= 0;
-        if ((has_fallen && sb_directions[k] <= 0) || (has_risen && sb_directions[k] >= 0)) m->pending[k] = any = 1;
-        if (now != 0) m->side[k] = now;
-        else if (has_fallen || has_risen) m->side[k] = 0;
-    }
-    return any;
-}
-
-static void look_at_sides(Motion *m)
-{
-    int k;
-    if (!SB_EVENTS || need(m, HAS_INDICATORS) != SOLVED) return;
-    for (k = 0; k < SB_EVENTS; k++) {
-        m->side[k] = side_of(m->indicators[k]);
-        m->pending[k] = 0;
-    }
-}
-
-/* Do what follows at the events noted: new values of states. Returns whether values changed, -1 for a fault. */
-static int act(Motion *m, int *must_stop)
-{
-    int k, j, changed = 0;
-    double actions[SB_ACTIONS + 1];
-    *must_stop = 0;
-    for (k = 0; k < SB_EVENTS; k++) *must_stop |= m->pending[k] && sb_stops[k];
-    if (SB_ACTIONS && compute(m, &sb_functions[SB_ACTION], m->x, actions)) return -1;
-    for (j = 0; j < SB_ACTIONS; j++)
-        if (m->pending[sb_action_events[j]]) {
-            m->x[sb_action_states[j]] = actions[j];
-            changed = 1;
-        }
-    memset(m->pending, 0, sizeof m->pending);
-    if (!changed) return 0;
-    m->valid = 0;
-    m->is_fresh = 1;
-    if (project_state(m) != SOLVED) return -1;
-    /* A map leaves what it acts on where it is, up to rounding: only a side that is clear counts. */
-    if (need(m, HAS_INDICATORS) == SOLVED)
-        for (k = 0; k < SB_EVENTS; k++) m->side[k] = side_of(m->indicators[k]);
-    return 1;
-}
-
-/* Jumps of what depends on time alone. */
-
-static void look_for_jump(Motion *m)
-{
-    const double *B = m->pool + SB_BLOCK;
-    int place = (int)B[SB_FIRST_BREAK];
-    if (m->time >= m->jump - m->jump_margin) m->past_jump = m->jump + m->jump_margin;
-    m->jump = HUGE_VAL;
-    m->jump_margin = 0.0;
-    for (; isfinite(B[place + SB_BREAK_TIME]); place += SB_BREAK_SIZE)
-        if (B[place + SB_BREAK_JUMPS] != 0.0 && B[place + SB_BREAK_TIME] > m->time + B[place + SB_BREAK_MARGIN]) {
-            m->jump = B[place + SB_BREAK_TIME];
-            m->jump_margin = B[place + SB_BREAK_MARGIN];
-            return;
-        }
-}
-
-/* Steps of our own, for co-simulation. */
-
-static void begin_steps(Motion *m)
-{
-    double *B = m->pool + SB_BLOCK, nothing[1] = {0.0};
-    B[SB_TIME] = m->time;
-    memcpy(B + SB_VECTORS + SB_STATE_OLD * SB_X, m->x, SB_X * sizeof(double));
-    B[SB_KERNEL] = B[SB_STEPS] = B[SB_SAMPLES] = 0.0;
-    B[SB_AFTER_REJECTION] = B[SB_STIFF_VOTES] = B[SB_OTHER_VOTES] = B[SB_UNJUDGED] = 0.0;
-    B[SB_NEXT_BREAK] = B[SB_FIRST_BREAK];
-    m->from = m->to = m->time;
-    m->is_fresh = 0;
-    m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->ends);
-    B[SB_FIRST_STEP] = SB_IS_FIXED ? B[SB_MAX_STEP] : fabs(B[SB_STEP]);
-}
-
-static void take_step(Motion *m)
-{
-    double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_TIME];
-    m->code = symbody_advance(
-        mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
-    if (B[SB_STEPS] != 0.0) {
-        B[SB_STEPS] = 0.0;
-        m->from = before;
-        m->to = B[SB_T_NEW];
-        if (!SB_IS_FIXED) B[SB_FIRST_STEP] = fabs(B[SB_STEP]);
-    }
-}
-
-/* The state at a time inside the last step. */
-static void state_at(Motion *m, double time, double *x)
-{
-    const double *B = m->pool + SB_BLOCK;
-    if (time < m->to)
-        symbody_interpolate(SB_X, SB_DENSE_ROWS, m->pieces, (time - m->from) / (m->to - m->from), x);
-    else
-        memcpy(x, B + SB_VECTORS + SB_STATE_OLD * SB_X, SB_X * sizeof(double));
-}
-
-static int show_state(Motion *m, double time)
-{
-    m->valid = 0;
-    m->time = time;
-    if (m->to <= m->from) return SOLVED;
-    state_at(m, time, m->x);
-    return time < m->to ? project_state(m) : SOLVED;
-}
-
-/* Set `sides` at a time of the last step; return whether an event has happened since the sides kept. */
-static int has_event(Motion *m, double time)
-{
-    double x[SB_X + 1], values[SB_EVENTS + 1], now = m->time;
-    int k, status;
-    state_at(m, time, x);
-    m->time = time;
-    status = compute(m, &sb_functions[SB_INDICATORS], x, values);
-    m->time = now;
-    for (k = 0; k < SB_EVENTS && status == 0; k++) {
-        int side = side_of(values[k]);
-        if (m->side[k] > 0 && side <= 0 && sb_directions[k] <= 0) return 1;
-        if (m->side[k] < 0 && side >= 0 && sb_directions[k] >= 0) return 1;
-    }
-    return 0;
-}
-
-/* Go on inside the last step to a time, or to the first event before it. */
-static int pass_events(Motion *m, double end)
-{
-    double start = m->time, low = start, high = end;
-    int k;
-    if (SB_EVENTS == 0) return 0;
-    for (k = 1; k <= SB_LOOKS; k++) {
-        high = k == SB_LOOKS ? end : start + (end - start) * k / SB_LOOKS;
-        if (has_event(m, high)) break;
-        show_state(m, high);
-        note_events(m); /* sides that change without an event */
-        low = high;
-    }
-    if (k > SB_LOOKS) return 0;
-    for (k = 0; k < 200; k++) {
-        double middle = low + 0.5 * (high - low);
-        if (!(middle > low && middle < high)) break;
-        if (has_event(m, middle)) high = middle;
-        else low = middle;
-    }
-    show_state(m, high);
-    note_events(m);
-    return 1;
-}
-
-/* Go on to a time; returns one of the codes of the integrator, and whether an event ends the motion. */
-static int go_to(Motion *m, double target, int *must_stop)
-{
-    double *B = m->pool + SB_BLOCK;
-    int events = 0;
-    *must_stop = 0;
-    renew_arguments(m);
-    while (m->time < target) {
-        double end;
-        if (B[SB_T_END] < target) B[SB_T_END] = target + SB_SPAN;
-        if (m->is_fresh) begin_steps(m);
-        while (m->code == SB_RUNNING && m->to <= m->time) take_step(m);
-        if (m->code != SB_RUNNING && m->code != SB_FINISHED) return m->code;
-        if (m->to <= m->time) { /* the end of an earlier goal: begin anew towards the next */
-            m->is_fresh = 1;
-            continue;
-        }
-        end = m->to < target ? m->to : target;
-        if (pass_events(m, end)) {
-            if (act(m, must_stop) < 0) return SB_NOT_FINITE;
-            if (*must_stop) return SB_RUNNING;
-            if (++events > SB_MOST_EVENTS) return SB_TOO_MANY;
-        } else if (show_state(m, end) != SOLVED)
-            return SB_SINGULAR;
-    }
-    keep_settled(m);
-    return SB_RUNNING;
 }

@@ -23,8 +23,12 @@ def collect_signals(elements: Iterable[Element]) -> tuple[Signal, ...]:
 
 
 def loop_problems(signals: Iterable[Signal]) -> list[Problem]:
-    """Return a problem if values need each other in a ring; states break rings."""
-    values = {signal.name: signal.value.names for signal in signals if signal.value is not None}
+    """Return a problem if values need each other in a ring; states and held values break rings."""
+    values = {
+        signal.name: signal.value.names
+        for signal in signals
+        if signal.value is not None and not signal.is_held
+    }
     try:
         dependence_order({name: [word for word in names if word in values] for name, names in values.items()})
     except CycleError as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 from symbody.errors import Problem, nearest
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import ConstraintElement
+from symbody.model.element import Element
 from symbody.model.formula_site import FormulaSite, Scope
 from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
@@ -107,8 +108,10 @@ def constraint_entries(condition: ConstraintElement, label: str) -> Iterator[tup
             yield f"{name}{suffix}", Meaning(word, f"{label}, parameter")
 
 
-def signal_entries(signals: Iterable[Signal], label: str) -> Iterator[tuple[str, Meaning]]:
-    """Return what an element adds to the symbols: names of its signals, and rates of states."""
+def signal_entries(element: Element, signals: Sequence[Signal], label: str) -> Iterator[tuple[str, Meaning]]:
+    """Return what an element adds to the symbols: names of its signals, rates of states, and its own name."""
+    if element.name not in {signal.name for signal in signals}:  # a block with several outputs
+        yield element.name, Meaning("block", f"{label}, name")
     for signal in signals:
         yield signal.name, Meaning("signal", f"{label}, name")
         if signal.is_state:
@@ -182,6 +185,7 @@ _CURES: Final = MappingProxyType(
     {
         "a signal": "write what it stands for, if that is made of the names this place takes: a signal may "
         "depend on states",
+        "a block": "write the name of one of its outputs, which are numbered: name_1, name_2, ..",
         "a signal rate": "write the formula of the rate, or a signal of it: value = ..",
     }
 )

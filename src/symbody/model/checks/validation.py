@@ -147,7 +147,7 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
         elif isinstance(element, ConstraintElement):
             yield from constraint_entries(element, label)
         elif isinstance(element, Signal | SignalBlock):
-            yield from signal_entries(collect_signals([element]), label)
+            yield from signal_entries(element, collect_signals([element]), label)
         elif isinstance(element, Lookup) and element.name not in draft.inputs:
             yield from table_entries(element, label, draft.parameters.keys())
     for joint in draft.free_joints:

@@ -144,7 +144,8 @@ def _make_renaming(include: Include, at: FrameRef) -> Renaming:
     joints = (*part.joints, *part.free_joints)
     speeds = [name for joint in joints for name in joint.quasi_speed_names]
     coordinates = [*part.coordinates, *(name for joint in part.free_joints for name in joint.coordinates)]
-    names = [*part.parameters, *part.inputs, *(element.name for element in (*part.signals, *part.tables))]
+    named = (*part.signals, *part.held_signals, *part.tables)
+    names = [*part.parameters, *part.inputs, *(element.name for element in named)]
     symbols = {
         f"{name}{suffix}": f"{include.prefix}_{name}{suffix}"
         for name in (*names, *coordinates, *speeds)

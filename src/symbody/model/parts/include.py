@@ -89,7 +89,8 @@ class Include:
     @property
     def ports(self) -> tuple[str, ...]:
         """What may be connected: inputs and signals of the part."""
-        return (*self.part.inputs, *(signal.name for signal in self.part.signals))
+        signals = (*self.part.signals, *self.part.held_signals)
+        return (*self.part.inputs, *(signal.name for signal in signals))
 
     def _check(self, arguments: Arguments) -> None:
         shared = (*self.part.parameters, *self.part.inputs)

@@ -28,6 +28,11 @@ class SignalBlock(Element):
     name: SymbolElementName = SymbolElementName("Name of the output, unique among the symbols of the model.")
 
     @property
+    def continuous(self) -> SignalBlock | None:
+        """The block without samples; None where it has no continuous equivalent."""
+        return type(self)(**{**self.given_arguments(), "sample": None})
+
+    @property
     def signals(self) -> tuple[Signal, ...]:
         """The signals that it stands for."""
         raise NotImplementedError

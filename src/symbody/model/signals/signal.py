@@ -1,9 +1,10 @@
-"""`Signal`: a name for a formula, for an output of the mechanism, or for a state that has a rate."""
+"""`Signal`: a name for a formula, for an output of the mechanism, for a state, or for a held value."""
 
 from __future__ import annotations
 
 from typing import ClassVar, final
 
+from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
 from symbody.model.element import Element
 from symbody.model.element_fields import element
@@ -22,6 +23,8 @@ class Signal(Element):
     False
     >>> Signal("i", rate="(V - R*i - ke*theta_dot)/L", initial=2).is_state
     True
+    >>> Signal("measured", "theta", sample=0.01).is_held
+    True
     """
 
     kind: ClassVar[str] = "signal"
@@ -32,12 +35,22 @@ class Signal(Element):
     rate: OptionalQuantity = OptionalQuantity(
         "Derivative in time; it makes the signal a state.", scope=Scope.LOAD
     )
-    initial: Quantity = Quantity("Value at the start, of a state.", default=0)
+    initial: Quantity = Quantity(
+        "Value at the start, of a state; of a held value that before the first sample.", default=0
+    )
+    sample: OptionalQuantity = OptionalQuantity(
+        "Time between samples; the value or output is held from each to the next.", unit="s"
+    )
 
     @property
     def is_state(self) -> bool:
         """Whether the signal has a rate."""
         return self.rate is not None
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the value is held from sample to sample."""
+        return self.sample is not None
 
     def check(self, arguments: Arguments) -> None:
         """Note a signal that is not exactly one of the three, and an initial value of what has none."""
@@ -47,8 +60,28 @@ class Signal(Element):
             what = f"{' and '.join(given)} are given" if given else "neither value, output nor rate is given"
             why = "a signal is a name for one formula, for one output, or a state with one rate"
             arguments.add("signal.one_of", "", what, why, "give exactly one of value, output and rate")
-        if given == ["value"] or given == ["output"]:
+        check_sample(arguments, self.sample)
+        if self.sample is not None and self.rate is not None:
+            why = "a rate is integrated from instant to instant, a held value stays the same between samples"
+            cure = f"write the value after one sample: value = {self._next_value!r}, or leave sample out"
+            arguments.add("signal.sampled_rate", "sample", "a state with a rate is not sampled", why, cure)
+        if (given == ["value"] or given == ["output"]) and self.sample is None:
             if self.initial.constant() != 0:
                 why = "what it is follows from its formula at every time"
-                cure = "leave initial out, or give a rate"
-                arguments.add("signal.initial", "initial", "only a state has an initial value", why, cure)
+                cure = "leave initial out, or give a rate, or a sample time"
+                what = "only states and held values have an initial value"
+                arguments.add("signal.initial", "initial", what, why, cure)
+
+    @property
+    def _next_value(self) -> str:
+        return f"{self.name} + {self.sample}*({self.rate})"
+
+
+def check_sample(arguments: Arguments, sample: Formula | None) -> None:
+    """Note a time between samples that is a number, but not a positive one."""
+    number = None if sample is None else sample.constant()
+    if number is not None and not number > 0:
+        arguments.add(
+            "signal.sample", "sample", f"the time between samples is {sample}",
+            "samples are taken at the start and after every such time", "give seconds, such as sample = 0.01",
+        )  # fmt: skip

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.native_call import check_status
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.kernels import watch_block as at
 from symbody.simulation.events.events import Event, LevelEvent
@@ -55,38 +56,16 @@ class EventFunctions:
         self._problem = problem
         self._projector = projector
         self._values = problem.compile_outputs([str(event.expression) for event in self.events])
-        self._check_shapes()
-        formulas = [str(value) for event in self.events for value in event.mapping.values()]
-        self._actions = problem.compile_outputs(["energy", *formulas]) if formulas else None
-        self._check_actions()
+        check_value_shapes(self.events, self._values)
+        outputs = action_outputs(self.events)
+        self._actions = problem.compile_outputs(outputs) if outputs else None
+        check_action_shapes(self.events, self._actions)
         functions = [function for function in (self._values, self._actions) if function is not None]
         self._callbacks = [
             CallbackFunction(function, problem.laws) for function in functions if problem.laws.need_python
         ]
         addresses = [function.address for function in self._callbacks or functions]
         self.addresses = (*addresses, 0)[:2] + (0 if projector is None else projector.address,)
-
-    def _check_shapes(self) -> None:
-        outputs = zip(self.events, self._values.outputs, strict=True)
-        problems = [
-            Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
-                    "an event watches one number", "name one component, such as 'reaction J Fx'")
-            for event, output in outputs if output.shape
-        ]  # fmt: skip
-        if problems:
-            raise UsageError(*problems)
-
-    def _check_actions(self) -> None:
-        named = [(event.label, name) for event in self.events for name in event.mapping]
-        outputs = () if self._actions is None else self._actions.outputs[1:]
-        problems = [
-            Problem("simulation.event_shape", f"event {label!r}",
-                    f"the new value of {name} has shape {output.shape}",
-                    "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
-            for (label, name), output in zip(named, outputs, strict=True) if output.shape
-        ]  # fmt: skip
-        if problems:
-            raise UsageError(*problems)
 
     def make_block(self, span: float) -> Floats:
         """Return the block of a watch over a run of some length [s]."""
@@ -108,7 +87,7 @@ class EventFunctions:
             0 if projector is None else projector.out_size,
             empty if projector is None else projector.scales,
         )
-        return make_watch_block([self._as_numbers(event) for event in self.events], numbers)
+        return make_watch_block([event_numbers(eqs, event) for event in self.events], numbers)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
@@ -132,11 +111,55 @@ class EventFunctions:
             )
         )
 
-    def _as_numbers(self, event: Event) -> WatchedEvent:
-        """Return an event as numbers."""
-        text = str(event.expression)
-        action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
-        wraps = any(name in text for name in self._problem.eqs.measured_angles)
-        targets = tuple(self.state_names.index(name) for name in event.mapping)
-        level = event.level if isinstance(event, LevelEvent) else 0.0
-        return WatchedEvent(event.direction, action, wraps, targets, level)
+
+def action_outputs(events: Sequence[Event]) -> list[str]:
+    """Return what the function of actions writes: energy, new values, rates; nothing if no event acts."""
+    formulas = [str(value) for event in events for value in event.mapping.values()]
+    return ["energy", *formulas, "xdot"] if formulas else []
+
+
+def check_value_shapes(events: Sequence[Event], values: CompiledFunction) -> None:
+    """Check that values of events are numbers.
+
+    Raises
+    ------
+    UsageError
+        If one is a vector or a matrix.
+    """
+    problems = [
+        Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
+                "an event watches one number", "name one component, such as 'reaction J Fx'")
+        for event, output in zip(events, values.outputs, strict=True) if output.shape
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+
+
+def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | None) -> None:
+    """Check that what actions set are numbers.
+
+    Raises
+    ------
+    UsageError
+        If one is a vector or a matrix.
+    """
+    named = [(event.label, name) for event in events for name in event.mapping]
+    outputs = () if actions is None else actions.outputs[1:-1]
+    problems = [
+        Problem("simulation.event_shape", f"event {label!r}",
+                f"the new value of {name} has shape {output.shape}",
+                "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
+        for (label, name), output in zip(named, outputs, strict=True) if output.shape
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+
+
+def event_numbers(eqs: EquationSet, event: Event) -> WatchedEvent:
+    """Return an event as numbers."""
+    text = str(event.expression)
+    action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
+    wraps = any(name in text for name in eqs.measured_angles)
+    targets = tuple(eqs.state_names.index(name) for name in event.mapping)
+    level = event.level if isinstance(event, LevelEvent) else 0.0
+    return WatchedEvent(event.direction, action, wraps, targets, level)

@@ -15,7 +15,7 @@ from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import event_rows, with_cut_fit
 from symbody.simulation.native.description import Record
 from symbody.simulation.native.machine import address, watched_motion
-from symbody.simulation.native.segments import Cut
+from symbody.simulation.native.segments import Cut, HeldValues
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -68,6 +68,12 @@ class EventWatch:
         )
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Where values were no numbers, or passed a pole: nothing happened there."""
+        labels = [event.label for event in self._functions.events]
+        return value_notes(labels, event_rows(self._block)[:, at.NO_NUMBER : at.POLE_TIME + 1])
+
+    @property
     def most_steps(self) -> int:
         """How many steps may be taken between two looks."""
         recording = all(event.action == "record" for event in self._functions.events)
@@ -108,16 +114,27 @@ class EventWatch:
         status = Status.CHATTERING if code == at.CHATTERS else Status.STOPPED
         return Cut(float(block[at.CUT]), before, after if code == at.GOES_ON else None, status)
 
-    def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
+    def advance(
+        self,
+        rhs: int,
+        projector: int,
+        block: Floats,
+        record: Record,
+        trials: int,
+        held: HeldValues | None = None,
+    ) -> int:
         """Try up to so many steps of the compiled loop, and let events happen; return the loop's code."""
         self._prepare(block)
+        functions = (rhs, projector, *self._functions.addresses)
         code = run_at.NO_EVENT_ROOM
         while code == run_at.NO_EVENT_ROOM:
             self._block[at.HAPPENED_ROOM] = len(self._happened)
-            arrays = (block, self._block, *self._places(record), self._happened)
-            code = watched_motion().advance_watched(
-                rhs, projector, *self._functions.addresses, *map(address, arrays), trials
-            )
+            if held is not None:
+                blocks = block, self._block
+                code = held.advance_watched(functions, blocks, record, self._happened, trials)
+            else:
+                arrays = (block, self._block, *self._places(record), self._happened)
+                code = watched_motion().advance_watched(*functions, *map(address, arrays), trials)
             if code == run_at.NO_EVENT_ROOM:
                 self._make_room()
         if code == run_at.EVENT_FAULT:
@@ -148,3 +165,26 @@ class EventWatch:
 
     def _make_room(self) -> None:
         self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
+
+
+def value_notes(labels: Sequence[str], seen: Floats) -> tuple[str, ...]:
+    """Return notes on values that were no numbers, or had poles.
+
+    Parameters
+    ----------
+    seen : (events, 4) array
+        Whether and when a value was first no number, whether and when it had its first pole [s].
+    """
+    notes = []
+    for label, (is_none, since, has_pole, t) in zip(labels, seen.tolist(), strict=True):
+        if is_none:
+            notes.append(
+                f"event {label!r}: its value is not a number at t = {since:.6g} s, so it cannot happen "
+                "there; give it a formula that has a value everywhere"
+            )
+        if has_pole:
+            notes.append(
+                f"event {label!r}: its value has a pole at t = {t:.6g} s, where its sign changes, but no "
+                "zero; give it a formula without poles, such as the denominator"
+            )
+    return tuple(notes)

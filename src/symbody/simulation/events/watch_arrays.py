@@ -93,13 +93,14 @@ def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers) -> F
         at.NUMBERS: numbers.values,
         at.VALUES: np.zeros(m),
         at.ACTIONS: numbers.actions,
-        at.ACTED: np.zeros(1 + targets.size),
+        at.ACTED: np.zeros(targets.size + n),
         at.CLOSING: numbers.closing,
         at.CLOSED: np.zeros(numbers.projected),
         at.TOLERANCES: numbers.tolerances,
         at.BEFORE: np.zeros(n),
         at.AFTER: np.zeros(n),
         at.SCRATCH: np.zeros(3 * n),
+        at.RATE: np.zeros(n),
     }
     block = np.concatenate([np.zeros(at.HEADER), *parts.values()])
     places = at.HEADER + np.cumsum([0, *(part.size for part in parts.values())])
@@ -107,7 +108,7 @@ def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers) -> F
     block[[at.ACTIONS, at.CLOSING]] *= [numbers.actions.size > 0, numbers.closing.size > 0]
     block[[at.STATES, at.SPEEDS, at.COORDINATES, at.EVENTS]] = n, numbers.speeds, numbers.coordinates, m
     block[[at.RESIDUALS, at.PROJECTED_VALUES]] = numbers.tolerances.size, numbers.projected
-    block[[at.ACTION_VALUES, at.NODE]] = 1 + targets.size, at.STEP_NODES
+    block[[at.ACTION_VALUES, at.NODE]] = targets.size + n, at.STEP_NODES
     return block
 
 

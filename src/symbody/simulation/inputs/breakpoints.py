@@ -70,6 +70,14 @@ class Breakpoints:
             np.append(self.margins[::step], 0.0),
         )
 
+    def jumps_alone(self) -> Breakpoints:
+        """Return the jumps, with any step between them."""
+        count = int(self.jumps.sum())
+        if not count:
+            return NO_BREAKPOINTS
+        longest, jumps = np.full(count + 1, np.inf), np.ones(count, dtype=np.bool_)
+        return Breakpoints(self.times[self.jumps], longest, jumps, self.margins[self.jumps], self.is_complete)
+
     def notes(self, step: float | None) -> tuple[str, ...]:
         """Return what steps of one length, or a search that was broken off, may miss."""
         notes = []

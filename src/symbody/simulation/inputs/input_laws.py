@@ -21,11 +21,13 @@ from symbody.errors import Problem, SimulationError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model
 from symbody.model.tables.lookup import Lookup
+from symbody.simulation.inputs.fmu_input import FmuInput, refuse_fmu_inputs
+from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.tables import Table, table_numbers
 
 Floats = NDArray[np.float64]
 Callback = Callable[[float, Floats, Floats], float]
-Law = Value | Table | tuple[ArrayLike, ArrayLike] | Callback
+Law = Value | Table | tuple[ArrayLike, ArrayLike] | Callback | FmuInput
 
 # Differences of a law are taken over a share of the state, or of this where the state is smaller.
 _SHARE: Final = 1.5e-8  # the root of what numbers are rounded by
@@ -68,16 +70,25 @@ class InputLaws:
         """
         if not self.callbacks:
             return np.empty((t.size, 0))
-        if not self.need_python:
-            return np.stack([table.at(t) for table in self.tables.values()], axis=1)
-        return np.array([self.evaluate(*point) for point in zip(t.tolist(), q.T, u.T, strict=True)]).reshape(
-            t.size, len(self.callbacks)
-        )
+        values = np.zeros((t.size, len(self.callbacks)))
+        if self.need_python:
+            for row, point in enumerate(zip(t.tolist(), q.T, u.T, strict=True)):
+                values[row] = self.evaluate(*point)
+        for place, table in self.tables.items():
+            values[:, place] = table.at(t)
+        for place, law in self.held_laws.items():
+            values[:, place] = law.values_at(t)
+        return values
+
+    @property
+    def held_laws(self) -> dict[int, HeldLaw]:
+        """Those among `callbacks` that are held values, by their places."""
+        return {k: law for k, law in enumerate(self.callbacks.values()) if isinstance(law, HeldLaw)}
 
     @property
     def need_python(self) -> bool:
-        """Whether some callbacks are more than tables, which compiled loops read by themselves."""
-        return len(self.tables) < len(self.callbacks)
+        """Whether some callbacks are more than tables and held values, which compiled loops read."""
+        return len(self.tables) + len(self.held_laws) < len(self.callbacks)
 
     def table_numbers(self) -> Floats:
         """Return all tables as `symbody.kernels.tables` reads them, nothing where Python has to be called."""
@@ -126,21 +137,33 @@ def input_laws(
     given: Mapping[str, Law],
     span: tuple[float, float],
     coordinates: int | None = None,
+    *,
+    has_fmus: bool = False,
 ) -> InputLaws:
     """Return the laws of inputs; those without one are 0, and unknown names are left to `compile`.
+
+    Parameters
+    ----------
+    has_fmus : bool
+        Whether FMUs may compute inputs; these are 0 until a first sample is taken.
 
     Raises
     ------
     UsageError
-        If a table cannot be read or does not reach over the span.
+        If a table cannot be read or does not reach over the span, or FMUs have no place here.
     """
+    if not has_fmus:
+        refuse_fmu_inputs(given)
     formulas: dict[str, Value] = dict.fromkeys(names, 0)
     callbacks: dict[str, Callback] = {}
     long: dict[str, Table] = {}
     notes = []
     for name, law in given.items():
         table = Table(*law) if isinstance(law, tuple) else law
-        if isinstance(table, Table):
+        if isinstance(table, FmuInput):
+            long[name] = Table((0.0, 1.0), (0.0, 0.0))
+            callbacks[name] = long[name].reader()
+        elif isinstance(table, Table):
             table.check_span(name, *span)
             if table.is_short:
                 formulas[name] = table.formula()
@@ -148,6 +171,8 @@ def input_laws(
                 callbacks[name], long[name] = table.reader(), table
         elif isinstance(table, str | int | float | Formula) or not callable(table):
             formulas[name] = table
+        elif isinstance(table, HeldLaw):
+            callbacks[name] = table
         else:
             callbacks[name] = table
             notes.append(

@@ -67,6 +67,10 @@ _STEEP: Final[Mapping[int, Callable[[Bounds], Bounds]]] = MappingProxyType(
     }
 )  # fmt: skip
 
+_DOMAINS: Final[Mapping[int, tuple[float, float]]] = MappingProxyType(
+    {op.LOG: (0.0, np.inf), op.SQRT: (0.0, np.inf), op.ASIN: (-1.0, 1.0), op.ACOS: (-1.0, 1.0)}
+)
+
 
 def may_hide_features(functions: TimeFunctions, values: Floats, whole: Floats, ends: Bounds) -> Flags:
     """Return in which pieces (N,) something may lie between the samples.
@@ -132,7 +136,9 @@ def _steep_may_hide(functions: TimeFunctions, k: int, values: Floats, whole: Flo
         return _exceeds(_reciprocal(hull(divisor)), 1.0 / divisor, np.zeros(1))
     first = hull(values[operands[0]])
     if code in _STEEP:
-        return _exceeds(_STEEP[code](first), values[k], whole)
+        least, most = _DOMAINS.get(code, (-np.inf, np.inf))
+        is_defined = (first[1] > least) & (first[0] < most)  # where it is nowhere, nothing is hidden
+        return _exceeds(_STEEP[code](first), values[k], whole) & is_defined
     is_fixed = not functions.moves[operands[1]]
     second = (values[operands[1], :, 0],) * 2 if is_fixed else hull(values[operands[1]])
     if code == op.ATAN2:

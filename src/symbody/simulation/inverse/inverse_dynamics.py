@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.kinematics.continuation import continuation
 from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments
@@ -210,6 +211,7 @@ def _check_questions(
         problems.append(_moving_signals(eqs))
     if problems:
         raise UsageError(*problems)
+    refuse_held(eqs, "inverse dynamics", {*unknowns, *inputs})
 
 
 def _moving_signals(eqs: EquationSet) -> Problem:

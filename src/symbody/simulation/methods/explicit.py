@@ -20,7 +20,7 @@ from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, drive, fresh
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.segments import HeldValues, Watch
 
 Floats = NDArray[np.float64]
 
@@ -98,14 +98,14 @@ def integrate(
     projector: Projector = NOTHING_TO_PROJECT,
     watch: Watch | None = None,
     breakpoints: Breakpoints = NO_BREAKPOINTS,
+    held: HeldValues | None = None,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
     Parameters
     ----------
     address, work_size, tables : int, int, array
-        A function of generated code, see `kernels.language.Function`, its doubles of scratch, and its inputs
-        that are tables, see `kernels.tables`.
+        A function of generated code, see `kernels.language.Function`, its scratch, and `kernels.tables`.
     times : array, optional
         The samples to store, in the order of the motion; by default every step is stored.
     rtol, atol : float, float or (n_u + n_q,) array
@@ -116,9 +116,9 @@ def integrate(
         Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step, and to
         stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
-        Called about 20 times a second with the share of the span that is done; returning False ends the run.
-    projector, watch, breakpoints : Projector, Watch, Breakpoints
-        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`; bound steps.
+        Called now and then with the share of the span that is done; returning False ends the run.
+    projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
+        Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs.
 
     Raises
     ------
@@ -126,13 +126,13 @@ def integrate(
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
     (start, end), x = check_span(t_span), _check_state(x0, n_u + n_q)
-    bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
+    bounds = breakpoints.jumps_alone() if isinstance(method, FixedStep) else breakpoints
     goal = make_goal((start, end), check_rtol(rtol), check_atol(atol, x.size), method.max_step, bounds)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
     block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
-    run = NativeRun(rhs.address, projector.address, block)
+    run = NativeRun(rhs.address, projector.address, block, held)
     more = 0 if watch is None else EVENT_SAMPLES
     return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
 

@@ -130,9 +130,10 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
             rates, _norm_pulls(eqs, _NORMING / integration.problem.scales.time), strict=True
         )
     ]
+    values += [-Expr(graph, node) for node in eqs.roots("signal_rates").nodes]
     values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
     nodes = with_laws(eqs, [value.index for value in values], integration.problem.laws.formulas)
-    by = (*formed.u, *formed.q, *first.values(), *second.values())
+    by = (*formed.u, *formed.q, *formed.signal_states, *first.values(), *second.values())
     callbacks = input_symbols(eqs, integration.problem.laws.callbacks)
     outputs = [
         Roots(_RESIDUAL, (len(nodes),), tuple(nodes)),
@@ -154,7 +155,7 @@ def _norm_pulls(eqs: EquationSet, rate: float) -> list[Expr]:
 
 
 class _GGLSystem:
-    """The residual ``R(t, y, y')`` with y = (u, q, lambda, mu), and its derivatives, as numbers."""
+    """The residual ``R(t, y, y')`` with y = (u, q, s, lambda, mu), and its derivatives, as numbers."""
 
     def __init__(self, integration: IntegrationProblem, eqs: EquationSet) -> None:
         self.m, self.m_positions = len(eqs.formed.rows), len(eqs.formed.holonomic)
@@ -165,7 +166,9 @@ class _GGLSystem:
         scales = integration.problem.scales
         weight = np.sqrt(scales.mass) * scales.length  # with it entries of M and J are of order 1
         self._sizes = np.concatenate([scales.displacements(eqs) / weight, weight / scales.constraints(eqs)])
-        self._start = integration.compile_outputs((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
+        self._start = integration.compile_outputs(
+            (_MASS, "forcing", "jacobian", "gamma", "qdot", "signal_rates"), eqs
+        )
 
     def residual(self, t: float, both: Floats) -> Floats:
         """Return R at y followed by y'."""
@@ -187,13 +190,15 @@ class _GGLSystem:
 
     def consistent(self, t: float, x: Floats) -> tuple[Floats, Floats]:
         """Return y and y' that fulfil the equations at a state on the constraints."""
-        mass, force, rows, gamma, rates = self._start(t, x, np.zeros(self._n_u + self.m + self.m_positions))
+        mass, force, rows, gamma, rates, signals = self._start(
+            t, x, np.zeros(self._n_u + self.m + self.m_positions)
+        )
         saddle = np.block([[mass, -rows.T], [rows, np.zeros((self.m, self.m))]])
         sizes, right = self._sizes, np.concatenate([force, gamma])
         solution = sizes * np.linalg.lstsq(saddle * np.outer(sizes, sizes), right * sizes, rcond=None)[0]
         udot, multipliers = np.split(solution, [self._n_u])
         still, pushes = np.zeros(self.m), np.zeros(self.m_positions)
-        return np.concatenate([x, multipliers, pushes]), np.concatenate([udot, rates, still, pushes])
+        return np.concatenate([x, multipliers, pushes]), np.concatenate([udot, rates, signals, still, pushes])
 
     def _evaluate(self, function: StateFunction, t: float, y: Floats, rate: Floats) -> Any:
         return function(t, y[: self._n], np.concatenate([rate[: self._n_u], y[self._n :]]))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_fields
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.errors import Problem, UsageError
 from symbody.kernels import block as at
 from symbody.simulation.events.event_watch import EventWatch
@@ -143,7 +144,7 @@ def _compile_functions(integration: IntegrationProblem) -> tuple[CompiledFunctio
     eqs = drop_idle_rows(integration.eqs, problem.parameters)
     wider = with_state_jacobian(eqs, problem.laws.formulas, problem.laws.callbacks)
     derivatives = replace(problem, eqs=wider).compile_outputs(STATE_JACOBIAN, quick=True)
-    return problem.compile_outputs(("xdot", "power")), problem.compile_outputs("qdot"), derivatives
+    return problem.compile_outputs(OF_STEPS), problem.compile_outputs("qdot"), derivatives
 
 
 @contextmanager
@@ -202,8 +203,9 @@ def _projector(closing: StateProjector | None, method: GeneralizedAlpha) -> Proj
 def _bounds(integration: IntegrationProblem, method: GeneralizedAlpha) -> Breakpoints:
     """Return what bounds the steps: those of one length end at jumps alone."""
     bounds = integration.breakpoints
-    share = _SHARE_OF_PIECE if method.step is None else math.inf
-    return replace(bounds, longest=share * bounds.longest)
+    if method.step is not None:
+        return bounds.jumps_alone()
+    return replace(bounds, longest=_SHARE_OF_PIECE * bounds.longest)
 
 
 def _times(integration: IntegrationProblem) -> Floats | None:

@@ -15,7 +15,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.errors import Problem, UsageError
+from symbody.expr.canonical import ZERO
+from symbody.expr.rewrite import substitute
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import Baumgarte, Projection
@@ -29,6 +33,8 @@ from symbody.simulation.methods.stiff import Stiff, run_stiff
 from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before
+from symbody.simulation.sampling.sampled_loop import SampledLoop
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED
 
@@ -85,13 +91,6 @@ def _fitting_constraints(plan: MotionPlan) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
     constraints = plan.constraints or _PROJECTION
     eqs = plan.integration.eqs
-    if isinstance(constraints, GGL | Partition) and eqs.multiplier_names and eqs.signal_state_names:
-        name = f"sb.{type(constraints).__name__}()"
-        listed = ", ".join(eqs.signal_state_names)
-        why = "it integrates coordinates and speeds alone"
-        fix = "leave constraints out, or give sb.Projection() or sb.Baumgarte()"
-        what = f"{name} does not integrate the states of signals: {listed}"
-        raise UsageError(Problem("simulation.signals", "constraints", what, why, fix))
     fits: tuple[type, ...]
     if isinstance(constraints, GGL):
         fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"
@@ -113,6 +112,9 @@ def _run_method(
     watch: EventWatch | None,
 ) -> tuple[RawRun, Notes]:
     """Return the run by a method that can hold the constraints, and what to note about it."""
+    held = integration.problem.sampler is not None
+    if held:
+        _check_held(integration.problem, integrator, constraints)
     if isinstance(constraints, GGL):
         return run_ggl(integration, integrator if isinstance(integrator, Stiff) else Stiff(), watch)
     if isinstance(constraints, Partition):
@@ -122,14 +124,32 @@ def _run_method(
         return run_stiff(integration, integrator, constraints, watch), ()
     if isinstance(integrator, GeneralizedAlpha):
         return run_generalized_alpha(integration, integrator, closing, watch, work_tolerance(integration))
-    if integrator is not None:
-        return run_explicit(integration, integrator, closing, watch), ()
+    if integrator is not None or held:
+        return run_explicit(integration, integrator or DEFAULT, closing, watch), ()
     raw = run_explicit(integration, DEFAULT, closing, watch, stop_when_stiff=True)
     if raw.status is not Status.STIFF or raw.dense_output is None:
         return raw, ()
     if watch is None and _steps_left(raw.dense_output, integration.span[1]) < BEARABLE:
         return run_explicit(integration, DEFAULT, closing, watch), ()  # events would be noted twice
     return _continue_stiff(integration, raw, raw.dense_output(raw.reached), constraints, watch)
+
+
+def _check_held(problem: SimulationProblem, integrator: Integrator | None, constraints: Constraints) -> None:
+    """Refuse methods that take no samples on the way."""
+    if isinstance(integrator, Stiff | GeneralizedAlpha):
+        where, name = "integrator", f"sb.{type(integrator).__name__}()"
+        fix = "sb.Explicit() or sb.FixedStep(h)"
+    elif isinstance(constraints, GGL | Partition):
+        where, name = "constraints", f"sb.{type(constraints).__name__}()"
+        fix = "sb.Projection() or sb.Baumgarte()"
+    else:
+        return
+    listed = ", ".join([] if problem.sampler is None else problem.sampler.names)
+    raise UsageError(
+        Problem("simulation.sampled", where, f"{name} does not sample {listed}",
+                "values are held between samples in the loop of explicit methods alone",
+                f"use {fix}, or form the equations of sb.without_sampling(model)")
+    )  # fmt: skip
 
 
 def run_explicit(
@@ -149,7 +169,7 @@ def run_explicit(
     """
     problem, laws = integration.problem, integration.problem.laws
     # The work is one more state: the function writes its rate, the power, behind xdot.
-    function = problem.compile_outputs(("xdot", "power"))
+    function = problem.compile_outputs(OF_STEPS)
     python_laws = CallbackFunction(function, laws) if laws.need_python else None
     projector = NOTHING_TO_PROJECT if closing is None else closing.projector
     if isinstance(method, FixedStep):  # its steps never become shorter, however far one went
@@ -175,6 +195,7 @@ def run_explicit(
         projector=projector,
         watch=watch,
         breakpoints=integration.breakpoints,
+        held=None if problem.sampler is None else SampledLoop(problem, problem.sampler),
     )
     if python_laws is None:
         return run()
@@ -193,11 +214,26 @@ def work_tolerance(integration: IntegrationProblem) -> float:
     Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism
     in fast motion would need steps without end.
     """
+    energy = CLOSED * integration.problem.scales.energy
+    usual = energy if integration.atol is None else integration.atol
+    return min(max(usual, integration.rtol * _first_kinetic_energy(integration)), sys.float_info.max)
+
+
+def _first_kinetic_energy(integration: IntegrationProblem) -> float:
     problem, t, n_u, x = integration.problem, integration.span[0], integration.n_u, integration.state
     first = problem.first_numbers(t, x)
-    kinetic = problem.value("kinetic_energy", t, x[n_u:], x[:n_u]) if first is None else first.kinetic_energy
-    usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
-    return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
+    if first is not None and first.kinetic_energy is not None:
+        return first.kinetic_energy
+    if not x[:n_u].any() and problem.eqs.plans.get("rests", partial(_rests, problem.eqs)):
+        return 0.0
+    return problem.value("kinetic_energy", t, x[n_u:], x[:n_u])
+
+
+def _rests(eqs: EquationSet) -> bool:
+    """Return whether the kinetic energy is identically zero where all speeds are zero."""
+    graph = eqs.formed.graph
+    still = {graph.symbol(speed): ZERO for speed in eqs.formed.u}
+    return substitute(graph, [eqs.formed.kinetic_energy.index], still) == [ZERO]
 
 
 def _steps_left(dense: DenseOutput, end: float) -> float:

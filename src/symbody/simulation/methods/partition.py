@@ -140,7 +140,7 @@ class _PartitionStepper:
         solver.y = x.copy()
         self._watch.accept()
         self.states.accept(self._t, x)
-        if self._t != self._end and self.states.is_worn(self._t, x[self._integration.n_u :], self._worst):
+        if self._t != self._end and self.states.is_worn(self._t, x[self.states.loops.places], self._worst):
             self._choose(abs(solver.h_abs))
 
     def _nodes(self, solver: scipy.integrate.DOP853) -> Floats | None:
@@ -158,7 +158,7 @@ class _PartitionStepper:
 
     def _choose(self, first_step: float | None) -> None:
         """Choose the independent coordinates of the present state and begin with them."""
-        q = self._x[self._integration.n_u :]
+        q = self._x[self.states.loops.places]
         if not self.states.is_near_change_point(self._t, q):
             self.states.choose(self._t, q)
             self.changes += 1

@@ -93,7 +93,9 @@ Choices = tuple[PartitionChoice, PartitionChoice]
 
 
 class PartitionStates:
-    """Complete states x = (u, q) and their rates from independent parts, on the branch of a start.
+    """Complete states x = (u, q, s) and their rates from independent parts, on the branch of a start.
+
+    States s of signals take part in no constraint: they are independent.
 
     Attributes
     ----------
@@ -105,6 +107,7 @@ class PartitionStates:
     def __init__(self, integration: IntegrationProblem) -> None:
         self.loops = LoopConstraints(integration.problem)
         self._integration, self._eqs, self._n_u = integration, integration.eqs, integration.n_u
+        self._places = self.loops.places
         self._functions: dict[tuple[int, ...], StateFunction] = {}
         t, x = integration.span[0], integration.state
         self.branch = motion_branch(self.loops, t, x)
@@ -148,10 +151,10 @@ class PartitionStates:
     def accept(self, t: float, x: Floats) -> None:
         """Learn from a state of the motion what is fast, what is regular, and where the branch leads."""
         self._fastest = max(self._fastest, float(np.abs(self.loops.rates(t, x)).max(initial=0.0)))
-        share = self._share(t, x[self._n_u :])
+        share = self._share(t, x[self._places])
         self._reference *= max(share, 1.0) if np.isfinite(share) else 1.0
         if share >= NEAR:
-            self._regular, self._aside_choice = (t, x[self._n_u :].copy()), None
+            self._regular, self._aside_choice = (t, x[self._places].copy()), None
 
     def state(self, t: float, y: Floats) -> Floats:
         """Return x from the independent speeds and coordinates in y, near the others in it.
@@ -179,13 +182,14 @@ class PartitionStates:
 
     def is_on_branch(self, t: float, x: Floats) -> bool:
         """Return whether a state near a change point moves along one branch that can be recognized."""
-        if not self.is_near_change_point(t, x[self._n_u :]):
+        if not self.is_near_change_point(t, x[self._places]):
             return True
         speed = float(np.abs(self.loops.rates(t, x)).max(initial=0.0))
         between = self._interpolate(t, x) if speed > 0.0 else None
         if between is None:
             return False
-        u, q = np.split((between[0] - x), [self._n_u])
+        moved = between[0] - x
+        u, q = moved[: self._n_u], moved[self._places]
         apart = np.abs(u / self.loops.speed_sizes).max(initial=0.0) / speed
         return bool(max(apart, np.abs(q / self.loops.sizes).max(initial=0.0)) < _SAME)
 
@@ -200,14 +204,14 @@ class PartitionStates:
         """Return the state by Newton's method."""
         (positions, speeds), sizes, u = choices, self.loops.speed_sizes, y[: self._n_u].copy()
         try:
-            q = self._close_loops(t, y[self._n_u :].copy(), positions)
+            q = self._close_loops(t, y[self._places].copy(), positions)
             rows, drift = self.loops.speeds(t, q)
             rows, drift = rows[speeds.rows], drift[speeds.rows]
             change = np.linalg.solve(rows[:, speeds.dependent], drift + rows @ (u / sizes))
             u[speeds.dependent] -= change * sizes[speeds.dependent]
         except np.linalg.LinAlgError as error:
             raise SimulationError(_no_configuration(t)) from error
-        return np.concatenate([u, q])
+        return np.concatenate([u, q, y[self._places.stop :]])
 
     def _close_loops(self, t: float, q: Floats, choice: PartitionChoice) -> Floats:
         """Return coordinates of which the dependent ones fulfil the rows of a choice."""
@@ -243,7 +247,7 @@ class PartitionStates:
 
     def _interpolate(self, t: float, y: Floats, *, are_rates: bool = False) -> tuple[Floats, Floats] | None:
         """Return state and rates near a change point, interpolated; None elsewhere, or if that fails."""
-        if not self.is_near_change_point(t, y[self._n_u :]):
+        if not self.is_near_change_point(t, y[self._places]):
             return None
         if self._aside_choice is None:
             self._aside_choice = self._choose_columns(*self._regular)
@@ -278,19 +282,19 @@ class PartitionStates:
         self, t: float, y: Floats, way: Floats, time: float, choices: Choices
     ) -> Iterator[tuple[float, Floats]]:
         """Yield times and states along the branch on both sides, as long as they are far enough."""
-        n_u, sizes, own = self._n_u, self.loops.sizes, choices[0].independent
+        part, sizes, own = self._places, self.loops.sizes, choices[0].independent
         for side in (1.0, -1.0):
-            before, last, slope = 0.0, y[n_u:], way
+            before, last, slope = 0.0, y[part], way
             for place in side * _ASIDE:
                 guess = y.copy()
-                guess[n_u:] = last + (place - before) * slope * sizes
-                guess[n_u + own] = y[n_u + own] + place * way[own] * sizes[own]
+                guess[part] = last + (place - before) * slope * sizes
+                guess[part.start + own] = y[part.start + own] + place * way[own] * sizes[own]
                 x = self._solve(t + place * time, guess, choices)
-                if self._share(t + place * time, x[n_u:]) < _FAR_ENOUGH * NEAR:
+                if self._share(t + place * time, x[part]) < _FAR_ENOUGH * NEAR:
                     return
                 yield t + place * time, x
-                slope = (x[n_u:] - last) / sizes / (place - before)
-                before, last = place, x[n_u:]
+                slope = (x[part] - last) / sizes / (place - before)
+                before, last = place, x[part]
 
 
 def _no_configuration(t: float) -> Problem:

@@ -230,6 +230,7 @@ class _Log:
                 before.pieces, ((0, 0), (0, NODES - before.pieces.shape[1]), (0, 0))
             )
         self._work = float(course.x0[-1])
+        self._is_stopped = False
         # Where an event changed the state: the number of steps before, and the new state.
         self._jumps: list[tuple[int, Floats]] = []
 
@@ -267,6 +268,7 @@ class _Log:
             self.pieces[end - 1] = shorten(self.pieces[end - 1], float((cut.t - start) / (stop - start)))
         self.breaks[end] = self.t = cut.t
         self.steps = end
+        self._is_stopped = cut.after is None
         if cut.after is not None:
             self._work = float(cut.after[-1])
             self._jumps.append((end, cut.after))
@@ -298,6 +300,8 @@ class _Log:
         if wanted is not None:
             direction = 1.0 if self._course.end >= self._course.start else -1.0
             times = wanted[direction * (wanted - self.t) <= 0.0]
+            if self._is_stopped and not (times.size and times[-1] == self.t):
+                times = np.append(times, self.t)  # the end at an event is a sample in any case
             states = dense(times)
             if self._jumps and self._jumps[-1][0] == self.steps:  # an event at the end: the state after it
                 states[:, times == self.t] = self._jumps[-1][1][:, np.newaxis]

@@ -30,7 +30,16 @@ _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "look": (_INTEGER, [*[_POINTER] * 7, _INTEGER, _INTEGER]),
     "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
     "longest_step": (None, [_POINTER, _REAL, _POINTER]),
+    "advance_sampled": (_INTEGER, [*[_POINTER] * 6, *_RECORD, _POINTER, _INTEGER]),
+    "advance_sampled_watched": (_INTEGER, [*[_POINTER] * 10, *_RECORD, _POINTER, _POINTER, _INTEGER]),
+    "take_samples": (_INTEGER, [*[_POINTER] * 4, _REAL, _POINTER]),
+    "show_values": (None, [_POINTER, _POINTER]),
+    "is_due": (_INTEGER, [_POINTER, _REAL]),
     "run_cases": (_INTEGER, [*[_POINTER] * 3, *_CASES]),
+    "run_watched_cases": (
+        _INTEGER,
+        [*[_POINTER] * 7, _INTEGER, _POINTER, *[_INTEGER] * 3, *[_POINTER] * 10, _INTEGER],
+    ),
     "run_lanes": (_INTEGER, [*[_POINTER] * 4, *_CASES]),
 }
 
@@ -55,6 +64,32 @@ class WatchedMotion(NamedTuple):
     look: Callable[..., int]
 
 
+class SampleKernels(NamedTuple):
+    """The kernels of held values outside the compiled loop."""
+
+    take_samples: Callable[..., int]
+    show_values: Callable[..., None]
+    is_due: Callable[..., int]
+
+
+@once
+def advance_sampled() -> Callable[..., int]:
+    """Return the integrator of one motion with held values, ready to be called."""
+    return _functions("sampled_motion", "advance_sampled", light=True)[0]
+
+
+@once
+def advance_sampled_watched() -> Callable[..., int]:
+    """Return the integrator of one motion with held values and events, ready to be called."""
+    return _functions("sampled_motion", "advance_sampled_watched")[0]
+
+
+@once
+def sample_kernels() -> SampleKernels:
+    """Return what takes samples, ready to be called."""
+    return SampleKernels(*_functions("sampling", *SampleKernels._fields, light=True))
+
+
 @once
 def watched_motion() -> WatchedMotion:
     """Return the integrator of one motion with events, ready to be called."""
@@ -72,6 +107,12 @@ def step_machine() -> StepMachine:
 def many_motions() -> Callable[..., int]:
     """Return `run_cases`, ready to be called."""
     return _functions("many_motions", "run_cases")[0]
+
+
+@once
+def watched_cases() -> Callable[..., int]:
+    """Return `run_watched_cases`, ready to be called."""
+    return _functions("watched_cases", "run_watched_cases")[0]
 
 
 @once

@@ -16,7 +16,7 @@ from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Floats, Record
 from symbody.simulation.native.machine import address, step_machine
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.segments import HeldValues, Watch
 from symbody.simulation.status import Status
 
 Progress = Callable[[float], bool | None]
@@ -115,15 +115,20 @@ class NativeRun(NamedTuple):
         The addresses of the functions; 0 if nothing is projected.
     block : array
         See `symbody.kernels.block`.
+    held : HeldValues or None
+        Takes samples on the way.
     """
 
     rhs: int
     projector: int
     block: Floats
+    held: HeldValues | None = None
 
     def begin(self, record: Record) -> int:
         """Compute what a run begins with; return a code of `symbody.kernels.block`."""
         show_room(self.block, record)
+        if self.held is not None:
+            self.held.begin(self.block)
         places = (record.wanted, record.t, record.x, record.breaks)
         return step_machine().begin(self.rhs, address(self.block), *map(address, places))
 
@@ -131,7 +136,9 @@ class NativeRun(NamedTuple):
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         show_room(self.block, record)
         if watch is not None:
-            return watch.advance(self.rhs, self.projector, self.block, record, trials)
+            return watch.advance(self.rhs, self.projector, self.block, record, trials, self.held)
+        if self.held is not None:
+            return self.held.advance(self.rhs, self.projector, self.block, record, trials)
         places = (record.wanted, record.t, record.x, record.breaks, record.pieces)
         return step_machine().advance(
             self.rhs, self.projector, address(self.block), *map(address, places), trials

@@ -31,10 +31,41 @@ class Cut(NamedTuple):
     status: Status = Status.STOPPED
 
 
+class HeldValues(Protocol):
+    """Takes the samples of values that are held in between, in the compiled loop."""
+
+    def begin(self, block: Floats) -> None:
+        """Take the samples that are due where a motion begins, and show the right-hand side all values."""
+        ...
+
+    def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        ...
+
+    def advance_watched(
+        self,
+        functions: tuple[int, ...],
+        blocks: tuple[Floats, Floats],
+        record: Record,
+        happened: Floats,
+        trials: int,
+    ) -> int:
+        """Try up to so many steps, and let events happen; return a code of `symbody.kernels.block`."""
+        ...
+
+
 class Watch(Protocol):
     """Lets events happen in the compiled loop."""
 
-    def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
+    def advance(
+        self,
+        rhs: int,
+        projector: int,
+        block: Floats,
+        record: Record,
+        trials: int,
+        held: HeldValues | None = None,
+    ) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         ...
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
+from symbody.analysis.held_inputs import refuse_held
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
@@ -64,6 +65,7 @@ def generate_simulation(
         what = f"no program can be written in {language!r}"
         raise UsageError(Problem("simulation.language", "language", what, "", fix))
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
+    refuse_held(eqs, "a program of its own")
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **(inputs or {})}, span)
     reason = reason_for_simulate(eqs, laws, integrator, constraints, has_events=False)
     if reason:

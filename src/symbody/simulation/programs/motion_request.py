@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
@@ -170,6 +171,7 @@ class PosedMotion:
 
 def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> PosedMotion:
     """Return a motion ready to be written as a program; nothing in it may need Python."""
+    refuse_held(eqs, "a program of its own")
     made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
     if wrench is not None:
         laws = input_laws(made.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
@@ -193,8 +195,9 @@ def _breakpoints(problem: SimulationProblem, request: MotionRequest) -> tuple[fl
     start, pieces = request.span[0], NO_BREAKPOINTS
     ends = [start + length for length in _LAST] if request.last is None else [request.last]
     for end in ends:
-        if not isinstance(request.integrator, FixedStep):
-            pieces = problem.breakpoints((start, end))
+        pieces = problem.breakpoints((start, end))
+        if isinstance(request.integrator, FixedStep):
+            pieces = pieces.jumps_alone()
         if len(pieces.longest) <= _MOST_PIECES:
             break
     return end, pieces
@@ -208,6 +211,7 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
     UsageError
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
+    refuse_held(eqs, "a program of its own")
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
     problems = [*_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs)]
     if problems:

@@ -15,6 +15,7 @@ from symbody.expr.parser import parse_angle
 from symbody.formats.native import model_from_toml, model_to_toml
 from symbody.graph.trees import Trees
 from symbody.model.arguments import plain_value
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.results.provenance import Provenance
 
@@ -47,8 +48,12 @@ def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
         "tables": {name: (table.kind, table.outside) for name, table in provenance.tables.items()},
         "switches": provenance.switches,
     }
+    held = provenance.held
+    if held is not None:
+        record["held"] = held.names
     points = [np.array([table.t, table.values], dtype=np.float64) for table in provenance.tables.values()]
-    return record, {f"table_{k}": array for k, array in enumerate(points)}
+    arrays = {f"table_{k}": array for k, array in enumerate(points)}
+    return record, arrays | ({} if held is None else {"held": np.vstack([held.t, held.values])})
 
 
 def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) -> Provenance:
@@ -78,7 +83,15 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
         {name: input_formula(text, name) for name, text in given["inputs"].items()},
         tables,
         given["switches"],
+        _held_record(given.get("held", []), arrays),
     )
+
+
+def _held_record(names: list[str], arrays: Mapping[str, Floats]) -> HeldRecord | None:
+    """Return held values; files of older versions have none."""
+    if not fits(list[str], names) or (names and arrays["held"].shape[:1] != (len(names) + 1,)):
+        raise ValueError("held is of another kind")
+    return HeldRecord(tuple(names), arrays["held"][0], arrays["held"][1:]) if names else None
 
 
 def _texts(values: Mapping[str, Value]) -> dict[str, str]:

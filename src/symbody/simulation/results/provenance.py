@@ -10,6 +10,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.graph.topology import Topology
 from symbody.graph.trees import Trees
 from symbody.model.model import Model, resolve_parameters
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.tables import Table
 
@@ -34,6 +35,8 @@ class Provenance:
         Laws of inputs that are tables.
     switches : bool
         Whether the equations change on the way, by sticking joints or slack ropes.
+    held : HeldRecord, optional
+        Values that were held between samples.
     """
 
     model: Model
@@ -43,6 +46,7 @@ class Provenance:
     inputs: Mapping[str, Value] = field(default_factory=dict)
     tables: Mapping[str, Table] = field(default_factory=dict)
     switches: bool = False
+    held: HeldRecord | None = None
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -63,6 +67,7 @@ def provenance_of(
     laws: InputLaws,
     tables: Mapping[str, Table] | None = None,
     *,
+    held: HeldRecord | None = None,
     switches: bool = False,
 ) -> Provenance | None:
     """Return what a motion of these equations is computed from; nothing for mechanisms placed by hand.
@@ -85,6 +90,7 @@ def provenance_of(
         {name: law for name, law in laws.formulas.items() if name not in own_tables},
         own_tables,
         switches,
+        held,
     )
 
 

@@ -15,6 +15,7 @@ from symbody.equations.form import form_equations
 from symbody.errors import Problem, TopologyError, UsageError
 from symbody.graph.trees import TreeChoice, Trees
 from symbody.model.model import Model
+from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.input_laws import Callback, InputLaws
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
@@ -93,6 +94,8 @@ class Recomputation:
         check_names(eqs, self.coordinate_names, self.speed_names)
         callbacks: dict[str, Callback] = {name: table.reader() for name, table in source.tables.items()}
         callbacks |= dict.fromkeys(source.missing_inputs, _unknown_value)
+        callbacks |= {} if source.held is None else {n: HeldLaw(source.held, n) for n in source.held.names}
+        callbacks = {name: callbacks[name] for name in eqs.input_names if name in callbacks}
         laws = StoredLaws(source.inputs, callbacks, (), {})
         scales = mechanism_scales(eqs, source.given, near=self.near)
         return Evaluator(SimulationProblem(eqs, source.given, laws, scales), None)

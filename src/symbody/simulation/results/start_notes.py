@@ -26,6 +26,7 @@ TAKES_PART: Final = 0.1  # of a unit vector
 _ROUNDING: Final = 1e-13
 # Loops that are closed better than this, of the size of the mechanism, are not looked at.
 _FAR: Final = 0.5  # rad, or of the size of the mechanism
+_NEAR: Final = 1e-6  # the same, where balances of forces moved them
 _TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
 
@@ -93,7 +94,10 @@ def _no_freedom(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     n_u = len(eqs.speed_names)
     if not n_u or len(eqs.multiplier_names) < n_u:
         return ()
-    rows = np.asarray(first["jacobian"]) / problem.scales.constraints(eqs)[:, np.newaxis]
+    slopes = np.asarray(first["jacobian"])
+    if len(slopes) < len(eqs.multiplier_names):  # ropes are slack
+        return ()
+    rows = slopes / problem.scales.constraints(eqs)[:, np.newaxis]
     rows = rows * problem.scales.displacements(eqs)
     if not np.isfinite(rows).all() or null_space(rows).shape[1]:
         return ()
@@ -149,13 +153,20 @@ def _moved_initial_values(problem: SimulationProblem, first: State) -> tuple[str
     eqs = problem.eqs
     sizes = dict(zip(eqs.coordinate_names, problem.scales.coordinates(eqs).tolist(), strict=True))
     initial = eqs.model.initial
+    is_balanced = any(row.is_balance for row in eqs.formed.holonomic)
+    limit = _NEAR if is_balanced else _FAR
     far = [
         f"{name} = {first.q[name]:.6g} instead of {first.q[name] - change:.6g}"
         for name, change in first.moved.items()
-        if name in initial and name in sizes and abs(change) > _FAR * sizes[name]
+        if name in initial and name in sizes and abs(change) > limit * sizes[name]
     ]
     if not far:
         return ()
+    if is_balanced:
+        return (
+            "forces on what has no mass are in balance near the model's initial values, not at them: the "
+            f"motion starts with {', '.join(far)}; values given to simulate are kept",
+        )
     return (
         f"the loops close far from the model's initial values only: the motion starts with {', '.join(far)}",
     )

@@ -13,6 +13,7 @@ from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError, nearest
 from symbody.model.model import Model
 from symbody.simulation.events.events import Occurrence
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.archive import Path, motion_fields, not_ours, write_archive
@@ -117,6 +118,11 @@ class Trajectory(SampleTable):
         return {} if self.provenance is None else self.provenance.parameters
 
     @property
+    def held_values(self) -> HeldRecord | None:
+        """The values that were held between samples, and when these were taken; None without any."""
+        return None if self.provenance is None else self.provenance.held
+
+    @property
     def names(self) -> tuple[str, ...]:
         """All names whose values are stored."""
         return ("t", *self.coordinate_names, *self.speed_names, *self.signal_state_names, *self.stored)
@@ -178,6 +184,8 @@ class Trajectory(SampleTable):
             if name in names:
                 row: Floats = array[names.index(name)]
                 return row
+        if self.held_values is not None and name in self.held_values.names:
+            return self.held_values.values_at(name, self.t)
         return self.stored.get(name)
 
     def state_arrays(self) -> tuple[Floats, Floats]:

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.events.events import Occurrence
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
+from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
@@ -99,6 +100,10 @@ class Steps(Protocol):
         """Go on from numbers that `snapshot` returned."""
         ...
 
+    def follow(self, others: Steps) -> None:
+        """Go on from what others computed with other values of parameters."""
+        ...
+
     def copy(self, problem: StepProblem, numbers: StepNumbers) -> Steps:
         """Return what goes on from here with other numbers."""
         ...
@@ -119,7 +124,7 @@ class CompiledSteps:
         self.occurrences: tuple[Occurrence, ...] = ()
         self._problem = problem
         self._numbers = numbers
-        self._function: CompiledFunction = problem.problem.compile_outputs(("xdot", "power"))
+        self._function: CompiledFunction = problem.problem.compile_outputs(OF_STEPS)
         self._closing = self._projection()
         self._laws = CallbackFunction(self._function, problem.problem.laws) if problem.calls_python else None
         numbers.array[stepping.INPUTS] = 0.0 if problem.calls_python else numbers.inputs.size
@@ -163,9 +168,10 @@ class CompiledSteps:
         numbers.array[:] = self._numbers.array
         return made
 
-    def take_lengths(self, others: CompiledSteps) -> None:
+    def follow(self, others: Steps) -> None:
         """Go on with the step lengths of others, which computed with other values of parameters."""
-        self._block[_KEPT] = others._block[_KEPT]
+        if isinstance(others, CompiledSteps):
+            self._block[_KEPT] = others._block[_KEPT]
 
     @property
     def _state_names(self) -> tuple[str, ...]:
@@ -240,9 +246,9 @@ class CompiledSteps:
 
     def _breakpoints(self) -> Breakpoints:
         settings = self._problem.settings
-        if isinstance(settings.method, FixedStep):
-            return NO_BREAKPOINTS
-        return self._problem.integration(self._numbers.x, (self._window, self._window_end)).breakpoints
+        window = self._window, self._window_end
+        pieces = self._problem.integration(self._numbers.x, window).breakpoints
+        return pieces.jumps_alone() if isinstance(settings.method, FixedStep) else pieces
 
     def _new_block(self) -> Floats:
         """Return the block of a motion from time and state at present."""

@@ -13,6 +13,7 @@ from symbody.kernels import block as at
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.hybrid.rate_jumps import may_jump, run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
@@ -20,9 +21,11 @@ from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.sampling.held_signals import held_signals
+from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.stepper.compiled_steps import Ending
+from symbody.simulation.stepper.compiled_steps import Ending, Steps
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.step_problem import StepProblem
 from symbody.simulation.stepper.watched_steps import OTHERWISE, just_happened
@@ -34,6 +37,8 @@ def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
     """Return why steps have to be motions of their own, empty where the compiled loop can take them."""
     settings = problem.settings
     eqs = settings.moving
+    if held_later(eqs):
+        return "values are sampled"
     if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
         return f"sb.{type(settings.integrator).__name__}() starts anew in each"
     if not isinstance(settings.constraints, Projection | Baumgarte | None):
@@ -66,6 +71,7 @@ class SeparateMotions:
         self._numbers = numbers
         self._last: Trajectory | None = None
         self._posed: tuple[bytes, SimulationProblem] | None = None
+        self._sampler = self._make_sampler()
 
     def go_on(self) -> int:
         """Take a step; return `OTHERWISE` where it did not come to its end."""
@@ -73,6 +79,8 @@ class SeparateMotions:
         start = numbers.t
         end = numbers.next_end()
         self._problem.check_tables(start, end)
+        if self._sampler is not None:
+            self._sampler.begin_anew()
         x = np.append(numbers.x[:-1], 0.0)
         integration = self._problem.integration(x, (start, end), self._pose())
         # An event that stopped the last step stands at zero: it is watched again from the next step on.
@@ -82,6 +90,7 @@ class SeparateMotions:
         plan = MotionPlan(integration, settings.integrator, settings.constraints)
         run = run_switching(plan) if switches(settings.moving.formed) else run_with_jumps(plan)
         self._last, self.occurrences = run, run.events
+        self._show_samples()
         arrived = run.status is Status.SUCCESS
         if run.t.size:
             x = np.concatenate([run.u[:, -1], run.q[:, -1], run.s[:, -1], numbers.x[-1:] + run["work"][-1]])
@@ -102,26 +111,68 @@ class SeparateMotions:
     def restart(self) -> None:
         """Begin anew from time and state at present."""
         self.occurrences = ()
+        self._posed, self._sampler = None, self._make_sampler()
 
     def snapshot(self) -> Floats:
-        """Return no numbers: each motion follows from its first state."""
-        return np.zeros(0)
+        """Return what samples follow from; each motion follows from its first state."""
+        return np.zeros(0) if self._sampler is None else self._sampler.snapshot()
 
     def resume(self, kept: Floats) -> None:
-        """Go on; `kept` is empty."""
+        """Go on from numbers that `snapshot` returned."""
+        if self._sampler is not None:
+            self._sampler.resume(kept)
+            self._show_samples()
+
+    def follow(self, others: Steps) -> None:
+        """Go on with the held values of others, which computed with other values of parameters."""
+        if isinstance(others, SeparateMotions) and self._sampler is not None and others._sampler is not None:
+            self._sampler.follow(others._sampler, self._numbers.t)
+            self._show_samples()
 
     def copy(self, problem: StepProblem, numbers: StepNumbers) -> SeparateMotions:
         """Return what goes on from here with other numbers."""
-        return SeparateMotions(problem, numbers)
+        made = SeparateMotions(problem, numbers)
+        made.resume(self.snapshot())
+        return made
+
+    def _make_sampler(self) -> Sampler | None:
+        """Return what samples held values, from their values at the start on."""
+        settings, problem = self._problem.settings, self._problem
+        span = settings.t_start, settings.t_start + settings.dt
+        held = held_signals(settings.eqs, span, problem.parameters, settings.initial, {})
+        if not held.names:
+            return None
+        held.place(problem.own_laws)
+        self._show(held.active)
+        return held.active
+
+    def _show_samples(self) -> None:
+        if self._sampler is not None:
+            self._show(self._sampler)
+
+    def _show(self, sampler: Sampler) -> None:
+        """Write held values to the inputs at present."""
+        names = tuple(self._problem.problem.laws.callbacks)
+        for name in sampler.names:
+            self._numbers.inputs[names.index(name)] = sampler.current(name)
 
     def _pose(self) -> SimulationProblem:
         """Return the equations with the inputs of this step, and with compiled functions while these stay."""
-        inputs = self._numbers.inputs.tobytes()
+        names = tuple(self._problem.problem.laws.callbacks)
+        given = [k for k, name in enumerate(names) if name in self._problem.settings.held]
+        inputs = self._numbers.inputs[given].tobytes()
         if self._posed is None or self._posed[0] != inputs:
             problem, laws = self._problem.problem, self._problem.own_laws
             formulas: Mapping[str, Value] = {**self._held_values(), **laws.formulas}
-            now = InputLaws(formulas, laws.callbacks, (), laws.tables, coordinates=laws.coordinates)
-            self._posed = inputs, SimulationProblem(problem.eqs, problem.parameters, now, problem.scales)
+            own = self._sampler
+            live = {} if own is None else {name: HeldLaw(own, name) for name in own.names}
+            now = InputLaws(
+                formulas, {**laws.callbacks, **live}, (), laws.tables, coordinates=laws.coordinates
+            )
+            self._posed = (
+                inputs,
+                SimulationProblem(problem.eqs, problem.parameters, now, problem.scales, sampler=own),
+            )
         return self._posed[1]
 
     def _held_values(self) -> dict[str, float]:

@@ -12,6 +12,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law, laws_of_tables
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
@@ -95,7 +96,9 @@ def split_inputs(
         If it is neither a mapping nor names, or a name is unknown.
     """
     laws: Mapping[str, Law] = inputs if isinstance(inputs, Mapping) else {}
-    named: object = eqs.input_names if inputs is None else inputs
+    sampled = held_later(eqs)
+    open_names = tuple(name for name in eqs.input_names if name not in sampled)
+    named: object = open_names if inputs is None else inputs
     names: tuple[object, ...] = tuple(named) if isinstance(named, Iterable) else (named,)
     if isinstance(named, str):
         names = (named,)
@@ -104,15 +107,16 @@ def split_inputs(
                 'give laws, as {"F": "sin(t)"}, or names, as ["F"]')
         for name in names if not isinstance(name, str)
     ] or [
-        unknown_name("input", str(name), eqs.input_names) for name in names if name not in eqs.input_names
+        unknown_name("input", str(name), open_names) for name in names if name not in open_names
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
     if isinstance(inputs, Mapping):
-        laws = {**laws_of_tables(eqs), **laws}
+        laws = {**laws_of_tables(eqs), **laws, **sampled}
         return tuple(name for name in eqs.input_names if name not in laws), laws
     tables = {name: law for name, law in laws_of_tables(eqs).items() if inputs is None or name not in names}
-    return tuple(name for name in eqs.input_names if name in names and name not in tables), tables
+    held = tuple(name for name in eqs.input_names if name in names and name not in tables)
+    return held, {**tables, **sampled}
 
 
 def unknown_name(kind: str, name: str, names: Iterable[str], why: str = "") -> Problem:

@@ -12,6 +12,7 @@ from symbody.analysis.assembly import assemble
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
+from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import Callback, InputLaws, input_laws
 from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.methods.integration import work_tolerance
@@ -128,7 +129,9 @@ def first_state(
 ) -> State:
     """Return the state at the start, or there with `other` values."""
     laws = own_laws(settings, settings.t_start)
-    initial = {**settings.initial, **(other or {})}
+    held = held_later(settings.eqs)  # they have values before their first samples
+    given = {**settings.initial, **(other or {})}
+    initial = {name: value for name, value in given.items() if name not in held}
     return assemble(
         settings.eqs, initial, settings.guess, parameters, laws.formulas, settings.t_start,
         scales=settings.scales,
@@ -142,8 +145,9 @@ def inputs_read(settings: StepperSettings, laws: InputLaws) -> tuple[str, ...]:
 
 def _all_laws(settings: StepperSettings, laws: InputLaws, numbers: StepNumbers) -> InputLaws:
     names = inputs_read(settings, laws)
+    given = {name: law for name, law in laws.callbacks.items() if not isinstance(law, HeldLaw)}
     callbacks: dict[str, Callback] = {
-        name: laws.callbacks.get(name, HeldInput(numbers, place)) for place, name in enumerate(names)
+        name: given.get(name, HeldInput(numbers, place)) for place, name in enumerate(names)
     }
     own = tuple(laws.callbacks)
     tables = {names.index(own[place]): table for place, table in laws.tables.items()}

@@ -23,7 +23,7 @@ from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.simulate import check_arguments
 from symbody.simulation.status import Status
-from symbody.simulation.stepper.compiled_steps import CompiledSteps, Steps
+from symbody.simulation.stepper.compiled_steps import Steps
 from symbody.simulation.stepper.input_values import checked_inputs, missing_values, set_inputs
 from symbody.simulation.stepper.numbers import StepNumbers, read_only, state_values
 from symbody.simulation.stepper.saved_stepper import (
@@ -352,8 +352,8 @@ class Stepper:
                 numbers.x[:-1] = state_values(moved)
             problem = step_problem(self._settings, parameters, numbers, numbers.x, sizes)
             steps, slow = steps_of(problem, numbers)
-        if sizes is not None and isinstance(steps, CompiledSteps) and isinstance(self._steps, CompiledSteps):
-            steps.take_lengths(self._steps)
+        if sizes is not None:
+            steps.follow(self._steps)
         self._take(problem, steps, slow, self._status)
 
     def _take(self, problem: StepProblem, steps: Steps, slow: tuple[str, ...], status: Status) -> None:

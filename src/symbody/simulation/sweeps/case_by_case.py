@@ -25,12 +25,12 @@ from symbody.simulation.sweeps.sweep_job import SweepJob
 OTHERS: Final = 100
 
 
-def reason_for_simulate(
-    eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object, has_events: bool
-) -> str:
+def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
     """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
     reasons = {
-        "events are watched": has_events,
+        f"values are sampled ({', '.join(law.name for law in laws.held_laws.values())})": bool(
+            laws.held_laws
+        ),
         f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
         f"{type(integrator).__name__} takes its steps in Python": not isinstance(
             integrator, Explicit | FixedStep | None
@@ -57,8 +57,9 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         records.details[case] = CaseDetails(str(error))
         return
     samples = run.t.size
+    samples = min(samples, records.x.shape[1])  # without the last one of a motion that stops behind all times
     records.x[row] = np.nan
-    records.x[row, :samples] = np.concatenate([run.u, run.q, run.s]).T
+    records.x[row, :samples] = np.concatenate([run.u, run.q, run.s]).T[:samples]
     records.codes[row] = OTHERS + list(Status).index(run.status)
     statistics = run.statistics
     counts = {
@@ -73,7 +74,8 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     records.details[case] = CaseDetails(
         "; ".join(run.notes),
         run.events,
-        run.stored["work"],
+        run.stored["work"][:samples],
         () if parts is None else tuple(parts.starts.tolist()),
         () if parts is None else parts.modes,
+        run.held_values,
     )

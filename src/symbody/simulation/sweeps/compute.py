@@ -11,13 +11,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
-from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
+from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Floats, Projector, RightHandSide
 from symbody.simulation.native.lane_blocks import make_lane_block
@@ -25,6 +24,12 @@ from symbody.simulation.native.machine import address, lane_motions, many_motion
 from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, StopSignal, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
+from symbody.simulation.sweeps.watched_cases import (
+    WatchedLoop,
+    case_function,
+    case_numbers,
+    watched_rows,
+)
 from symbody.single_flight import SingleFlight
 
 Integers = NDArray[np.int64]
@@ -40,15 +45,26 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     records.codes[~np.isfinite(chunk.states).all(axis=1)] = NOT_STARTED
     direction = 1.0 if job.span[1] >= job.span[0] else -1.0
     breaks = _break_rows(_breakpoints(job, chunk), direction)
-    numbers, closing = (_numbers(function, chunk.parameters) for function in (job.function, job.closing))
-    rhs = _right_hand_side(job.function, numbers)
-    rhs = rhs._replace(inputs=np.zeros(len(job.tables)), tables=table_numbers(job.tables))
-    block = _block(job, rhs, _projector(job, chunk, closing), breaks[0])
+    numbers, closing = (case_numbers(function, chunk.parameters) for function in (job.function, job.closing))
+    rhs = case_function(job, job.function, numbers)
+    projection = _projector(job, chunk, closing)
+    block = _block(job, rhs, projection, breaks[0])
     every = np.broadcast_to(breaks, (chunk.count, breaks.shape[1]))
-    parts = [chunk.states, chunk.atol, every, *numbers, *closing]
+    work = np.zeros((chunk.count, chunk.atol.shape[1] - chunk.states.shape[1]))
+    parts = [chunk.states, work, chunk.atol, every, *numbers, *closing]
     parts += [] if job.closing is None else [chunk.scales, chunk.sizes]
-    rows = np.ascontiguousarray(np.hstack(parts))
     projector = 0 if job.closing is None else job.closing.address
+    if job.watch is not None:
+        watched = watched_rows(job, job.watch, chunk, projection, closing)
+        rows = np.ascontiguousarray(np.hstack([*parts, watched.rows]))
+        before = records.codes.copy()
+        loop = WatchedLoop(job, job.watch, (rhs.address, projector), block, rows, watched, records)
+        verdicts = _verdicts(records)
+        loop.run(verdicts, stop, done)
+        _keep_verdicts(records, verdicts)
+        loop.write_down(before)
+        return
+    rows = np.ascontiguousarray(np.hstack(parts))
     if job.lanes and chunk.count >= lanes() and job.state_size:
         wide = job.function.in_lanes()
         block = make_lane_block(block, rhs, wide.work_size, job.method.tableau)
@@ -62,14 +78,18 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     while code == at.RUNNING and stop[0] == 0:
         code = run(*rows.shape, *arrays, _SLICE)
         done[0] = block[at.CASES_ENDED]
-    records.x[:], records.codes[:] = x, verdicts[:, at.CODE]
-    records.reached[:] = verdicts[:, at.REACHED]
+    records.x[:] = x
+    _keep_verdicts(records, verdicts)
+
+
+def _keep_verdicts(records: Records, verdicts: Floats) -> None:
+    records.codes[:], records.reached[:] = verdicts[:, at.CODE], verdicts[:, at.REACHED]
     records.counts[:] = verdicts[:, at.VERDICT_COUNTS :]
 
 
 def _block(job: LoopJob, rhs: RightHandSide, projector: Projector, breaks: Floats) -> Floats:
     """Return the block of one motion, with room for the numbers of a case."""
-    method, n = job.method, job.state_size
+    method, n = job.method, job.state_size + (job.watch is not None)
     goal = make_goal(job.span, job.rtol, np.ones(n), method.max_step, NO_BREAKPOINTS)
     goal = goal._replace(
         max_trials=job.max_steps,
@@ -94,13 +114,16 @@ def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:
     """Return the breakpoints of all cases, or one for all."""
     if job.breakpoints is not None:
         return job.breakpoints
-    functions = time_functions(job.function.sequence, job.tables, with_parameters=True)
-    if functions is None:
-        return [NO_BREAKPOINTS]
-    result: list[Breakpoints] = []
-    for first, last in blocks(chunk.count, _TOGETHER):
-        result += find_breakpoints(functions, job.span, chunk.parameters[first:last])
-    return result
+    watched = () if job.watch is None else (job.watch.values,)
+    result: list[Breakpoints] = [NO_BREAKPOINTS] * chunk.count
+    for function in (job.function, *watched):
+        functions = time_functions(function.sequence, job.tables, with_parameters=True)
+        if functions is None:
+            continue
+        for first, last in blocks(chunk.count, _TOGETHER):
+            pieces = find_breakpoints(functions, job.span, chunk.parameters[first:last])
+            result[first:last] = [a.unite(b) for a, b in zip(result[first:last], pieces, strict=True)]
+    return [own.jumps_alone() if isinstance(job.method, FixedStep) else own for own in result]
 
 
 def _break_rows(breakpoints: Sequence[Breakpoints], direction: float) -> Floats:
@@ -110,29 +133,13 @@ def _break_rows(breakpoints: Sequence[Breakpoints], direction: float) -> Floats:
     return np.stack([table[np.minimum(np.arange(most), len(table) - 1)].ravel() for table in tables])
 
 
-def _numbers(function: CompiledFunction | None, parameters: Floats) -> tuple[Floats, Floats]:
-    """Return p and c of a function for each case, without columns if there is none."""
-    nothing = np.zeros((parameters.shape[0], 0))
-    if function is None:
-        return nothing, nothing
-    constants = function.constants(parameters)
-    return parameters, np.broadcast_to(constants, (parameters.shape[0], constants.shape[-1]))
-
-
-def _right_hand_side(function: CompiledFunction, numbers: tuple[Floats, Floats]) -> RightHandSide:
-    """Return a function with room for the numbers of one case."""
-    p, c = (np.zeros(table.shape[1]) for table in numbers)
-    n_u = len(function.signature.u)
-    return RightHandSide(function.address, n_u, np.zeros(0), p, c, function.work_size)
-
-
 def _projector(job: LoopJob, chunk: Chunk, numbers: tuple[Floats, Floats]) -> Projector:
     """Return what projects, with room for the numbers of one case."""
     closing = job.closing
     if closing is None:
         return NOTHING_TO_PROJECT
     return Projector(
-        *_right_hand_side(closing, numbers)[:-1],
+        *case_function(job, closing, numbers)[:-1],
         len(closing.signature.q),
         np.zeros(chunk.scales.shape[1]),
         job.limit,

@@ -15,6 +15,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.simulation.hybrid.concatenate import Piecewise, changing_shape
 from symbody.simulation.hybrid.modes import HybridMechanism, Modes
 from symbody.simulation.hybrid.switching import hybrid_mechanism, switches
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.results.provenance import Provenance, provenance_of
 from symbody.simulation.simulation_problem import VIOLATIONS, Evaluator, SimulationProblem
@@ -74,7 +75,7 @@ class Evaluation:
             computed = {name: self._values(name, cases, t, q.T, u.T) for name in plain}
         else:
             function = self._function((), plain)
-            arrays = function(t, q.T, u.T, self.laws.values(t, q, u), self.table.parameters[case])
+            arrays = function(t, q.T, u.T, self._inputs(cases, t, q, u), self.table.parameters[case])
             computed = {name: _repeat_constant(array, t) for name, array in zip(plain, arrays, strict=True)}
         angles = self.eqs.measured_angles
         shown = {
@@ -86,8 +87,21 @@ class Evaluation:
     def provenance(self, case: int) -> Provenance | None:
         """Return what one case was computed from."""
         return provenance_of(
-            self.eqs, self.table.values(case)[0], self.laws, switches=switches(self.eqs.formed)
-        )
+            self.eqs, self.table.values(case)[0], self.laws, held=self._held_values(case),
+            switches=switches(self.eqs.formed),
+        )  # fmt: skip
+
+    def _inputs(self, cases: NDArray[np.intp], t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the inputs of each sample (N, n), held values as each case had them."""
+        values = self.laws.values(t, q, u)
+        for case in np.unique(cases).tolist() if self.laws.held_laws else ():
+            held, inside = self._held_values(case), cases == case
+            for place, law in self.laws.held_laws.items():
+                values[inside, place] = np.nan if held is None else held.values_at(law.name, t[inside])
+        return values
+
+    def _held_values(self, case: int) -> HeldRecord | None:
+        return self.details[case].held if case in self.details else None
 
     def _has_modes(self, case: int) -> bool:
         return case in self.details and bool(self.details[case].modes)
@@ -97,7 +111,7 @@ class Evaluation:
         whole: Floats | None = None
         for modes, inside in self._samples_by_modes(cases, t):
             given = t[inside], q[inside], u[inside]
-            inputs = self.laws.values(given[0], given[1].T, given[2].T)
+            inputs = self._inputs(cases[inside], given[0], given[1].T, given[2].T)
             values = self._function(modes, name)(*given, inputs, self.table.parameters[cases[inside]])
             values = _repeat_constant(values, given[0])
             if whole is None:

@@ -21,6 +21,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model, value_problems
+from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.sweeps.case_scales import CaseScales, case_scales, case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.single_flight import SingleFlight
@@ -128,7 +129,9 @@ def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) 
         Listing unknown names, or parameters without value.
     """
     parameter_set(eqs, table.fixed_parameters, table.parameter_names)
-    refuse_unknown(eqs, (*table.initial_names, *table.fixed_initial, *guess))
+    held = held_later(eqs)  # they have values before their first samples
+    given = (*table.initial_names, *table.fixed_initial, *guess)
+    refuse_unknown(eqs, [name for name in given if name not in held])
     legal = positions_and_rates(eqs)
     of_model: dict[str, Value] = {**eqs.model.initial}
     of_model |= {signal.name: signal.initial for signal in eqs.model.signals if signal.is_state}

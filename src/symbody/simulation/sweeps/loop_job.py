@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -15,8 +16,14 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.kernels.step_bounds import EPSILON
+from symbody.simulation.events.event_functions import (
+    action_outputs,
+    check_action_shapes,
+    check_value_shapes,
+    event_numbers,
+)
+from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
-from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.constraints import (
@@ -31,9 +38,10 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
 from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
-from symbody.simulation.sweeps.first_states import first_states
-from symbody.simulation.sweeps.records import Chunk, LoopJob
-from symbody.simulation.sweeps.sweep_job import MotionOptions
+from symbody.simulation.sweeps.first_states import FirstStates, first_states
+from symbody.simulation.sweeps.records import CaseWatch, Chunk, LoopJob
+from symbody.simulation.sweeps.sweep_job import SweepJob
+from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
 
@@ -41,21 +49,23 @@ Floats = NDArray[np.float64]
 CASES_THAT_PAY: Final = 256
 
 
-def prepare_loop(
-    eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value], laws: InputLaws, options: MotionOptions
-) -> tuple[LoopJob, Chunk, dict[int, str]]:
+def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     """Return code and numbers for the loop over many cases, and why some cannot start.
 
     Raises
     ------
     CompileError, AssemblyError
         If parameters have no value, or names are unknown.
+    UsageError
+        If an event does not watch a number.
     """
+    eqs, table, laws, options = sweep.eqs, sweep.table, sweep.laws, sweep.options
     constraints = options.constraints
-    first = first_states(eqs, table, guess, laws.formulas, options.span, options.scales)
+    first = first_states(eqs, table, sweep.guess, laws.formulas, options.span, options.scales)
     stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     values = table.fixed_parameters, table.parameter_names, laws.formulas
-    function = bound_function(stabilized, "xdot", *values)
+    function = bound_function(stabilized, ("xdot", "power") if sweep.events else "xdot", *values)
+    watch = case_watch(stabilized, sweep.events, *values) if sweep.events else None
     method = options.integrator if isinstance(options.integrator, Explicit | FixedStep) else DEFAULT
     closing, scales, sizes = None, np.zeros((table.count, 0)), np.zeros((table.count, 0))
     rounding, limit = 0.0, np.inf
@@ -79,30 +89,76 @@ def prepare_loop(
         options.max_steps,
         stop_when_stiff=options.integrator is None,
         lanes=table.count >= CASES_THAT_PAY if options.lanes is None else options.lanes,
-        breakpoints=_breakpoints(function, method, options.span, laws.tables),
+        breakpoints=_breakpoints(function, watch, method, options.span, laws.tables),
         rounding=rounding,
         limit=limit,
         tables=laws.tables,
+        watch=watch,
     )
     tolerances = first.scales.tolerances(first.states, options.atol)
+    if watch is not None:
+        energies = bound_function(stabilized, "kinetic_energy", *values, quick=True)
+        tolerances = np.column_stack([tolerances, _work_tolerances(energies, sweep, first)])
     chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances)
     return job, chunk, dict(first.notes)
 
 
+def case_watch(
+    eqs: EquationSet,
+    events: Sequence[Event],
+    parameters: Mapping[str, Value],
+    free: Sequence[str],
+    inputs: Mapping[str, Value],
+) -> CaseWatch:
+    """Return what is watched in all cases.
+
+    Raises
+    ------
+    UsageError
+        If a value is not a number.
+    """
+    values = bound_function(eqs, [str(event.expression) for event in events], parameters, free, inputs)
+    outputs = action_outputs(events)
+    actions = bound_function(eqs, outputs, parameters, free, inputs) if outputs else None
+    check_value_shapes(events, values)
+    check_action_shapes(events, actions)
+    labels = tuple(event.label for event in events)
+    return CaseWatch(
+        values, actions, labels, tuple(event_numbers(eqs, event) for event in events), eqs.state_names
+    )
+
+
+def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, first: FirstStates) -> Floats:
+    """Return how large a local error of the work may be in each case, as `integration.work_tolerance`."""
+    options, n_u = sweep.options, len(sweep.eqs.speed_names)
+    states = np.nan_to_num(first.states)
+    q, u = states[:, n_u:], states[:, :n_u]
+    start = np.full(len(states), options.span[0])
+    inputs = sweep.laws.values(start, q.T, u.T)
+    kinetic = np.broadcast_to(energies(start, q, u, inputs, sweep.table.parameters), start.shape)
+    scales = [first.scales.of_case(k).energy for k in range(len(states))]
+    usual = CLOSED * np.array(scales) if options.atol is None else np.full(len(states), options.atol)
+    return np.minimum(np.maximum(usual, options.rtol * kinetic), sys.float_info.max)
+
+
 def _breakpoints(
     function: CompiledFunction,
+    watch: CaseWatch | None,
     method: Explicit | FixedStep,
     span: tuple[float, float],
     tables: Mapping[int, Table],
 ) -> tuple[Breakpoints, ...] | None:
     """Return the breakpoints of all cases, None if they follow from what varies; see `LoopJob`."""
-    if isinstance(method, FixedStep):
-        return (NO_BREAKPOINTS,)
-    varied = time_functions(function.sequence, tables, with_parameters=True)
-    if varied is not None and varied.needs_parameters():
+    sequences = [function.sequence] if watch is None else [function.sequence, watch.values.sequence]
+    every = [time_functions(sequence, tables, with_parameters=True) for sequence in sequences]
+    if any(functions is not None and functions.needs_parameters() for functions in every):
         return None
-    functions = time_functions(function.sequence, tables)
-    return (NO_BREAKPOINTS,) if functions is None else tuple(find_breakpoints(functions, span))
+    pieces = NO_BREAKPOINTS
+    for sequence in sequences:
+        functions = time_functions(sequence, tables)
+        if functions is not None:
+            pieces = pieces.unite(find_breakpoints(functions, span)[0])
+    return (pieces.jumps_alone() if isinstance(method, FixedStep) else pieces,)
 
 
 def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:

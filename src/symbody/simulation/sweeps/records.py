@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
 from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.watch_arrays import WatchedEvent
 from symbody.simulation.inputs.breakpoints import Breakpoints
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -29,6 +31,27 @@ Integers = NDArray[np.int64]
 NOT_ENDED: Final = -1
 NOT_STARTED: Final = -2
 WORKER_LOST: Final = -3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseWatch:
+    """What is watched in all cases.
+
+    Attributes
+    ----------
+    values, actions : CompiledFunction
+        The values of all events; the energy, what actions set, and the derivative xdot; None where none acts.
+    labels, events : tuples
+        Names of the events, and these as numbers.
+    state_names : tuple of str
+        Speeds, coordinates, states of signals.
+    """
+
+    values: CompiledFunction
+    actions: CompiledFunction | None
+    labels: tuple[str, ...]
+    events: tuple[WatchedEvent, ...]
+    state_names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,6 +74,8 @@ class LoopJob:
         As in `Projector`.
     tables : mapping of place to Table
         The inputs r of the derivative, all of them tables.
+    watch : CaseWatch or None
+        The events. Where there are any, `function` gives the power behind xdot.
     """
 
     function: CompiledFunction
@@ -66,6 +91,7 @@ class LoopJob:
     rounding: float = 0.0
     limit: float = math.inf
     tables: Mapping[int, Table] = field(default_factory=dict)
+    watch: CaseWatch | None = None
 
     @property
     def state_size(self) -> int:
@@ -88,7 +114,7 @@ class Chunk:
     scales, sizes : (cases, constraints), (cases, n_q) arrays
         As in `Projector`.
     atol : (cases, n) array
-        As in `Goal`.
+        As in `Goal`, the work last where events are watched.
     """
 
     first: int
@@ -135,6 +161,8 @@ class CaseDetails:
         The work done until each sample [J].
     starts, modes : tuples
         When the equations changed [s], and the modes from then on; see `hybrid.modes`.
+    held : HeldRecord, optional
+        Values that were held between samples.
     """
 
     notes: str
@@ -142,6 +170,7 @@ class CaseDetails:
     work: Floats | None = None
     starts: tuple[float, ...] = ()
     modes: tuple[tuple[int, ...], ...] = ()
+    held: HeldRecord | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -137,8 +137,12 @@ class Sweep(Displayed):
         accepted, rejected, evaluations = self.counts[case, :3].tolist()
         values = ", ".join(f"{name} = {column[case]:g}" for name, column in self.cases.items())
         note, details = self.case_notes.get(case, ""), self.evaluation.details.get(case)
+        t = self.t[:samples].copy()
+        if samples and self.status[case] in (Status.STOPPED, Status.CHATTERING):
+            # the sample behind the last time before an event that ends the motion is the state there
+            t[-1] = min(t[-1], self.reached[case])
         return Trajectory(
-            self.t[:samples],
+            t,
             self.x[case, n_u:n, :samples],
             self.x[case, :n_u, :samples],
             self.coordinate_names,

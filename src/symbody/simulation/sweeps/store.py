@@ -6,15 +6,16 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.events.events import Occurrence
+from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.results.archive import read_arrays
 from symbody.simulation.sweeps.records import CaseDetails, Chunk, LoopJob, Records
 
@@ -127,21 +128,32 @@ def _read_details(text: str) -> dict[int, CaseDetails]:
             None if about["work"] is None else np.array(about["work"], dtype=np.float64),
             tuple(map(float, about["starts"])),
             tuple(tuple(map(int, modes)) for modes in about["modes"]),
+            _held_record(about.get("held")),
         )
         for case, about in json.loads(text).items()
     }
 
 
+def _held_record(about: Mapping[str, Any] | None) -> HeldRecord | None:
+    if about is None:
+        return None
+    values = np.array(about["values"], dtype=np.float64)
+    return HeldRecord(tuple(about["names"]), np.array(about["t"], dtype=np.float64), values)
+
+
 def digest(job: LoopJob, chunk: Chunk) -> str:
     """Return what stands for all that results depend on: code, first states, values, times, method."""
     about = hashlib.sha256()
-    for function in (job.function, job.closing):
+    watched = () if job.watch is None else (job.watch.values, job.watch.actions)
+    for function in (job.function, job.closing, *watched):
         about.update(b"" if function is None else function.source("c").encode())
     for array in (chunk.states, chunk.parameters, chunk.scales, chunk.sizes, chunk.atol, job.times):
         about.update(f"{array.shape}".encode())
         about.update(np.ascontiguousarray(array).tobytes())
     choices = (job.span, job.method, job.rtol, job.max_steps, job.stop_when_stiff, job.limit)
     about.update(repr((*choices, job.rounding)).encode())
+    if job.watch is not None:
+        about.update(repr((job.watch.labels, job.watch.events)).encode())
     return about.hexdigest()
 
 

@@ -20,6 +20,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
 from symbody.kernels import block as at
 from symbody.simulation.events.events import Event, check_events
+from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
@@ -103,7 +104,7 @@ def sweep(
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     inputs = {**laws_of_tables(eqs), **(inputs or {})}
-    laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names))
+    laws = input_laws(eqs.input_names, {**inputs, **held_later(eqs)}, span, len(eqs.coordinate_names))
     limits = (rtol, atol), max_steps, lanes, scales_by_name(eqs, scales)
     options = MotionOptions.check(span, times, integrator, constraints, *limits)
     workers = check_workers(executor, threads, part, patience)
@@ -120,11 +121,11 @@ def _run_sweep(
     """Return all motions: by the loop over many cases if it can compute them, else by `simulate`."""
     eqs, table, options = job.eqs, job.table, job.options
     records = Records.empty(0, table.count, options.times.size, len(eqs.state_names))
-    reason = reason_for_simulate(eqs, job.laws, options.integrator, options.constraints, bool(job.events))
+    reason = reason_for_simulate(eqs, job.laws, options.integrator, options.constraints)
     if reason:
         check_names(eqs, table, job.guess)
         return _run_by_simulate(job, records, reason, workers, store, progress)
-    loop, chunk, first_notes = prepare_loop(eqs, table, job.guess, job.laws, options)
+    loop, chunk, first_notes = prepare_loop(job)
     reason = _reason_of_branch(job, chunk)
     if reason:
         return _run_by_simulate(job, records, reason, workers, store, progress)
@@ -255,7 +256,7 @@ def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
 
 
 def _notes(job: SweepJob, apart: Sequence[int]) -> tuple[str, ...]:
-    silent = sorted(set(job.eqs.input_names).difference(job.inputs))
+    silent = sorted(set(job.eqs.input_names).difference(job.inputs, job.laws.callbacks))
     notes = [*job.laws.notes, *(silent_input_note(job.eqs.units, name) for name in silent)]
     if job.eqs.multiplier_names and job.options.constraints is None:
         notes.append(

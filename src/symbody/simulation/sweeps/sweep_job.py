@@ -161,6 +161,7 @@ class SweepJob:
         about.update(repr((table.parameter_names, table.initial_names, *choices, *fixed)).encode())
         about.update(repr(sorted(self.laws.formulas.items())).encode())
         about.update(repr(sorted(self.laws.callbacks)).encode())
+        about.update(repr(self.eqs.model.held_signals if self.laws.held_laws else ()).encode())
         about.update(table_numbers(self.laws.tables).tobytes())
         return about.hexdigest()
 

@@ -9,7 +9,7 @@ from symbody.model.fields import OptionalQuantity, Quantity
 from symbody.model.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import NamedGains, OutputLimits, block
-from symbody.model.signals.signal import Signal
+from symbody.model.signals.signal import Signal, check_sample
 
 
 @final
@@ -18,6 +18,8 @@ class PID(SignalBlock):
     """A controller with proportional, integral and filtered derivative part; parts without gain are left out.
 
     Where the output is limited, the integral is led back: by what the limits cut off, over `tracking`.
+    Sampled, the integral is a sum (Euler forward, counted from the next sample on), and the filtered
+    derivative a difference (Euler backward).
 
     Examples
     --------
@@ -28,7 +30,7 @@ class PID(SignalBlock):
     equation: ClassVar[str] = (
         "y = p e + integral of i e + d (e - filtered)/filter, filter filtered' = e - filtered"
     )
-    states: ClassVar[str] = "`y_integral`, `y_filtered`"
+    states: ClassVar[str] = "`y_integral`, `y_filtered`; sampled `y_integral`, `y_derivative`, `y_error`"
 
     input: Quantity = Quantity("The error e.", scope=Scope.LOAD)
     gains: NamedGains = NamedGains(
@@ -39,26 +41,38 @@ class PID(SignalBlock):
         "Time in which the integral is led back at limits; by default p/i.", unit="s", scope=Scope.LOAD
     )
     initial: Quantity = Quantity("Integral part at the start.", default=0)
+    sample: OptionalQuantity = OptionalQuantity(
+        "Time between samples of a digital controller; continuous without.", unit="s"
+    )
 
     def check(self, arguments: Arguments) -> None:
         """Note a derivative without filter, and limits without a time in which to lead the integral back."""
-        if self._has("d") and not self._has("filter"):
+        check_sample(arguments, self.sample)
+        if self._has("d") and not self._has("filter") and self.sample is None:
             arguments.add(
                 "block.derivative", "gains.d", "there is no filter for the derivative",
                 "the derivative of an error in rates is an acceleration, which follows from the output",
                 'give gains = { .., d = "kd", filter = "Tf" } with a time Tf of about a tenth of d/p',
             )  # fmt: skip
         if self.limits is not None and self._has("i") and self.tracking is None and not self._has("p"):
+            missing = "p is 0" if "p" in self.gains else "there is no p"
             arguments.add(
                 "block.tracking", "limits", "nothing says how fast the integral is led back at limits",
-                "the usual time is p/i, and p is 0", "give tracking, a time in seconds",
+                f"the usual time is p/i, and {missing}", "give tracking, a time in seconds",
             )  # fmt: skip
-
         if not self._has("i") and self.initial.constant() != 0:
             arguments.add(
                 "signal.initial", "initial", "there is no integral to start from it",
                 "the integral alone has an initial value, and i is 0", "leave initial out, or give a gain i",
             )  # fmt: skip
+
+    @property
+    def continuous(self) -> PID:
+        """The block without samples; a derivative without filter gets one as long as a sample."""
+        gains = dict(self.gains)
+        if self._has("d") and not self._has("filter") and self.sample is not None:
+            gains["filter"] = self.sample
+        return PID(**{**self.given_arguments(), "gains": gains, "sample": None})
 
     def _has(self, gain: str) -> bool:
         formula = self.gains.get(gain)
@@ -67,6 +81,8 @@ class PID(SignalBlock):
     @property
     def signals(self) -> tuple[Signal, ...]:
         """Integral and filter as far as there are any, and the output."""
+        if self.sample is not None:
+            return self._sampled_signals(in_brackets(self.sample))
         name, error = self.name, in_brackets(self.input)
         gains = {word: in_brackets(gain) for word, gain in self.gains.items()}
         states, terms = [], []
@@ -80,12 +96,39 @@ class PID(SignalBlock):
             change = f"({error} - {name}_filtered)/{gains['filter']}"
             states.append(Signal(f"{name}_filtered", rate=change))
             terms.append(f"{gains['d']}*{change}")
+        return (*states, *self._output(terms))
+
+    def _output(self, terms: list[str]) -> list[Signal]:
+        """Return the sum of the parts, and within limits the output."""
+        name, sample = self.name, self.sample
         total = " + ".join(terms) or "0"
         if self.limits is None:
-            return (*states, Signal(name, total))
+            return [Signal(name, total, sample=sample)]
         low, high = (in_brackets(limit) for limit in self.limits)
-        limited = Signal(name, f"min({high}, max({low}, {name}_unlimited))")
-        return (*states, Signal(f"{name}_unlimited", total), limited)
+        limited = Signal(name, f"min({high}, max({low}, {name}_unlimited))", sample=sample)
+        return [Signal(f"{name}_unlimited", total, sample=sample), limited]
+
+    def _sampled_signals(self, dt: str) -> tuple[Signal, ...]:
+        """Return the parts of one sample after the other, each held until the next."""
+        name, error = self.name, in_brackets(self.input)
+        gains = {word: in_brackets(gain) for word, gain in self.gains.items()}
+        before, after, terms = [], [], []
+        if self._has("p"):
+            terms.append(f"{gains['p']}*{error}")
+        if self._has("i"):
+            terms.append(f"{name}_integral")
+            summed = f"{name}_integral + {dt}*({gains['i']}*{error}{self._lead_back(gains)})"
+            after.append(Signal(f"{name}_integral", summed, initial=self.initial, sample=self.sample))
+        if self._has("d"):
+            time = gains["filter"] if self._has("filter") else "0"
+            change = f"{gains['d']}*({error} - {name}_error)"
+            part = f"({time}*{name}_derivative + {change})/({time} + {dt})"
+            before = [
+                Signal(f"{name}_derivative", part, sample=self.sample),
+                Signal(f"{name}_error", error, sample=self.sample),
+            ]
+            terms.append(f"{name}_derivative")
+        return (*before, *self._output(terms), *after)
 
     def _lead_back(self, gains: dict[str, str]) -> str:
         """Return what leads the integral back."""

@@ -4,33 +4,67 @@ from __future__ import annotations
 
 from typing import ClassVar, final
 
+from symbody.model.arguments import Arguments
 from symbody.model.fields import OptionalQuantity, Quantity
 from symbody.model.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
-from symbody.model.signals.signal import Signal
+from symbody.model.signals.signal import Signal, check_sample
 
 
 @final
 @block
 class RateLimit(SignalBlock):
-    """A follower whose slope is limited; what is slower it follows with a first-order lag."""
+    """A follower whose slope is limited; what is slower it follows with a first-order lag.
+
+    Sampled, it follows without a lag: from sample to sample by as much as the slopes allow.
+    """
 
     equation: ClassVar[str] = "y' = min(rise, max(-fall, (input - y)/time))"
     states: ClassVar[str] = "`y`, the output itself"
 
     input: Quantity = Quantity("What it follows.", scope=Scope.LOAD)
     rise: Quantity = Quantity("Fastest rise per second.", scope=Scope.LOAD)
-    time: Quantity = Quantity("Time constant of the lag, short.", unit="s", scope=Scope.LOAD)
+    time: OptionalQuantity = OptionalQuantity(
+        "Time constant of the lag, short; none where it is sampled.", unit="s", scope=Scope.LOAD
+    )
     fall: OptionalQuantity = OptionalQuantity(
         "Fastest fall per second, positive; by default as fast as the rise.", scope=Scope.LOAD
     )
     initial: Quantity = Quantity("Output at the start.", default=0)
+    sample: OptionalQuantity = OptionalQuantity("Time between samples; continuous without.", unit="s")
+
+    def check(self, arguments: Arguments) -> None:
+        """Note a lag that is missing, or one too many."""
+        check_sample(arguments, self.sample)
+        if self.time is None and self.sample is None:
+            arguments.add(
+                "block.time", "time", "there is no time constant",
+                "a continuous output follows its input with a lag",
+                "give time, short beside the motion, or sample, the time between samples",
+            )  # fmt: skip
+        elif self.time is not None and self.sample is not None:
+            arguments.add(
+                "block.time", "time", "a sampled rate limit has no lag",
+                "at each sample it comes as near to its input as the slopes allow", "leave time out",
+            )  # fmt: skip
+
+    @property
+    def continuous(self) -> RateLimit:
+        """The block without samples: its lag is the time between them."""
+        return RateLimit(**{**self.given_arguments(), "time": self.sample, "sample": None})
 
     @property
     def signals(self) -> tuple[Signal, ...]:
         """The state."""
-        given, time, rise = (in_brackets(part) for part in (self.input, self.time, self.rise))
+        given, rise = in_brackets(self.input), in_brackets(self.rise)
         fall = rise if self.fall is None else in_brackets(self.fall)
+        if self.sample is not None:
+            dt = in_brackets(self.sample)
+            step = f"min({rise}*{dt}, max(-{fall}*{dt}, {given} - {self.name}))"
+            value = f"{self.name} + {step}"
+            return (Signal(self.name, value, initial=self.initial, sample=self.sample),)
+        assert self.time is not None
+        time = in_brackets(self.time)
         rate = f"min({rise}, max(-{fall}, ({given} - {self.name})/{time}))"
         return (Signal(self.name, rate=rate, initial=self.initial),)

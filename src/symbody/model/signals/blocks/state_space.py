@@ -7,10 +7,11 @@ from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
+from symbody.model.fields import OptionalQuantity
 from symbody.model.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import Coefficients, MatrixRows, Rows, block
-from symbody.model.signals.signal import Signal
+from symbody.model.signals.signal import Signal, check_sample
 
 
 @final
@@ -18,10 +19,11 @@ from symbody.model.signals.signal import Signal
 class StateSpace(SignalBlock):
     """A linear block ``x' = A x + B u``, ``y = C x + D u`` with any numbers of inputs and outputs.
 
-    Its output bears its name; several outputs are ``name_1``, ``name_2``, and so on.
+    Sampled, ``A x + B u`` is the state at the next sample. Its output bears its name; several outputs are
+    ``name_1``, ``name_2``, and so on.
     """
 
-    equation: ClassVar[str] = "x' = A x + B u, y = C x + D u"
+    equation: ClassVar[str] = "x' = A x + B u, y = C x + D u; sampled, A x + B u is the next x"
     states: ClassVar[str] = "`y_x1`, `y_x2`, .."
 
     inputs: Coefficients = Coefficients("The inputs u.", scope=Scope.LOAD)
@@ -30,9 +32,13 @@ class StateSpace(SignalBlock):
     C: MatrixRows = MatrixRows("(outputs, n), row by row.")
     D: MatrixRows = MatrixRows("(outputs, inputs), row by row; by default 0.", default=())
     initial: Coefficients = Coefficients("States at the start, by default 0.", default=())
+    sample: OptionalQuantity = OptionalQuantity(
+        "Time between samples; x' is the next x then, the rate of x without.", unit="s"
+    )
 
     def check(self, arguments: Arguments) -> None:
         """Note matrices that do not fit each other."""
+        check_sample(arguments, self.sample)
         n, m, p = len(self.A), len(self.inputs), len(self.C)
         for name, rows, height, width in (
             ("A", self.A, n, n), ("B", self.B, n, m), ("C", self.C, p, n), ("D", self.D or ((),) * p, p, m),
@@ -53,12 +59,26 @@ class StateSpace(SignalBlock):
         given = [in_brackets(formula) for formula in self.inputs]
         starts: Sequence[Formula | int] = self.initial or (0,) * len(states)
         rates = [_row_sum(a, states, b, given) for a, b in zip(self.A, self.B, strict=True)]
-        chain = [Signal(x, rate=rate, initial=x0) for x, rate, x0 in zip(states, rates, starts, strict=True)]
         direct: Rows = self.D or ((),) * len(self.C)
         values = [_row_sum(c, states, d, given if d else ()) for c, d in zip(self.C, direct, strict=True)]
         alone = len(values) == 1
         names = [self.name if alone else f"{self.name}_{k + 1}" for k in range(len(values))]
-        return (*chain, *(Signal(name, value) for name, value in zip(names, values, strict=True)))
+        pairs = zip(names, values, strict=True)
+        outputs = [Signal(name, value, sample=self.sample) for name, value in pairs]
+        if self.sample is None:
+            rows = zip(states, rates, starts, strict=True)
+            return (*(Signal(x, rate=rate, initial=x0) for x, rate, x0 in rows), *outputs)
+        following = [f"{self.name}_next{k + 1}" for k in range(len(states))]
+        nexts = zip(following, rates, strict=True)
+        computed = [Signal(x, rate, sample=self.sample) for x, rate in nexts]
+        moves = zip(states, following, starts, strict=True)
+        moved = [Signal(x, value, initial=x0, sample=self.sample) for x, value, x0 in moves]
+        return (*outputs, *computed, *moved)
+
+    @property
+    def continuous(self) -> None:
+        """None: give the matrices of the continuous block."""
+        return
 
 
 def _row_sum(

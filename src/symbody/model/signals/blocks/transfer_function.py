@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import comb
 from typing import ClassVar, final
 
+from symbody.errors import ModelError
 from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
-from symbody.model.fields import Quantity
+from symbody.model.fields import OptionalQuantity, Quantity
 from symbody.model.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import Coefficients, block
-from symbody.model.signals.signal import Signal
+from symbody.model.signals.signal import Signal, check_sample
 
 
 @final
@@ -19,21 +21,27 @@ from symbody.model.signals.signal import Signal
 class TransferFunction(SignalBlock):
     """A linear block given by the coefficients of two polynomials, highest power first; it starts at rest.
 
+    Sampled, they are polynomials in z, as `control.tf(numerator, denominator, dt)` takes them.
+
     Examples
     --------
     >>> [signal.name for signal in TransferFunction("y", "u", [1], [1, 2, 1]).signals]
     ['y_1', 'y_2', 'y']
     """
 
-    equation: ClassVar[str] = "y = numerator(s)/denominator(s) input"
+    equation: ClassVar[str] = "y = numerator(s)/denominator(s) input; sampled, of z"
     states: ClassVar[str] = "`y_1`, `y_2`, ..: as many as the denominator's degree"
 
     input: Quantity = Quantity("What goes in.", scope=Scope.LOAD)
     numerator: Coefficients = Coefficients("Its coefficients, highest power first.")
     denominator: Coefficients = Coefficients("Its coefficients, highest power first; the first is not 0.")
+    sample: OptionalQuantity = OptionalQuantity(
+        "Time between samples; the polynomials are in z then, in s without.", unit="s"
+    )
 
     def check(self, arguments: Arguments) -> None:
         """Note polynomials that make no proper transfer function."""
+        check_sample(arguments, self.sample)
         if not self.numerator or not self.denominator or self.denominator[0].constant() == 0:
             arguments.add(
                 "block.no_polynomial", "denominator", "the polynomials have no leading coefficients",
@@ -57,9 +65,52 @@ class TransferFunction(SignalBlock):
     def signals(self) -> tuple[Signal, ...]:
         """A chain of integrators, and the output."""
         numerator = [in_brackets(entry) for entry in self._numerator]
-        return realize(
-            self.name, in_brackets(self.input), numerator, [in_brackets(a) for a in self.denominator]
+        denominator = [in_brackets(entry) for entry in self.denominator]
+        if self.sample is not None:
+            return _sampled_signals(self, numerator, denominator)
+        return realize(self.name, in_brackets(self.input), numerator, denominator)
+
+    @property
+    def continuous(self) -> TransferFunction | None:
+        """The block by the bilinear rule of Tustin, z = (1 + s dt/2)/(1 - s dt/2)."""
+        assert self.sample is not None
+        half, n = f"({in_brackets(self.sample)}/2)", len(self.denominator) - 1
+        numerator, denominator = (
+            [in_brackets(entry) for entry in row] for row in (self._numerator, self.denominator)
         )
+        padded = ["0"] * (n + 1 - len(numerator)) + numerator
+        top, bottom = (_bilinear(row, half) for row in (padded, denominator))
+        try:
+            return TransferFunction(self.name, self.input, top, bottom)
+        except ModelError:  # a pole at z = -1 is one at infinity
+            return None
+
+
+def _bilinear(coefficients: Sequence[str], half: str) -> list[str]:
+    """Return the coefficients of powers of s, highest first, of a polynomial in z times (1 - half s)^n."""
+    n = len(coefficients) - 1
+    rows = [
+        [sum((-1) ** j * comb(k, j) * comb(n - k, power - j) for j in range(power + 1)) for k in range(n + 1)]
+        for power in range(n, -1, -1)
+    ]
+    sums = [" + ".join(f"({c})*{a}" for c, a in zip(row, coefficients, strict=True)) for row in rows]
+    return [f"({total})*{half}^{n - place}" for place, total in enumerate(sums)]
+
+
+def _sampled_signals(
+    block: TransferFunction, numerator: Sequence[str], denominator: Sequence[str]
+) -> tuple[Signal, ...]:
+    """Return what enters a chain of delays, the output, and the delays, the last first."""
+    name, given, n = block.name, in_brackets(block.input), len(denominator) - 1
+    first, lower = denominator[0], denominator[1:]
+    b = ["0"] * (n + 1 - len(numerator)) + list(numerator)
+    delays = [f"{name}_{k + 1}" for k in range(n)]
+    fed_back = "".join(f" - {a}*{x}" for a, x in zip(lower, delays, strict=True))
+    chain = [f"{name}_0", *delays]
+    terms = [f"{weight}*{x}" for weight, x in zip(b, chain, strict=True) if weight != "0"]
+    moves = zip(delays[::-1], chain[-2::-1], strict=True)
+    values = [(f"{name}_0", f"({given}{fed_back})/{first}"), (name, " + ".join(terms) or "0"), *moves]
+    return tuple(Signal(own, value, sample=block.sample) for own, value in values)
 
 
 def realize(

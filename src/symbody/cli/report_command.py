@@ -1,0 +1,56 @@
+"""``symbody report``: the derivation of a mechanism as a page, LaTeX, Markdown or a notebook."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, option
+from symbody.cli.overwriting import refuse_overwriting
+from symbody.cli.settings import Settled, read_pairs
+from symbody.cli.stages import StageBar
+from symbody.equations.form import form_equations
+from symbody.formats.model_files import load_model
+from symbody.report.save_report import save_report
+from symbody.simulation.simulate import simulate
+
+
+def report(
+    model: ModelFile,
+    out: Annotated[
+        Path | None,
+        option("--out", "-o", text=".html, .tex, .md or .ipynb; by default a page beside the model."),
+    ] = None,
+    end: Annotated[float | None, option("--end", "-t", text="Also a motion up to this time in s.")] = None,
+    sections: Annotated[
+        Pairs, option("--section", metavar="NAME", text="What is in it; repeatable; all.")
+    ] = None,
+    parameters: Settings = None,
+    inputs: Inputs = None,
+    initial: Initials = None,
+    tree: Tree = None,
+    force: Force = False,
+) -> None:
+    """Write the derivation of a mechanism in the order of a textbook."""
+    target = model.with_suffix(".html") if out is None else out
+    refuse_overwriting(target, force)
+    bar = StageBar()
+    with bar.stage("forming the equations"):
+        eqs = form_equations(load_model(model), tree=None if tree is None else tree.value)
+        pairs = [
+            read_pairs(parameters, "--set"),
+            read_pairs(inputs, "--input"),
+            read_pairs(initial, "--initial"),
+        ]
+        given = Settled.resolve(eqs, *pairs)
+    run = None
+    if end is not None:
+        with bar.stage("computing the motion"):
+            run = simulate(
+                eqs, (0.0, end), parameters=given.parameters, inputs=given.laws(), initial=given.initial
+            )
+    with bar.stage("writing"):
+        save_report(eqs, target, run, sections=sections, parameters=given.parameters)
+    typer.echo(str(target))

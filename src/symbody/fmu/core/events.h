@@ -1,0 +1,89 @@
+/* Events: each watches a number that passes zero. The end of a mode is one, too: its number falls to zero. */
+
+/* The side of what is watched. That of a mode has to become more than rounding before it can come to zero. */
+static int side_of_watched(const Motion *m, int k, double value)
+{
+    if (k < SB_EVENTS) return side_of(value);
+    return value > m->slight[k - SB_EVENTS] ? 1 : value < -m->slight[k - SB_EVENTS] ? -1 : 0;
+}
+
+/* Whether an event has happened since a side. A value that is zero belongs to the side where it comes to. */
+static int has_happened(const Motion *m, int k, double value)
+{
+    int before = m->side[k], now = side_of_watched(m, k, value);
+    if (k >= SB_EVENTS) return before > 0 ? value <= 0.0 : now < 0;
+    return (before > 0 && now <= 0 && sb_directions[k] <= 0) || (before < 0 && now >= 0 && sb_directions[k] >= 0);
+}
+
+/* Note which events have happened since the side of each was looked at; return whether any has. */
+static int note_events(Motion *m)
+{
+    int k, any = 0;
+    if (!(SB_EVENTS + SB_ELEMENTS) || need(m, HAS_INDICATORS) != SOLVED) return 0;
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
+        int now = side_of_watched(m, k, m->indicators[k]), before = m->side[k];
+        int has_passed = (before > 0 && now <= 0) || (before < 0 && now >= 0);
+        if (has_happened(m, k, m->indicators[k])) m->pending[k] = any = 1;
+        if (now != 0) m->side[k] = now;
+        else if (has_passed && k < SB_EVENTS) m->side[k] = 0;
+    }
+    return any;
+}
+
+static void look_at_sides(Motion *m)
+{
+    int k;
+    if (!(SB_EVENTS + SB_ELEMENTS) || need(m, HAS_INDICATORS) != SOLVED) return;
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
+        m->side[k] = side_of_watched(m, k, m->indicators[k]);
+        m->pending[k] = 0;
+    }
+}
+
+/* What an importer watches of a mode: not zero where the mode begins. */
+static double shown_indicator(const Motion *m, int k)
+{
+    return m->indicators[SB_EVENTS + k] + (m->side[SB_EVENTS + k] == 0 ? 2.0 * m->slight[k] : 0.0);
+}
+
+/* Set what the events noted set. Returns whether values changed, -1 for a fault. */
+static int set_states(Motion *m, int *must_stop)
+{
+    int k, j, changed = 0;
+    double actions[SB_ACTIONS + 1];
+    *must_stop = 0;
+    for (k = 0; k < SB_EVENTS; k++) *must_stop |= m->pending[k] && sb_stops[k];
+    if (SB_ACTIONS && compute(m, &sb_functions[SB_ACTION], m->x, actions)) return -1;
+    for (j = 0; j < SB_ACTIONS; j++)
+        if (m->pending[sb_action_events[j]]) {
+            m->x[sb_action_states[j]] = actions[j];
+            changed = 1;
+        }
+    if (!changed) return 0;
+    m->valid = 0;
+    m->is_fresh = 1;
+    if (project_state(m) != SOLVED) return -1;
+    /* A map leaves what it acts on where it is, up to rounding: only a side that is clear counts. */
+    if (need(m, HAS_INDICATORS) == SOLVED)
+        for (k = 0; k < SB_EVENTS; k++) m->side[k] = side_of(m->indicators[k]);
+    return 1;
+}
+
+/* Do what follows at the events noted: new values of states, other modes. Returns whether values changed, -1 for
+   a fault. */
+static int act(Motion *m, int *must_stop)
+{
+    int k, ended[SB_ELEMENTS + 1], changed;
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++)
+        if (m->pending[k] && m->happened_count < SB_KEPT) {
+            m->happened[m->happened_count] = k;
+            m->happened_at[m->happened_count++] = m->time;
+        }
+    changed = set_states(m, must_stop);
+    if (changed >= 0 && have_ended(m, ended)) {
+        changed = switch_modes(m, ended) == SOLVED ? 1 : -1;
+        look_at_sides(m);
+    }
+    memset(m->pending, 0, sizeof m->pending);
+    return changed;
+}

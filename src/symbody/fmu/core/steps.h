@@ -1,0 +1,137 @@
+/* Steps of our own, for co-simulation, and jumps of what depends on time alone. */
+
+/* Jumps of what depends on time alone. */
+
+static void look_for_jump(Motion *m)
+{
+    const double *B = m->pool + SB_BLOCK;
+    int place = (int)B[SB_FIRST_BREAK];
+    if (m->time >= m->jump - m->jump_margin) m->past_jump = m->jump + m->jump_margin;
+    m->jump = HUGE_VAL;
+    m->jump_margin = 0.0;
+    for (; isfinite(B[place + SB_BREAK_TIME]); place += SB_BREAK_SIZE)
+        if (B[place + SB_BREAK_JUMPS] != 0.0 && B[place + SB_BREAK_TIME] > m->time + B[place + SB_BREAK_MARGIN]) {
+            m->jump = B[place + SB_BREAK_TIME];
+            m->jump_margin = B[place + SB_BREAK_MARGIN];
+            return;
+        }
+}
+
+/* Steps of our own, for co-simulation. */
+
+static void begin_steps(Motion *m)
+{
+    double *B = m->pool + SB_BLOCK, nothing[1] = {0.0};
+    B[SB_TIME] = m->time;
+    memcpy(B + SB_VECTORS + SB_STATE_OLD * SB_X, m->x, SB_X * sizeof(double));
+    B[SB_KERNEL] = B[SB_STEPS] = B[SB_SAMPLES] = 0.0;
+    B[SB_AFTER_REJECTION] = B[SB_STIFF_VOTES] = B[SB_OTHER_VOTES] = B[SB_UNJUDGED] = 0.0;
+    B[SB_NEXT_BREAK] = B[SB_FIRST_BREAK];
+    m->from = m->to = m->time;
+    m->is_fresh = 0;
+    m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->ends);
+    B[SB_FIRST_STEP] = SB_IS_FIXED ? B[SB_MAX_STEP] : fabs(B[SB_STEP]);
+}
+
+static void take_step(Motion *m)
+{
+    double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_TIME];
+    m->code = symbody_advance(
+        mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
+    if (B[SB_STEPS] != 0.0) {
+        B[SB_STEPS] = 0.0;
+        m->from = before;
+        m->to = B[SB_T_NEW];
+        if (SB_ELEMENTS) note_rates(m);
+        if (!SB_IS_FIXED) B[SB_FIRST_STEP] = fabs(B[SB_STEP]);
+    }
+}
+
+/* The state at a time inside the last step. */
+static void state_at(Motion *m, double time, double *x)
+{
+    const double *B = m->pool + SB_BLOCK;
+    if (time < m->to)
+        symbody_interpolate(SB_X, SB_DENSE_ROWS, m->pieces, (time - m->from) / (m->to - m->from), x);
+    else
+        memcpy(x, B + SB_VECTORS + SB_STATE_OLD * SB_X, SB_X * sizeof(double));
+}
+
+static int show_state(Motion *m, double time)
+{
+    m->valid = 0;
+    m->time = time;
+    if (m->to <= m->from) return SOLVED;
+    state_at(m, time, m->x);
+    return time < m->to ? project_state(m) : SOLVED;
+}
+
+/* Return whether an event has happened at a time of the last step, since the sides kept. */
+static int has_event(Motion *m, double time)
+{
+    double x[SB_X + 1], values[SB_EVENTS + SB_ELEMENTS + 1], now = m->time;
+    int k, status;
+    state_at(m, time, x);
+    m->time = time;
+    if (time < m->to) project_place(m, x); /* as it is shown */
+    status = watch(m, x, values);
+    m->time = now;
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS && status == 0; k++)
+        if (has_happened(m, k, values[k])) return 1;
+    return 0;
+}
+
+/* Go on inside the last step to a time, or to the first event before it. */
+static int pass_events(Motion *m, double end)
+{
+    double start = m->time, low = start, high = end;
+    int k;
+    if (SB_EVENTS + SB_ELEMENTS == 0) return 0;
+    for (k = 1; k <= SB_LOOKS; k++) {
+        high = k == SB_LOOKS ? end : start + (end - start) * k / SB_LOOKS;
+        if (has_event(m, high)) break;
+        show_state(m, high);
+        note_events(m); /* sides that change without an event */
+        low = high;
+    }
+    if (k > SB_LOOKS) return 0;
+    for (k = 0; k < 200; k++) {
+        double middle = low + 0.5 * (high - low);
+        if (!(middle > low && middle < high)) break;
+        if (has_event(m, middle)) high = middle;
+        else low = middle;
+    }
+    show_state(m, high);
+    note_events(m);
+    return 1;
+}
+
+/* Go on to a time; returns one of the codes of the integrator, and whether an event ends the motion. */
+static int go_to(Motion *m, double target, int *must_stop)
+{
+    double *B = m->pool + SB_BLOCK;
+    int events = 0;
+    *must_stop = 0;
+    renew_arguments(m);
+    if (m->is_fresh && SB_ELEMENTS && act(m, must_stop) < 0) return SB_NOT_FINITE; /* inputs may have jumped */
+    while (m->time < target) {
+        double end;
+        if (B[SB_T_END] < target) B[SB_T_END] = target + SB_SPAN;
+        if (m->is_fresh) begin_steps(m);
+        while (m->code == SB_RUNNING && m->to <= m->time) take_step(m);
+        if (m->code != SB_RUNNING && m->code != SB_FINISHED) return m->code;
+        if (m->to <= m->time) { /* the end of an earlier goal: begin anew towards the next */
+            m->is_fresh = 1;
+            continue;
+        }
+        end = m->to < target ? m->to : target;
+        if (pass_events(m, end)) {
+            if (act(m, must_stop) < 0) return SB_NOT_FINITE;
+            if (*must_stop) return SB_RUNNING;
+            if (++events > SB_MOST_EVENTS) return SB_TOO_MANY;
+        } else if (show_state(m, end) != SOLVED)
+            return SB_SINGULAR;
+    }
+    keep_settled(m);
+    return SB_RUNNING;
+}

@@ -1,0 +1,57 @@
+"""`Hysteresis`: a relay with two thresholds."""
+
+from __future__ import annotations
+
+from typing import ClassVar, final
+
+from symbody.model.arguments import Arguments
+from symbody.model.fields import Quantity
+from symbody.model.formula_site import Scope
+from symbody.model.signals.block import SignalBlock, in_brackets
+from symbody.model.signals.block_fields import block
+from symbody.model.signals.signal import Signal, check_sample
+
+
+@final
+@block
+class Hysteresis(SignalBlock):
+    """A relay with two thresholds, looked at from sample to sample; between them it stays as it is.
+
+    Examples
+    --------
+    >>> str(Hysteresis("heater", "20 - T", lower=-1, upper=1, sample=0.1).signals[0].value)
+    'if(20 - T > 1, 1, if(20 - T < -1, 0, heater))'
+    """
+
+    equation: ClassVar[str] = "y = high where input > upper, low where input < lower, else as before"
+    states: ClassVar[str] = "sampled `y`, the output itself"
+
+    input: Quantity = Quantity("What is compared.", scope=Scope.LOAD)
+    lower: Quantity = Quantity("Threshold below which it is switched to low.", scope=Scope.LOAD)
+    upper: Quantity = Quantity("Threshold above which it is switched to high.", scope=Scope.LOAD)
+    sample: Quantity = Quantity("Time between samples.", unit="s")
+    low: Quantity = Quantity("Output below.", default=0, scope=Scope.LOAD)
+    high: Quantity = Quantity("Output above.", default=1, scope=Scope.LOAD)
+    initial: Quantity = Quantity("Output before the first sample.", default=0)
+
+    def check(self, arguments: Arguments) -> None:
+        """Note thresholds in the wrong order."""
+        check_sample(arguments, self.sample)
+        lower, upper = self.lower.constant(), self.upper.constant()
+        if lower is not None and upper is not None and lower > upper:
+            arguments.add(
+                "block.thresholds", "lower", f"{self.lower} is above the upper one, {self.upper}",
+                "between them the output stays as it is", "exchange them",
+            )  # fmt: skip
+
+    @property
+    def continuous(self) -> None:
+        """No smooth block is like it."""
+        return
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The output."""
+        given, lower, upper = self.input.text, in_brackets(self.lower), in_brackets(self.upper)
+        value = f"if({given} > {upper}, {self.high}, if({given} < {lower}, {self.low}, {self.name}))"
+        return (Signal(self.name, value, initial=self.initial, sample=self.sample),)

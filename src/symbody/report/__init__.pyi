@@ -1,0 +1,1 @@
+from .save_report import save_report as save_report

@@ -1,0 +1,149 @@
+"""The end of a report: equilibria and modes, a motion, the code, and what all was computed with."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator
+from hashlib import sha256
+from typing import Final
+
+import numpy as np
+
+import symbody
+from symbody.analysis.equilibrium.find_equilibrium import find_equilibrium
+from symbody.analysis.linear.linearize import linearize
+from symbody.analysis.linear.modes import Mode, eigenvalue_on_axes
+from symbody.codegen.compile import generate_code
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import SymbodyError
+from symbody.expr.fingerprint import fingerprints
+from symbody.report.document import (
+    Block,
+    Cell,
+    Figure,
+    Name,
+    Notes,
+    Paragraph,
+    ReportSection,
+    TextTable,
+    Unit,
+)
+from symbody.report.pictures import motion_picture
+from symbody.report.setting import Setting, reason
+from symbody.simulation.results.trajectory import Trajectory
+
+_MOST_CURVES: Final = 8
+_MOST_OPERATIONS: Final = 20_000  # of code whose size is measured by writing it
+_LANGUAGES: Final = ("c", "python", "fortran", "matlab", "julia", "rust")
+
+
+def equilibrium_section(setting: Setting) -> ReportSection:
+    """Return an equilibrium near the initial values, and the modes about it."""
+    return ReportSection("equilibrium", "Equilibrium and modes", tuple(_equilibrium(setting)))
+
+
+def _equilibrium(setting: Setting) -> Iterator[Block]:
+    eqs = setting.eqs
+    if isinstance(setting.start, str):
+        yield Paragraph(f"None was looked for: {setting.start}")
+        return
+    try:
+        balance = find_equilibrium(eqs, parameters=setting.parameters)
+    except SymbodyError as error:
+        yield Paragraph(f"No equilibrium was found near the initial values: {reason(error)}")
+        return
+    yield Paragraph("Near the initial values:")
+    rows: list[tuple[Cell, ...]] = [
+        (Name(name), _round_off(value), Unit(eqs.units.get(name, ""))) for name, value in balance.q.items()
+    ]
+    yield TextTable(("coordinate", "value", "unit"), tuple(rows))
+    yield Notes(balance.notes)
+    try:
+        linear = linearize(eqs, balance)
+    except SymbodyError as error:
+        yield Paragraph(f"It has no linear equations: {reason(error)}")
+        return
+    yield Paragraph(f"Its small motions are {linear.verdict}.")
+    modes = tuple(_mode_row(mode) for mode in linear.modes if mode.eigenvalue.imag >= 0.0)
+    heading = ("eigenvalue [1/s]", "frequency [rad/s]", "damping ratio", "time constant [s]")
+    yield TextTable(heading, modes)
+
+
+def _mode_row(mode: Mode) -> tuple[Cell, ...]:
+    value = eigenvalue_on_axes(mode)
+    pair = "\u00b1" if value.imag else ""
+    shown = f"{value.real:.5g} {pair} {abs(value.imag):.5g} i" if pair else f"{value.real:.5g}"
+    return (shown.replace("-", "\u2212"), mode.frequency, mode.damping_ratio, mode.time_constant)
+
+
+def _round_off(value: float) -> float:
+    return 0.0 if abs(value) < 1e-12 else value
+
+
+def motion_section(setting: Setting) -> ReportSection:
+    """Return a motion as pictures, with its energy and the violation of the constraints."""
+    if setting.run is None:
+        return ReportSection("motion", "Motion")
+    return ReportSection("motion", "Motion", tuple(_motion(setting.run)))
+
+
+def _motion(run: Trajectory) -> Iterator[Block]:
+    yield Paragraph(f"From t = {run.t[0]:g} s to {run.t[-1]:g} s, {run.t.size} samples: {run.status.value}.")
+    names = run.coordinate_names
+    yield Figure(
+        "motion", "Coordinates over time", lambda kind: motion_picture(run, names[:_MOST_CURVES], kind)
+    )
+    if len(names) > _MOST_CURVES:
+        yield Paragraph(f"Shown are the first {_MOST_CURVES} of {len(names)} coordinates.")
+    energies = ("kinetic_energy", "potential_energy", "energy")
+    yield Figure("energy", "Energies over time", lambda kind: motion_picture(run, energies, kind))
+    energy = np.asarray(run["energy"])
+    yield Paragraph(f"Energy: {energy[0]:.6g} J at first, {energy[-1]:.6g} J at the end.")
+    worst = float(np.max(run.constraint_violation, initial=0.0))
+    yield Paragraph(f"Largest open constraint: {worst:.2g} of the mechanism's size.")
+    rows = tuple((f"{event.t:.9g}", event.name) for event in run.events[:30])
+    yield TextTable(("t [s]", "event"), rows)
+    yield Notes(run.notes)
+
+
+def code_section(setting: Setting) -> ReportSection:
+    """Return the size of the generated code of the state's rates in each language."""
+    eqs = setting.eqs
+    count = eqs.operation_count("xdot")
+    blocks: list[Block] = [Paragraph(f"The rates of the state, xdot, take {count} operations.")]
+    if count > _MOST_OPERATIONS:
+        return ReportSection("code", "Code", blocks)
+    rows: list[tuple[Cell, ...]] = []
+    for language in _LANGUAGES:
+        try:
+            text = generate_code(eqs, "xdot", language)
+        except SymbodyError as error:
+            rows.append((language, "none", reason(error)))
+        else:
+            rows.append((language, str(text.count("\n")), f"{len(text) / 1000:.1f} kB"))
+    blocks.append(TextTable(("language", "lines", "size"), tuple(rows)))
+    return ReportSection("code", "Code", blocks)
+
+
+def origin_section(setting: Setting) -> ReportSection:
+    """Return versions and a fingerprint: reports of the same equations have the same."""
+    rows = (
+        ("symbody", symbody.__version__),
+        ("Python", platform.python_version()),
+        ("numpy", np.__version__),
+        ("fingerprint of the equations", _fingerprint(setting.eqs)),
+    )
+    return ReportSection("origin", "Versions", (TextTable(("", ""), rows),))
+
+
+def _fingerprint(eqs: EquationSet) -> str:
+    """Return the same text for equations that are equal as functions, however they are written."""
+    graph = eqs.formed.graph
+    nodes = [node for name in ("mass_matrix", "forcing", "constraints") for node in eqs.roots(name).nodes]
+    values = fingerprints(graph, list(graph.reachable(nodes)))
+    words = [
+        *eqs.coordinate_names,
+        *eqs.speed_names,
+        *(f"{a:x} {b:x}" for a, b in (values[node] for node in nodes)),
+    ]
+    return sha256("\n".join(words).encode()).hexdigest()[:16]

@@ -1,0 +1,155 @@
+"""A document by its parts, before it is HTML, LaTeX, Markdown or a notebook.
+
+Sections say what there is to read, writers how it looks. Formulas stay nodes of the expression graph until
+they are written, so that every kind of file prints them in its own notation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal, TypeAlias
+
+from symbody.expr.graph import Graph
+from symbody.expr.language.formula import Formula
+
+# An equation of more operations is written in shared parts with names, and folded where pages can fold.
+LONG: Final = 400
+# A block whose graph has more operations than this is counted, not printed: nobody reads it.
+MOST_OPERATIONS: Final = 4000
+
+PictureKind: TypeAlias = Literal["svg", "png", "pdf"]
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A name of the model, shown as in formulas: Greek letters, indices, dots for ``_dot``."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class NameList:
+    """Several names, separated by commas."""
+
+    texts: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit as symbody writes it: ``kg m^2``."""
+
+    text: str
+
+
+Cell: TypeAlias = str | float | Formula | Name | NameList | Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Paragraph:
+    """Plain text."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Notes:
+    """A list of sentences."""
+
+    texts: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TextTable:
+    """A table."""
+
+    heading: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class EquationBlock:
+    """EquationBlock ``left = right`` below each other.
+
+    Attributes
+    ----------
+    graph : Graph
+        Where the nodes are.
+    sides : tuple of (int, int)
+        The nodes of both sides of each.
+    """
+
+    graph: Graph
+    sides: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Matrix:
+    """``symbol = [entries]``.
+
+    Attributes
+    ----------
+    symbol : str
+        A name, shown as in formulas.
+    shape : (int, int)
+        Rows and columns.
+    nodes : tuple of int
+        Entries, row by row.
+    """
+
+    symbol: str
+    graph: Graph
+    shape: tuple[int, int]
+    nodes: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A picture.
+
+    Attributes
+    ----------
+    name : str
+        Of its file, where pictures are files of their own: letters, digits and ``-``.
+    caption : str
+        What it shows; also what readers hear who do not see it.
+    draw : callable
+        Returns the content of a file of a kind.
+    """
+
+    name: str
+    caption: str
+    draw: Callable[[PictureKind], bytes]
+
+
+@dataclass(frozen=True, slots=True)
+class MatrixRow:
+    """Matrices that stand beside each other."""
+
+    matrices: tuple[Matrix, ...]
+
+
+Block: TypeAlias = Paragraph | Notes | TextTable | EquationBlock | Matrix | MatrixRow | Figure
+
+
+@dataclass(frozen=True, slots=True)
+class ReportSection:
+    """A heading and what stands under it.
+
+    Attributes
+    ----------
+    key : str
+        What callers choose it by.
+    """
+
+    key: str
+    title: str
+    blocks: Sequence[Block] = field(default=())
+
+
+@dataclass(frozen=True, slots=True)
+class ReportContent:
+    """A title and sections."""
+
+    title: str
+    sections: tuple[ReportSection, ...]

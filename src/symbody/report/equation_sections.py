@@ -1,0 +1,215 @@
+"""The middle of a report: kinematics, constraints, dynamics, the equations, the reactions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
+
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.display import equation_sides
+from symbody.errors import SymbodyError
+from symbody.expr.canonical import ZERO
+from symbody.expr.graph import Graph
+from symbody.expr.opcodes import SADDLE
+from symbody.expr.rewrite import operation_count, tree_sizes
+from symbody.expr.sequence import Roots
+from symbody.report.document import (
+    LONG,
+    MOST_OPERATIONS,
+    Block,
+    Cell,
+    EquationBlock,
+    Matrix,
+    MatrixRow,
+    Name,
+    Paragraph,
+    ReportSection,
+    TextTable,
+)
+from symbody.report.setting import Setting
+
+# Bodies whose kinematics are written out, and speeds of matrices that are.
+_MOST_BODIES: Final = 8
+_MOST_SPEEDS: Final = 12
+# Outputs of frames, and how they are written.
+_LETTERS: Final = {"r": "r", "v": "v", "w": "omega"}
+_COUNTED: Final = (
+    "mass_matrix",
+    "forcing",
+    "jacobian",
+    "gamma",
+    "constraints",
+    "kinetic_energy",
+    "udot",
+    "xdot",
+)
+
+
+def kinematics_section(setting: Setting) -> ReportSection:
+    """Return the rates of coordinates, and places and velocities of the bodies' frames in the ground."""
+    eqs = setting.eqs
+    return ReportSection("kinematics", "Kinematics", tuple(_kinematics(eqs)))
+
+
+def _kinematics(eqs: EquationSet) -> Iterator[Block]:
+    graph, formed = eqs.formed.graph, eqs.formed
+    rates = [graph.symbol(symbol.derivative) for symbol in formed.q]
+    sides = [(a, b) for a, b in zip(rates, eqs.textbook.readable("qdot").nodes, strict=True) if a != b]
+    if sides:
+        yield Paragraph("Rates of the coordinates by the speeds:")
+        yield from _equations(graph, sides)
+    bodies = eqs.model.bodies
+    if len(bodies) > _MOST_BODIES:
+        yield Paragraph(
+            f"Places of the {len(bodies)} bodies are not written out; each is an output, such as "
+            f'"frame r {bodies[0].name} ground ground".'
+        )
+        return
+    yield Paragraph(
+        "Origin [m], velocity [m/s] and angular velocity [rad/s] of each body in the ground, in its axes:"
+    )
+    for body in bodies:
+        outputs = {letter: f"frame {kind} {body.name} ground ground" for kind, letter in _LETTERS.items()}
+        nodes = {letter: eqs.textbook.readable(name).nodes for letter, name in outputs.items()}
+        if any(_is_long(graph, entries) for entries in nodes.values()):
+            yield Paragraph(f"Those of {body.name} are too long to be read.")
+        else:
+            row = [Matrix(f"{x}_{body.name}", graph, (3, 1), tuple(entries)) for x, entries in nodes.items()]
+            yield MatrixRow(tuple(row))
+
+
+def constraints_section(setting: Setting) -> ReportSection:
+    """Return the constraints of each joint, on positions and on velocities."""
+    eqs = setting.eqs
+    return ReportSection("constraints", "Constraints", tuple(_constraints(eqs)))
+
+
+def _constraints(eqs: EquationSet) -> Iterator[Block]:
+    formed, graph = eqs.formed, eqs.formed.graph
+    if not formed.rows:
+        yield Paragraph("There are none: the coordinates of the trees are independent.")
+        return
+    rows: list[tuple[Cell, ...]] = [
+        (row.element, "positions" if row.is_holonomic else "velocities", Name(row.name))
+        for row in formed.rows
+    ]
+    yield TextTable(("of", "on", "multiplier"), tuple(rows))
+    values = eqs.textbook.readable("constraints").nodes
+    if values:
+        yield Paragraph("On positions:")
+        yield from _equations(graph, [(ZERO, node) for node in values])
+    rates = eqs.textbook.readable("velocity_constraints").nodes[len(values) :]
+    if rates:
+        yield Paragraph("On velocities:")
+        yield from _equations(graph, [(ZERO, node) for node in rates])
+
+
+def dynamics_section(setting: Setting) -> ReportSection:
+    """Return M, F, J and gamma, and how many operations each output takes."""
+    eqs = setting.eqs
+    blocks: list[Block] = [
+        Paragraph(
+            "The equations of motion are M u' = F + J^T lambda, J u' = gamma: speeds u, multipliers lambda."
+        )
+        if eqs.multiplier_names
+        else Paragraph("The equations of motion are M u' = F, with speeds u.")
+    ]
+    blocks += _matrices(eqs)
+    counted: list[tuple[Cell, ...]] = []
+    for name in _COUNTED:
+        if name in ("jacobian", "gamma", "constraints") and not eqs.multiplier_names:
+            continue
+        counted.append((name, str(eqs.operation_count(name))))
+    blocks += [
+        Paragraph("Operations of each output, shared parts once, parameters as symbols:"),
+        TextTable(("output", "operations"), tuple(counted)),
+    ]
+    return ReportSection("dynamics", "Mass matrix, forcing, Jacobian", blocks)
+
+
+def _matrices(eqs: EquationSet) -> Iterator[Block]:
+    graph = eqs.formed.graph
+    names = {"M": "mass_matrix", "F": "forcing"}
+    if eqs.multiplier_names:
+        names |= {"J": "jacobian", "gamma": "gamma"}
+    for letter, name in names.items():
+        if len(eqs.speed_names) > _MOST_SPEEDS or _is_big(graph, eqs.roots(name).nodes):
+            yield Paragraph(
+                f"{letter} ({name}) is too large to be read; generate_code(eqs, {name!r}) writes it."
+            )
+            continue
+        roots: Roots = eqs.textbook.readable(name)
+        rows, columns = (*roots.shape, 1)[:2]
+        yield Matrix(letter, graph, (rows, columns), tuple(roots.nodes))
+
+
+def equations_section(setting: Setting) -> ReportSection:
+    """Return the equations of motion, as people write them."""
+    eqs = setting.eqs
+    graph = eqs.formed.graph
+    if len(eqs.speed_names) > _MOST_SPEEDS or _is_big(
+        graph, (*eqs.roots("mass_matrix").nodes, *eqs.roots("forcing").nodes)
+    ):
+        text = "too large to be read; eqs.text() prints them, sb.generate_code writes them"
+        return ReportSection("equations", "EquationBlock of motion", (Paragraph(text),))
+    blocks = [*_equations(graph, equation_sides(eqs.textbook))]
+    if eqs.textbook.signal_equations:
+        blocks.append(Paragraph("Signals:"))
+        blocks += _equations(graph, eqs.textbook.signal_equations)
+    return ReportSection("equations", "EquationBlock of motion", blocks)
+
+
+def reactions_section(setting: Setting) -> ReportSection:
+    """Return force and moment that each joint transmits, where they are short."""
+    eqs = setting.eqs
+    return ReportSection("reactions", "Reactions", tuple(_reactions(eqs)))
+
+
+def _reactions(eqs: EquationSet) -> Iterator[Block]:
+    yield Paragraph(
+        "Force [N] and moment [N m] on the end body by the start body, at the joint and in the axes that "
+        "reaction outputs use, by multipliers and accelerations."
+    )
+    if eqs.undetermined_reactions:
+        yield Paragraph(
+            f"Redundant constraints leave undetermined: {', '.join(eqs.undetermined_reactions)}; "
+            "they get the share of least norm."
+        )
+    graph, long = eqs.formed.graph, []
+    for joint in eqs.formed.topology.joints if len(eqs.speed_names) <= _MOST_SPEEDS else ():
+        try:
+            sides = eqs.textbook.reaction_sides(joint.name)
+        except SymbodyError:
+            long.append(joint.name)
+            continue
+        if any(_is_long(graph, roots.nodes) for roots in sides):
+            long.append(joint.name)
+        else:
+            letters = (f"F_{joint.name}", f"M_{joint.name}")
+            pairs = zip(letters, sides, strict=True)
+            yield MatrixRow(tuple(Matrix(x, graph, (3, 1), tuple(roots.nodes)) for x, roots in pairs))
+    if long or len(eqs.speed_names) > _MOST_SPEEDS:
+        which = ", ".join(long) if long else "all joints"
+        yield Paragraph(f"Too long to be read, computed by name: {which}.")
+
+
+def _equations(graph: Graph, sides: Iterable[tuple[int, int]]) -> Iterator[Block]:
+    """Yield equations, or a sentence in place of those that nobody reads."""
+    pairs = tuple(sides)
+    if _is_big(graph, [node for pair in pairs for node in pair]):
+        yield Paragraph("Too large to be read.")
+    else:
+        yield EquationBlock(graph, pairs)
+
+
+def _is_big(graph: Graph, nodes: Sequence[int]) -> bool:
+    return operation_count(graph, list(nodes)) > MOST_OPERATIONS or _has_solution(graph, nodes)
+
+
+def _is_long(graph: Graph, nodes: Sequence[int]) -> bool:
+    return _has_solution(graph, nodes) or max(tree_sizes(graph, nodes), default=0) > LONG
+
+
+def _has_solution(graph: Graph, nodes: Sequence[int]) -> bool:
+    """Return whether a formula reads accelerations or multipliers that are solved for: no formula itself."""
+    return any(graph.ops[node] == SADDLE for node in graph.reachable(nodes))

@@ -1,0 +1,168 @@
+"""A document as one HTML file: no script, no font, no request; light, dark and printed."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from html import escape
+from typing import Final
+
+from symbody.display.formulas import show_formula
+from symbody.display.html import Markup, number, show_unit, symbol
+from symbody.expr.graph import Graph
+from symbody.expr.language.formula import Formula
+from symbody.expr.printing.mathml import mathml_name, to_mathml_with_definitions
+from symbody.expr.printing.mathml_tables import mathml_equations, mathml_matrix
+from symbody.expr.printing.text import to_text
+from symbody.expr.rewrite import tree_sizes
+from symbody.report.document import (
+    LONG,
+    Block,
+    Cell,
+    EquationBlock,
+    Figure,
+    Matrix,
+    MatrixRow,
+    Name,
+    NameList,
+    Notes,
+    Paragraph,
+    ReportContent,
+    ReportSection,
+    TextTable,
+    Unit,
+)
+
+_NAMESPACE: Final = "http://www.w3.org/1998/Math/MathML"
+# Only what stands in the file itself is shown.
+_POLICY: Final = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
+_STYLE: Final = """
+:root { color-scheme: light dark;
+  --ink: #1c2430; --paper: #ffffff; --line: #c9d1dc; --link: #1f5f99; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e4e8ee; --paper: #14181f; --line: #3a4452; --link: #8fbfea; }
+}
+body { margin: 0 auto; padding: 1.5rem; max-width: 60rem; color: var(--ink); background: var(--paper);
+  font: 16px/1.5 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
+h1 { font-size: 1.8rem; } h2 { margin-top: 2.2rem; border-bottom: 1px solid var(--line); }
+nav ol { columns: 2; } a { color: var(--link); }
+.row { display: flex; flex-wrap: wrap; gap: 0 2rem; }
+.wide { overflow-x: auto; padding: 0.3rem 0; }
+table.grid { border-collapse: collapse; margin: 0.8rem 0; font-size: 0.95em; }
+table.grid th, table.grid td { border-bottom: 1px solid var(--line); padding: 0.25rem 1.2rem 0.25rem 0;
+  text-align: left; vertical-align: top; }
+math { font-size: 1.05em; }
+figure { margin: 1rem 0; }
+figure img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
+figcaption { font-size: 0.9em; } summary { cursor: pointer; color: var(--link); }
+@media print {
+  :root { --ink: #000000; --paper: #ffffff; --line: #999999; --link: #000000; }
+  body { max-width: none; padding: 0; } .wide { overflow: visible; }
+  figure, table.grid { break-inside: avoid; }
+}
+"""
+
+
+def html_document(document: ReportContent) -> str:
+    """Return a page."""
+    title = escape(document.title)
+    entries = "".join(
+        f'<li><a href="#{part.key}">{escape(part.title)}</a></li>' for part in document.sections
+    )
+    body = "".join(map(_section, document.sections))
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{title}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n"
+        f'<nav aria-label="Contents"><ol>{entries}</ol></nav>\n{body}</main>\n</body>\n</html>\n'
+    )
+
+
+def _section(section: ReportSection) -> str:
+    blocks = "".join(map(_block, section.blocks))
+    return f'<section id="{section.key}">\n<h2>{escape(section.title)}</h2>\n{blocks}</section>\n'
+
+
+def _block(block: Block) -> str:
+    if isinstance(block, Paragraph):
+        return f"<p>{escape(block.text)}</p>\n"
+    if isinstance(block, Notes):
+        items = "".join(f"<li>{escape(text)}</li>" for text in block.texts)
+        return f"<ul>{items}</ul>\n" if items else ""
+    if isinstance(block, TextTable):
+        return _grid(block)
+    if isinstance(block, Figure):
+        content = b64encode(block.draw("svg")).decode()
+        words = escape(block.caption)
+        picture = f'<img src="data:image/svg+xml;base64,{content}" alt="{words}">'
+        return f"<figure>{picture}<figcaption>{words}</figcaption></figure>\n"
+    if isinstance(block, MatrixRow):
+        return f'<div class="row">{"".join(map(_matrix, block.matrices))}</div>\n'
+    return _matrix(block) if isinstance(block, Matrix) else _equations(block)
+
+
+def _grid(block: TextTable) -> str:
+    if not block.rows:
+        return ""
+    top = "".join(f'<th scope="col">{escape(word)}</th>' for word in block.heading)
+    lines = ("".join(f"<td>{_cell(cell)}</td>" for cell in row) for row in block.rows)
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    return _scroll(f'<table class="grid"><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>')
+
+
+def _scroll(content: str) -> str:
+    """Return what may be wider than the page, to be scrolled by mouse and keys."""
+    return f'<div class="wide" tabindex="0">{content}</div>\n'
+
+
+def _cell(cell: Cell) -> str:
+    if isinstance(cell, Name):
+        return symbol(cell.text)
+    if isinstance(cell, NameList):
+        return ", ".join(map(symbol, cell.texts))
+    if isinstance(cell, Unit):
+        return escape(show_unit(cell.text))
+    if isinstance(cell, Formula):
+        shown = show_formula(cell)
+        return shown if isinstance(shown, Markup) else escape(shown)
+    return escape(cell) if isinstance(cell, str) else number(cell)
+
+
+def _equations(block: EquationBlock) -> str:
+    nodes = [node for pair in block.sides for node in pair]
+    texts, named = to_mathml_with_definitions(block.graph, nodes, LONG)
+    pairs = list(zip(texts[::2], texts[1::2], strict=True))
+    shown = _formula(mathml_equations(pairs), _annotation(block.graph, nodes))
+    return _with_definitions(shown, named)
+
+
+def _matrix(block: Matrix) -> str:
+    texts, named = to_mathml_with_definitions(block.graph, list(block.nodes), LONG)
+    columns = block.shape[1]
+    rows = [texts[start : start + columns] for start in range(0, len(texts), columns)]
+    content = f"{mathml_name(block.symbol)}<mo>=</mo>{mathml_matrix(rows)}"
+    return _with_definitions(_formula(content, _annotation(block.graph, block.nodes)), named)
+
+
+def _annotation(graph: Graph, nodes: list[int] | tuple[int, ...]) -> str:
+    """Return the formulas as text that symbody reads back, one a line; nothing for long ones."""
+    if max(tree_sizes(graph, nodes), default=0) > LONG:
+        return ""
+    return "\n".join(to_text(graph, node) for node in nodes)
+
+
+def _formula(content: str, annotation: str) -> str:
+    """Return a formula in a block, its text beside it where that is short, for those who copy it."""
+    semantics = f"<mrow>{content}</mrow>"
+    if annotation:
+        text = f'<annotation encoding="text/plain">{escape(annotation)}</annotation>'
+        semantics = f"<semantics>{semantics}{text}</semantics>"
+    return _scroll(f'<math xmlns="{_NAMESPACE}" display="block">{semantics}</math>')
+
+
+def _with_definitions(shown: str, named: list[tuple[str, str]]) -> str:
+    """Return formulas with the names of shared parts, which are folded."""
+    if not named:
+        return shown
+    where = _formula(mathml_equations((mathml_name(name), text) for name, text in named), "")
+    return f"{shown}<details><summary>where {len(named)} shared parts have names</summary>{where}</details>\n"

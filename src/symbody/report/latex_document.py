@@ -1,0 +1,149 @@
+"""A document as LaTeX, for pdflatex with amsmath; pictures are PDF files beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from symbody.expr.language.formula import Formula
+from symbody.expr.printing.latex import latex_name, to_latex_with_definitions
+from symbody.expr.printing.latex_rows import latex_equations_page
+from symbody.report.document import (
+    LONG,
+    Block,
+    Cell,
+    EquationBlock,
+    Figure,
+    Matrix,
+    MatrixRow,
+    Name,
+    NameList,
+    Notes,
+    Paragraph,
+    ReportContent,
+    ReportSection,
+    TextTable,
+    Unit,
+)
+
+_HEAD: Final = r"""\documentclass[11pt,a4paper]{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\usepackage{amsmath,amssymb,graphicx,longtable}
+\usepackage[margin=2.2cm]{geometry}
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{0.6em}
+\allowdisplaybreaks
+\setcounter{MaxMatrixCols}{60}
+"""
+_ESCAPES: Final = {
+    "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u2192": r"$\to$",
+    "\u2212": "$-$", "\u00b1": r"$\pm$", "<": r"\textless{}", ">": r"\textgreater{}", "|": r"\textbar{}",
+    '"': "''", **{c: rf"\{c}" for c in "{}$&#%_"},
+}  # fmt: skip
+
+
+def latex_document(document: ReportContent, folder: str) -> str:
+    """Return LaTeX that reads its pictures from a folder."""
+    title = latex_words(document.title)
+    body = "".join(_section(part, folder) for part in document.sections)
+    return (
+        f"{_HEAD}\\title{{{title}}}\n\\date{{}}\n\\begin{{document}}\n\\maketitle\n{body}\\end{{document}}\n"
+    )
+
+
+def latex_words(text: str) -> str:
+    """Return plain text with the characters that LaTeX reads otherwise, and no others than Latin ones."""
+    return "".join(_ESCAPES.get(c, c if ord(c) < 0x180 else "?") for c in text)
+
+
+def _section(section: ReportSection, folder: str) -> str:
+    blocks = "".join(_block(block, folder) for block in section.blocks)
+    return f"\\section{{{latex_words(section.title)}}}\n{blocks}"
+
+
+def _block(block: Block, folder: str) -> str:
+    if isinstance(block, Paragraph):
+        return f"{latex_words(block.text)}\n\n"
+    if isinstance(block, Notes):
+        items = "".join(f"\\item {latex_words(text)}\n" for text in block.texts)
+        return f"\\begin{{itemize}}\n{items}\\end{{itemize}}\n" if items else ""
+    if isinstance(block, TextTable):
+        return _grid(block)
+    if isinstance(block, Figure):
+        picture = f"\\includegraphics[width=0.9\\textwidth]{{{folder}/{block.name}.pdf}}"
+        caption = f"\\caption{{{latex_words(block.caption)}}}"
+        return f"\\begin{{figure}}[h]\n\\centering\n{picture}\n{caption}\n\\end{{figure}}\n"
+    if isinstance(block, Matrix | MatrixRow):
+        return _matrices(block.matrices if isinstance(block, MatrixRow) else (block,))
+    return _equations(block)
+
+
+def _grid(block: TextTable) -> str:
+    if not block.rows:
+        return ""
+    width = 0.92 / len(block.heading)
+    columns = f"p{{{width:.3f}\\textwidth}}" * len(block.heading)
+    top = " & ".join(f"\\textbf{{{latex_words(word)}}}" for word in block.heading)
+    lines = "".join(" & ".join(map(_cell, row)) + " \\\\\n" for row in block.rows)
+    return f"\\begin{{longtable}}{{{columns}}}\n{top} \\\\\n\\hline\n\\endhead\n{lines}\\end{{longtable}}\n"
+
+
+def _cell(cell: Cell) -> str:
+    if isinstance(cell, Name):
+        return f"${name_formula(cell.text)}$"
+    if isinstance(cell, NameList):
+        return ", ".join(f"${name_formula(text)}$" for text in cell.texts)
+    if isinstance(cell, Unit):
+        return unit_formula(cell.text)
+    if isinstance(cell, Formula):
+        return latex_words(cell.text)
+    return latex_words(cell) if isinstance(cell, str) else f"{cell:.6g}"
+
+
+def name_formula(name: str) -> str:
+    """Return a name of the model as LaTeX, rates with dots."""
+    for ending, dot in (("_ddot", r"\ddot"), ("_dot", r"\dot")):
+        if name.endswith(ending) and name != ending:
+            return rf"{dot}{{{latex_name(name.removesuffix(ending))}}}"
+    return latex_name(name)
+
+
+def unit_formula(unit: str) -> str:
+    """Return a unit with raised powers."""
+    first, *others = unit.split("^")
+    return latex_words(first) + "".join(f"$^{{{part[:1]}}}${latex_words(part[1:])}" for part in others)
+
+
+def equation_formulas(block: EquationBlock) -> str:
+    """Return equations with their definitions as one ``aligned`` environment."""
+    nodes = [node for pair in block.sides for node in pair]
+    texts, named = to_latex_with_definitions(block.graph, nodes, LONG)
+    blocks = [list(zip(texts[::2], texts[1::2], strict=True))]
+    if named:
+        blocks.append([(latex_name(name), text) for name, text in named])
+    return latex_equations_page(blocks)
+
+
+def matrix_formulas(block: Matrix) -> tuple[str, str]:
+    """Return a matrix, and the definitions that its entries read as an ``aligned`` environment."""
+    texts, named = to_latex_with_definitions(block.graph, list(block.nodes), LONG)
+    columns = block.shape[1]
+    rows = (" & ".join(texts[start : start + columns]) for start in range(0, len(texts), columns))
+    entries = r" \\ ".join(rows)
+    shown = rf"{latex_name(block.symbol)} = \begin{{bmatrix}}{entries}\end{{bmatrix}}"
+    return shown, latex_equations_page([[(latex_name(name), text) for name, text in named]]) if named else ""
+
+
+def _equations(block: EquationBlock) -> str:
+    return f"\\begin{{equation*}}\n{equation_formulas(block)}\n\\end{{equation*}}\n"
+
+
+def _matrices(matrices: Sequence[Matrix]) -> str:
+    """Return matrices beside each other, as wide as the page at most: they cannot be broken."""
+    formulas = [matrix_formulas(matrix) for matrix in matrices]
+    shown = r" \qquad ".join(matrix for matrix, _ in formulas)
+    width = r"\ifdim\width>\textwidth\textwidth\else\width\fi"
+    fitted = rf"\resizebox{{{width}}}{{!}}{{$\displaystyle {shown}$}}"
+    where = "".join(f"\\begin{{equation*}}\n{text}\n\\end{{equation*}}\n" for _, text in formulas if text)
+    return f"\\begin{{center}}\n{fitted}\n\\end{{center}}\n{where}"

@@ -1,0 +1,120 @@
+"""A document as Markdown with formulas between dollars, and as a notebook of such cells."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from symbody.errors import EnvironmentFault, Problem
+from symbody.expr.language.formula import Formula
+from symbody.report.document import (
+    Block,
+    Cell,
+    Figure,
+    Matrix,
+    MatrixRow,
+    Name,
+    NameList,
+    Notes,
+    Paragraph,
+    ReportContent,
+    ReportSection,
+    TextTable,
+    Unit,
+)
+from symbody.report.latex_document import equation_formulas, matrix_formulas, name_formula, unit_formula
+
+Place = Callable[[Figure], str]
+
+
+def markdown_document(document: ReportContent, folder: str) -> str:
+    """Return Markdown that reads its pictures from a folder."""
+    parts = [
+        section_text(section, lambda figure: f"{folder}/{figure.name}.svg") for section in document.sections
+    ]
+    return "\n".join([f"# {_words(document.title)}\n", *parts])
+
+
+def section_text(section: ReportSection, place: Place) -> str:
+    """Return a section; `place` says where a picture is."""
+    blocks = "\n".join(filter(None, (_block(block, place) for block in section.blocks)))
+    return f"## {_words(section.title)}\n\n{blocks}"
+
+
+def notebook_document(document: ReportContent) -> str:
+    """Return a notebook of Markdown cells, a section each, with its pictures in them.
+
+    Raises
+    ------
+    EnvironmentFault
+        If nbformat is not installed.
+    """
+    try:
+        nb: Any = import_module("nbformat.v4")
+    except ImportError:
+        fix = "pip install nbformat, or write .html, .md or .tex"
+        raise EnvironmentFault(
+            Problem(
+                "report.no_nbformat", "", "notebooks are written by nbformat, which is not installed", fix=fix
+            )
+        ) from None
+    cells = [nb.new_markdown_cell(f"# {_words(document.title)}", id="title")]
+    for section in document.sections:
+        cell = nb.new_markdown_cell(
+            section_text(section, lambda figure: f"attachment:{figure.name}.png"), id=section.key
+        )
+        pictures = [block for block in section.blocks if isinstance(block, Figure)]
+        if pictures:
+            cell["attachments"] = {
+                f"{figure.name}.png": {"image/png": b64encode(figure.draw("png")).decode()}
+                for figure in pictures
+            }
+        cells.append(cell)
+    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+    text: str = nb.writes(nb.new_notebook(cells=cells, metadata=kernel))
+    return f"{text}\n"
+
+
+def _block(block: Block, place: Place) -> str:
+    if isinstance(block, Paragraph):
+        return f"{_words(block.text)}\n"
+    if isinstance(block, Notes):
+        return "".join(f"- {_words(text)}\n" for text in block.texts)
+    if isinstance(block, TextTable):
+        return _grid(block)
+    if isinstance(block, Figure):
+        return f"![{_words(block.caption)}]({place(block)})\n"
+    if isinstance(block, MatrixRow):
+        return "\n".join(_block(matrix, place) for matrix in block.matrices)
+    if isinstance(block, Matrix):
+        shown, where = matrix_formulas(block)
+        return "".join(f"$$\n{text}\n$$\n" for text in (shown, where) if text)
+    return f"$$\n{equation_formulas(block)}\n$$\n"
+
+
+def _grid(block: TextTable) -> str:
+    if not block.rows:
+        return ""
+    lines = [block.heading, ("---",) * len(block.heading), *(tuple(map(_cell, row)) for row in block.rows)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def _cell(cell: Cell) -> str:
+    if isinstance(cell, Name):
+        return f"${name_formula(cell.text)}$"
+    if isinstance(cell, NameList):
+        return ", ".join(f"${name_formula(text)}$" for text in cell.texts)
+    if isinstance(cell, Unit):
+        return unit_formula(cell.text).replace("|", r"\|")
+    if isinstance(cell, Formula):
+        return f"`{cell.text}`".replace("|", r"\|")
+    return _words(cell) if isinstance(cell, str) else f"{cell:.6g}"
+
+
+def _words(text: str) -> str:
+    """Return plain text with the characters that Markdown reads otherwise; HTML in it is text."""
+    for mark in "\\`*_[]|#$":
+        text = text.replace(mark, f"\\{mark}")
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

@@ -1,0 +1,198 @@
+"""The first sections of a report: the mechanism, its linear graph, its parts, its coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.parameter_units import symbol_units
+from symbody.errors import SymbodyError, number_in_words
+from symbody.expr.language.formula import Formula
+from symbody.model.body import Body
+from symbody.model.declaration import Declared
+from symbody.model.element import Element
+from symbody.model.frame import Frame
+from symbody.model.joint import Joint
+from symbody.report.document import (
+    Block,
+    Cell,
+    Figure,
+    Name,
+    NameList,
+    Notes,
+    Paragraph,
+    ReportSection,
+    TextTable,
+    Unit,
+)
+from symbody.report.pictures import graph_picture, mechanism_picture
+from symbody.report.setting import Setting
+
+
+def mechanism_section(setting: Setting) -> ReportSection:
+    """Return the picture of the mechanism and its size in numbers."""
+    return ReportSection("mechanism", "The mechanism", tuple(_mechanism(setting)))
+
+
+def _mechanism(setting: Setting) -> Iterator[Block]:
+    eqs = setting.eqs
+    model = eqs.model
+    try:
+        freedoms = _freedoms(eqs.degrees_of_freedom)
+    except SymbodyError as error:
+        freedoms = f"degrees of freedom that are not counted ({error.problems[0].what})"
+    parts = (
+        number_in_words(len(model.bodies), "body"),
+        number_in_words(len(model.joints), "joint"),
+        number_in_words(len(eqs.coordinate_names), "coordinate"),
+        number_in_words(len(eqs.multiplier_names), "constraint"),
+    )
+    yield Paragraph(f"{model.name} has {', '.join(parts)} and {freedoms}.")
+    state = setting.start
+    if isinstance(state, str):
+        yield Paragraph(f"It is not drawn: {state}")
+    else:
+        caption = f"{model.name} at t = {state.t:g} s"
+        yield Figure("mechanism", caption, lambda kind: mechanism_picture(state, kind))
+
+
+def _freedoms(count: int) -> str:
+    return f"{count} degree{'' if count == 1 else 's'} of freedom"
+
+
+def graph_section(setting: Setting) -> ReportSection:
+    """Return the linear graph with both trees."""
+    topology = setting.eqs.formed.topology
+    blocks: list[Block] = [
+        Paragraph(
+            "Bodies are nodes, joints are edges. Coordinates are those of the joints in the trees; a joint "
+            "outside both is cut, and what it locks becomes constraints."
+        )
+    ]
+    trees = (topology.rotation, topology.translation)
+    same = [{branch.edge.name for branch in tree.branches} for tree in trees]
+    shown = (
+        [("tree", trees[0])] if same[0] == same[1] else [("rotation", trees[0]), ("translation", trees[1])]
+    )
+    for word, tree in shown:
+        kind = "both trees" if word == "tree" else f"the tree of {word}s"
+        caption = f"Linear graph: {kind} solid, cut joints dashed"
+        blocks.append(Figure(f"graph-{word}", caption, partial(graph_picture, tree)))
+    rows: list[tuple[Cell, ...]] = [
+        (joint.name, *("branch" if joint.name in names else "cut" for names in same))
+        for joint in topology.joints
+    ]
+    blocks += [
+        TextTable(("joint", "tree of rotations", "tree of translations"), tuple(rows)),
+        Notes(topology.notes),
+    ]
+    return ReportSection("graph", "Linear graph and trees", blocks)
+
+
+def parts_section(setting: Setting) -> ReportSection:
+    """Return bodies, joints, other elements."""
+    model = setting.eqs.model
+    joints = [
+        (
+            joint.name,
+            type(joint).__name__,
+            f"{joint.start} \u2192 {joint.end}",
+            NameList(joint.coordinates),
+            _law(joint),
+        )
+        for joint in setting.eqs.formed.topology.joints
+    ]
+    others = [
+        (element.name, type(element).__name__, _ends(element), _law(element))
+        for element in model.elements
+        if not isinstance(element, Body | Joint)
+    ]
+    frames = [*_frame_rows(model.ground, "ground")]
+    frames += [row for body in model.bodies for row in _frame_rows(body.frames, body.name)]
+    return ReportSection(
+        "parts", "Bodies and joints",
+        (
+            TextTable(("body", "mass [kg]", "inertia [kg m^2]"), tuple(map(_body_row, model.bodies))),
+            TextTable(("frame", "origin [m]", "turned about"), tuple(frames)),
+            TextTable(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
+            TextTable(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
+        ),
+    )  # fmt: skip
+
+
+def _ends(element: Element) -> str:
+    ends = [getattr(element, word, "") for word in ("start", "end")]
+    return " \u2192 ".join(end for end in ends if isinstance(end, str) and end)
+
+
+def _body_row(body: Body) -> tuple[Cell, ...]:
+    return (body.name, body.mass, _plain(body.given_arguments().get("inertia", "none")))
+
+
+def _frame_rows(frames: Mapping[str, Frame], body: str) -> Iterator[tuple[Cell, ...]]:
+    for name, frame in frames.items():
+        turns = ", ".join(f"{axis} by {_plain(angle)}" for axis, angle in frame.rotate)
+        yield (f"{body}.{name}", _plain(frame.at), turns or "none")
+
+
+def _law(element: Element) -> str:
+    skipped = ("name", "start", "end", "folder", "coordinate", "coordinates", "frames", "shape", "color")
+    words = {word: value for word, value in element.given_arguments().items() if word not in skipped}
+    return "; ".join(f"{word} = {_plain(value)}" for word, value in words.items())
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, Formula):
+        return value.text
+    if isinstance(value, Declared):
+        given = value.given_arguments().items()
+        return f"{{{', '.join(f'{word} = {_plain(entry)}' for word, entry in given)}}}"
+    if isinstance(value, tuple | list):
+        return f"({', '.join(map(_plain, value))})"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{word}: {_plain(entry)}" for word, entry in value.items())
+    return str(value)
+
+
+def parameters_section(setting: Setting) -> ReportSection:
+    """Return parameters, inputs and initial values with their units."""
+    model = setting.eqs.model
+    units = symbol_units(model)
+    rows: list[tuple[Cell, ...]] = []
+    for name, value in model.parameters.items():
+        given = setting.parameters.get(name)
+        shown: Cell = (
+            "no value" if value is None and given is None else given if given is not None else value or ""
+        )
+        rows.append((Name(name), shown, Unit(units.get(name, ""))))
+    inputs: list[tuple[Cell, ...]] = [
+        (Name(name), Unit(units.get(name, ""))) for name in setting.eqs.input_names
+    ]
+    return ReportSection(
+        "parameters", "Parameters and inputs",
+        (TextTable(("parameter", "value", "unit"), tuple(rows)), TextTable(("input", "unit"), tuple(inputs))),
+    )  # fmt: skip
+
+
+def coordinates_section(setting: Setting) -> ReportSection:
+    """Return coordinates and speeds, and why they are these."""
+    eqs: EquationSet = setting.eqs
+    units = eqs.units
+    places = {name: joint for joint in eqs.formed.topology.joints for name in joint.coordinates}
+    rows: list[tuple[Cell, ...]] = []
+    for name in eqs.coordinate_names:
+        joint = places.get(name)
+        where = f"{type(joint).__name__} {joint.name}" if joint is not None else "beside the joints"
+        rows.append((Name(name), Unit(units.get(name, "")), where))
+    speeds: list[tuple[Cell, ...]] = [(Name(name), Unit(units.get(name, ""))) for name in eqs.speed_names]
+    states: list[tuple[Cell, ...]] = [(Name(name), "state of a signal") for name in eqs.signal_state_names]
+    return ReportSection(
+        "coordinates", "Coordinates and speeds",
+        (
+            TextTable(("coordinate", "unit", "of"), tuple(rows)),
+            TextTable(("speed", "unit"), tuple(speeds)),
+            TextTable(("state", ""), tuple(states)),
+            Notes(eqs.notes),
+        ),
+    )  # fmt: skip

@@ -1,0 +1,167 @@
+"""`save_report`: the derivation of a mechanism as a file that people read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Final
+
+from symbody.arguments import checked_arguments
+from symbody.codegen.formation.names import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.model.model import Model
+from symbody.report.behaviour_sections import (
+    code_section,
+    equilibrium_section,
+    motion_section,
+    origin_section,
+)
+from symbody.report.document import Figure, PictureKind, ReportContent, ReportSection
+from symbody.report.equation_sections import (
+    constraints_section,
+    dynamics_section,
+    equations_section,
+    kinematics_section,
+    reactions_section,
+)
+from symbody.report.html_document import html_document
+from symbody.report.latex_document import latex_document
+from symbody.report.markdown_document import markdown_document, notebook_document
+from symbody.report.model_sections import (
+    coordinates_section,
+    graph_section,
+    mechanism_section,
+    parameters_section,
+    parts_section,
+)
+from symbody.report.setting import Setting
+from symbody.simulation.results.trajectory import Trajectory
+
+# In the order of a derivation.
+SECTIONS: Final[Mapping[str, Callable[[Setting], ReportSection]]] = {
+    "mechanism": mechanism_section,
+    "graph": graph_section,
+    "parts": parts_section,
+    "parameters": parameters_section,
+    "coordinates": coordinates_section,
+    "kinematics": kinematics_section,
+    "constraints": constraints_section,
+    "dynamics": dynamics_section,
+    "equations": equations_section,
+    "reactions": reactions_section,
+    "equilibrium": equilibrium_section,
+    "motion": motion_section,
+    "code": code_section,
+    "origin": origin_section,
+}
+_SUFFIXES: Final = (".html", ".tex", ".md", ".ipynb")
+
+
+@checked_arguments
+def save_report(
+    eqs: EquationSet,
+    path: str | PathLike[str],
+    run: Trajectory | None = None,
+    *,
+    sections: Sequence[str] | None = None,
+    parameters: Mapping[str, Value] | None = None,
+    title: str | None = None,
+) -> None:
+    """Write the derivation of a mechanism in the order of a textbook.
+
+    Picture, linear graph and trees; bodies, joints, parameters; coordinates and why they are these;
+    kinematics, constraints, mass matrix, forcing and Jacobian; the equations of motion; reactions; an
+    equilibrium and its modes; a motion; sizes of generated code; versions. Formulas longer than 400
+    operations are written in named shared parts; those that nobody reads are counted.
+
+    Parameters
+    ----------
+    eqs : EquationSet
+        The equations.
+    path : str or path
+        The suffix decides: ``.html`` one page without script or request, ``.tex`` for pdflatex, ``.md``
+        Markdown with formulas between dollars, ``.ipynb`` a notebook. Pictures of ``.tex`` and ``.md`` go
+        into a folder ``NAME_pictures`` beside the file.
+    run : Trajectory, optional
+        A motion to be shown, with its energies and how far constraints are open.
+    sections : sequence of str, optional
+        Which ones, in the order given: mechanism, graph, parts, parameters, coordinates, kinematics,
+        constraints, dynamics, equations, reactions, equilibrium, motion, code, origin. By default all.
+    parameters : mapping of name to value, optional
+        Values in place of the model's, for picture and equilibrium; by default those of `run`.
+    title : str, optional
+        By default the name of the model.
+
+    Raises
+    ------
+    UsageError
+        A suffix or a section that does not exist; a motion of other equations.
+    EnvironmentFault
+        If a file cannot be written, or nbformat is missing for a notebook.
+
+    Examples
+    --------
+    >>> eqs = sb.form_equations(model)  # doctest: +SKIP
+    >>> sb.save_report(eqs, "slider_crank.html", run=sb.simulate(eqs, (0, 2)))  # doctest: +SKIP
+    """
+    target = Path(path)
+    _check(eqs, target, sections, run)
+    values = parameters if parameters is not None else run.parameters if run is not None else {}
+    setting = Setting(eqs, run, values)
+    chosen = tuple(SECTIONS if sections is None else sections)
+    parts = tuple(part for part in (SECTIONS[name](setting) for name in chosen) if part.blocks)
+    document = ReportContent(title or eqs.model.name, parts)
+    try:
+        _write(document, target)
+    except OSError as error:
+        fix = "choose a folder that exists and is yours"
+        what = f"the report cannot be written: {error.strerror}"
+        raise EnvironmentFault(Problem("report.unwritable", str(path), what, fix=fix)) from error
+
+
+def _check(eqs: EquationSet, path: Path, sections: Sequence[str] | None, run: Trajectory | None) -> None:
+    problems = []
+    if path.suffix.lower() not in _SUFFIXES:
+        what = f"{path.suffix!r} is no kind of report" if path.suffix else "the name has no suffix"
+        problems.append(
+            Problem("report.format", str(path), what, fix=f"end the name with one of {', '.join(_SUFFIXES)}")
+        )
+    for name in sections or ():
+        if name not in SECTIONS:
+            what = f"there is no section {name!r}"
+            why = f"sections are {', '.join(SECTIONS)}"
+            problems.append(Problem("report.section", "sections", what, why, nearest(name, SECTIONS)))
+    if run is not None and run.coordinate_names != eqs.coordinate_names:
+        names = [", ".join(x.coordinate_names) for x in (run, eqs)]
+        what = f"the motion has coordinates {names[0]}, not {names[1]}"
+        problems.append(Problem("report.run", "run", what, fix="simulate these equations"))
+    if not isinstance(eqs.model, Model):
+        what = (
+            "these equations were put together by hand: there is no model with bodies and joints to report on"
+        )
+        problems.append(Problem("report.by_hand", "eqs", what, fix="eqs.text() and eqs.latex() print them"))
+    if problems:
+        raise UsageError(*problems)
+
+
+def _write(document: ReportContent, path: Path) -> None:
+    suffix = path.suffix.lower()
+    if suffix == ".html":
+        text = html_document(document)
+    elif suffix == ".ipynb":
+        text = notebook_document(document)
+    else:
+        folder = path.with_name(f"{path.stem}_pictures")
+        _write_pictures(document, folder, "pdf" if suffix == ".tex" else "svg")
+        text = (latex_document if suffix == ".tex" else markdown_document)(document, folder.name)
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _write_pictures(document: ReportContent, folder: Path, kind: PictureKind) -> None:
+    figures = [block for part in document.sections for block in part.blocks if isinstance(block, Figure)]
+    if figures:
+        folder.mkdir(exist_ok=True)
+    for figure in figures:
+        (folder / f"{figure.name}.{kind}").write_bytes(figure.draw(kind))

@@ -1,0 +1,50 @@
+"""`Setting`: the equations, values and motion that a report is about, with what several sections need."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from symbody.analysis.assembly import assemble
+from symbody.analysis.state import State
+from symbody.codegen.formation.names import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import SymbodyError
+from symbody.simulation.results.trajectory import Trajectory
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setting:
+    """What a report is about.
+
+    Attributes
+    ----------
+    eqs : EquationSet
+    run : Trajectory or None
+        A motion to be shown.
+    parameters : mapping of name to value
+        Values in place of the model's.
+    start : State or str
+        The first configuration; the reason in words where there is none.
+    """
+
+    eqs: EquationSet
+    run: Trajectory | None
+    parameters: Mapping[str, Value]
+    start: State | str = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", self._assemble())
+
+    def _assemble(self) -> State | str:
+        try:
+            return assemble(self.eqs, parameters=self.parameters)
+        except SymbodyError as error:
+            return reason(error)
+
+
+def reason(error: SymbodyError) -> str:
+    """Return the first problem of an error as a sentence."""
+    problem = error.problems[0]
+    text = f"{problem.where}: {problem.what}" if problem.where else problem.what
+    return f"{text}. {problem.fix[:1].upper()}{problem.fix[1:]}." if problem.fix else f"{text}."

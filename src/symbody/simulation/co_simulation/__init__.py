@@ -1,0 +1,1 @@
+"""Motions with inputs that FMUs compute, step by step."""

@@ -1,0 +1,295 @@
+"""`run_with_fmus`: a motion in parts, between the samples of the FMUs that compute its inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.function import CompiledFunction
+from symbody.errors import Problem, SimulationError, UsageError
+from symbody.simulation.co_simulation.fmu_unit import FmuUnit, open_unit
+from symbody.simulation.hybrid.concatenate import concatenate
+from symbody.simulation.hybrid.rate_jumps import run_with_jumps
+from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.inputs.fmu_input import FmuInput
+from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inputs.tables import Table
+from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.status import Status
+
+Floats = NDArray[np.float64]
+
+# Shares of the shortest step within which two times are one.
+_ONE_INSTANT: Final = 1e-6
+_MOST_NOTES: Final = 8
+_ZERO: Final = Table((0.0, 1.0), (0.0, 0.0))
+
+
+def run_motion(plan: MotionPlan, inputs: Mapping[str, object]) -> tuple[Trajectory, SimulationProblem]:
+    """Return a motion whose `inputs` FMUs may compute, and its problem.
+
+    Raises
+    ------
+    UsageError, SimulationError
+        As `run_with_fmus`.
+    """
+    fmus = {name: law for name, law in inputs.items() if isinstance(law, FmuInput)}
+    return run_with_fmus(plan, fmus) if fmus else (_run_part(plan), plan.integration.problem)
+
+
+def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Trajectory, SimulationProblem]:
+    """Return a motion whose `inputs` FMUs compute, and its problem with what they computed as tables.
+
+    Raises
+    ------
+    UsageError
+        If the motion runs backwards, or an FMU cannot be used.
+    SimulationError
+        If an FMU fails, or cannot be given what it reads.
+    """
+    start, end = plan.integration.span
+    if end < start:
+        raise UsageError(
+            Problem("fmu_input.backwards", ", ".join(f"input {name}" for name in inputs),
+                    f"the motion runs from t = {start:g} s back to {end:g} s", "FMUs step forwards",
+                    "give a t_end behind the start")
+        )  # fmt: skip
+    groups: dict[object, dict[str, FmuInput]] = {}
+    for name, law in inputs.items():
+        groups.setdefault(law.instance, {})[name] = law
+    problem = plan.integration.problem
+    problem.breakpoints(plan.integration.span)  # looked for once, and not in every part
+    readers = [_reader(problem, group) for group in groups.values()]
+    with ExitStack() as stack:
+        held = dict.fromkeys(inputs, 0.0)
+        x = plan.integration.state
+        units = []
+        for group, reader in zip(groups.values(), readers, strict=True):
+            values = _values(_with_values(problem, held), reader, start, x)
+            unit = stack.enter_context(open_unit(group, start, values))
+            units.append(_SampledUnit(group, unit, reader, start))
+        return _Run(plan, units, held).go()
+
+
+class _SampledUnit:
+    """An FMU with the inputs it computes, and when it takes its next sample.
+
+    Attributes
+    ----------
+    reader : CompiledFunction or None
+        What computes the values that it reads.
+    period : float
+        Seconds between samples.
+    """
+
+    def __init__(
+        self, inputs: Mapping[str, FmuInput], unit: FmuUnit, reader: CompiledFunction | None, start: float
+    ) -> None:
+        self.reader = reader
+        self.period = next(iter(inputs.values())).period
+        self._inputs = inputs
+        self._unit = unit
+        self._start = start
+        self._samples = 0
+
+    @property
+    def due(self) -> float:
+        """When the next sample is taken [s]."""
+        return self._start + self._samples * self.period
+
+    def sample(self, values: Sequence[float]) -> dict[str, float]:
+        """Take a step; return the new values of the inputs."""
+        laws = self._inputs
+        before = {name: self._unit.output(law.output) for name, law in laws.items() if law.is_late}
+        self._unit.step(values, self.due, self.period)
+        self._samples += 1
+        behind = {name: self._unit.output(law.output) for name, law in laws.items() if not law.is_late}
+        return before | behind
+
+
+class _Run:
+    """The motion so far.
+
+    Parameters
+    ----------
+    plan : MotionPlan
+        Of the whole motion.
+    units : sequence of _SampledUnit
+        The FMUs, initialized.
+    held : mapping of str to float
+        The inputs before the first sample.
+    """
+
+    def __init__(self, plan: MotionPlan, units: Sequence[_SampledUnit], held: Mapping[str, float]) -> None:
+        self._plan = plan
+        self._units = units
+        self._held = dict(held)
+        self._problem = _with_values(plan.integration.problem, held)  # has what is held as constants
+        self._parts: list[Trajectory] = []
+        self._record: list[tuple[float, dict[str, float]]] = []  # samples, and what was held from then on
+        self._stored = 0  # samples of the motion
+        self._steps = 0
+
+    def go(self) -> tuple[Trajectory, SimulationProblem]:
+        """Return the whole motion, and its problem with tables for what was held."""
+        try:
+            self._march()
+        except KeyboardInterrupt:  # between two parts: what came before is kept
+            if not self._parts:
+                raise
+            self._parts[-1] = replace(self._parts[-1], status=Status.INTERRUPTED)
+        return self._whole(), self._problem_of_record(self._plan.integration.span[1])
+
+    def _march(self) -> None:
+        """Go from sample to sample until the motion ends."""
+        integration = self._plan.integration
+        (t, end), x = integration.span, integration.state
+        width = _ONE_INSTANT * min(unit.period for unit in self._units)
+        while True:
+            self._sample(t, x, width)
+            stop = min(unit.due for unit in self._units)
+            stop = end if stop >= end - width else stop
+            part = self._part(x, (t, stop), width)
+            if part.status is not Status.SUCCESS or stop == end:
+                return
+            if integration.progress is not None:  # parts are too short for reports of their own
+                share = (stop - integration.span[0]) / (end - integration.span[0])
+                if integration.progress(share) is False:
+                    raise KeyboardInterrupt
+            dense = part.dense_output
+            x = np.zeros(0) if dense is None else np.array(dense(dense.breaks[-1:])[:, 0])
+            t = stop
+
+    def _sample(self, t: float, x: Floats, width: float) -> None:
+        """Let those FMUs compute that are due, all from the values held until now."""
+        due = [unit for unit in self._units if unit.due <= t + width]
+        given = [_values(self._problem, unit.reader, t, x) for unit in due]
+        for unit, values in zip(due, given, strict=True):
+            self._held = {**self._held, **unit.sample(values)}
+        self._record.append((t, self._held))
+        self._problem = _with_values(self._problem, self._held)
+
+    def _part(self, x: Floats, span: tuple[float, float], width: float) -> Trajectory:
+        integration = self._plan.integration
+        part = integration.part(x, span, self._times(span, width), self._steps)
+        part = replace(part, problem=self._problem)
+        plan = replace(self._plan, integration=part)
+        run = _run_part(plan)
+        self._parts.append(run)
+        self._stored += run.t.size
+        self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
+        return run
+
+    def _times(self, span: tuple[float, float], width: float) -> Floats | None:
+        """Return the times to store in a part; one at a sample belongs to the part behind."""
+        integration = self._plan.integration
+        if integration.times is None:
+            return None
+        times = np.asarray(integration.times, dtype=np.float64)
+        is_last = span[1] == integration.span[1]
+        last = times.size if is_last else int(np.searchsorted(times, span[1] - width))
+        return np.clip(times[self._stored : last], *span)
+
+    def _whole(self) -> Trajectory:
+        integration = self._plan.integration
+        run = concatenate(self._parts, [event for part in self._parts for event in part.events], {})
+        if integration.times is not None:
+            run = replace(run, t=np.asarray(integration.times)[: run.t.size].copy())
+        if len(run.notes) > _MOST_NOTES:
+            more = f"{len(run.notes) - _MOST_NOTES} more notes on what was between samples"
+            run = replace(run, notes=(*run.notes[:_MOST_NOTES], more))
+        return run
+
+    def _problem_of_record(self, end: float) -> SimulationProblem:
+        """Return the problem with tables of the values that were held."""
+        t = [time for time, _ in self._record]
+        times = [time for pair in zip(t, [*t[1:], max(end, t[-1])], strict=True) for time in pair]
+        tables = {
+            name: _steps(times, [held[name] for _, held in self._record for _ in range(2)])
+            for name in self._held
+        }  # fmt: skip
+        problem = self._plan.integration.problem
+        return replace(problem, laws=_with_tables(problem.laws, tables))
+
+
+def _run_part(plan: MotionPlan) -> Trajectory:
+    return run_switching(plan) if switches(plan.integration.eqs.formed) else run_with_jumps(plan)
+
+
+def _steps(times: list[float], values: list[float]) -> Table:
+    if times[0] == times[-1]:
+        times = [times[0] - 1.0, *times[1:]]
+    return Table(times, values)
+
+
+def _with_values(problem: SimulationProblem, held: Mapping[str, float]) -> SimulationProblem:
+    """Return a problem whose inputs have constant values."""
+    tables = {name: _ZERO.shift_values(value) for name, value in held.items()}
+    return replace(problem, laws=_with_tables(problem.laws, tables))
+
+
+def _with_tables(laws: InputLaws, tables: Mapping[str, Table]) -> InputLaws:
+    places = {name: place for place, name in enumerate(laws.callbacks)}
+    return replace(
+        laws,
+        callbacks={**laws.callbacks, **{name: table.reader() for name, table in tables.items()}},
+        tables={**laws.tables, **{places[name]: table for name, table in tables.items()}},
+    )
+
+
+def _reader(problem: SimulationProblem, inputs: Mapping[str, FmuInput]) -> CompiledFunction | None:
+    """Return what computes the values that an FMU reads.
+
+    Raises
+    ------
+    UsageError
+        If one is no number.
+    """
+    name, law = next(iter(inputs.items()))
+    if not law.reads:
+        return None
+    function = problem.compile_outputs(tuple(law.reads.values()), quick=True)
+    problems = [
+        Problem("fmu_input.no_number", f"input {name}, reads", f"{output.name} has shape {output.shape}",
+                "a variable of an FMU is one number", "name one component, such as 'reaction A Fx'")
+        for output in function.outputs if output.shape
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    return function
+
+
+def _values(problem: SimulationProblem, reader: CompiledFunction | None, t: float, x: Floats) -> list[float]:
+    """Return what an FMU reads in a state x = (u, q, s).
+
+    Raises
+    ------
+    SimulationError
+        If a value is not finite.
+    """
+    if reader is None:
+        return []
+    n_u = len(problem.eqs.speed_names)
+    u, q = x[:n_u], x[n_u:]
+    inputs = np.array(problem.laws.evaluate(t, q, u))
+    computed = reader(t, q, u, inputs)
+    values = [float(value) for value in (computed if len(reader.outputs) > 1 else (computed,))]
+    faults = list(_not_finite(reader, values))
+    if faults:
+        what = f"at t = {t:.9g} s {', '.join(faults)}"
+        fix = "let the FMU read what has a value throughout the motion"
+        raise SimulationError(Problem("fmu_input.not_finite", "reads", what, "", fix))
+    return values
+
+
+def _not_finite(reader: CompiledFunction, values: Sequence[float]) -> Iterator[str]:
+    for output, value in zip(reader.outputs, values, strict=True):
+        if not np.isfinite(value):
+            yield f"{output.name} is {value}"

@@ -1,0 +1,98 @@
+"""Held values as inputs of the equations: what they are at present, and what they were."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.equations.equation_set import EquationSet
+from symbody.kernels.sampling import ONE_INSTANT
+from symbody.model.model import Model
+
+Floats = NDArray[np.float64]
+
+
+class HeldSource(Protocol):
+    """Where held values are kept."""
+
+    def current(self, name: str) -> float:
+        """Return a value at present."""
+        ...
+
+    def values_at(self, name: str, t: Floats) -> Floats:
+        """Return a value at times (N,) that the motion has passed."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldLaw:
+    """The law of an input that is held between samples."""
+
+    source: HeldSource
+    name: str
+
+    def __call__(self, t: float, q: Floats, u: Floats) -> float:
+        """Return the value at present."""
+        return self.source.current(self.name)
+
+    def values_at(self, t: Floats) -> Floats:
+        """Return the values at times (N,) that the motion has passed."""
+        return self.source.values_at(self.name, t)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldRecord:
+    """Held values as they were sampled.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the values, in the order of the model.
+    t : (K,) array
+        When any of them was sampled [s].
+    values : (m, K) array
+        All of them from then on.
+    """
+
+    names: tuple[str, ...]
+    t: Floats
+    values: Floats
+
+    def current(self, name: str) -> float:
+        """Return the last value."""
+        return float(self.values[self.names.index(name), -1])
+
+    def values_at(self, name: str, t: Floats) -> Floats:
+        """Return a value at times (N,); at a sample it is new already."""
+        values: Floats = self.values[self.names.index(name)][places_in(self.t, t)]
+        return values
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _NotYet:
+    """Held values of motions that are still to be computed: not numbers."""
+
+    def current(self, name: str) -> float:
+        """Return no number."""
+        return math.nan
+
+    def values_at(self, name: str, t: Floats) -> Floats:
+        """Return no numbers."""
+        return np.full(np.shape(t), math.nan)
+
+
+def held_later(eqs: EquationSet) -> dict[str, HeldLaw]:
+    """Return laws for the held values of motions that are still to be computed."""
+    signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
+    return {signal.name: HeldLaw(_NotYet(), signal.name) for signal in signals}
+
+
+def places_in(samples: Floats, t: Floats) -> NDArray[np.intp]:
+    """Return the last of the samples (K,) that lies at each time, up to rounding, or before it; else 0."""
+    margin = ONE_INSTANT * np.maximum(np.abs(t), np.abs(samples[0]))
+    places: NDArray[np.intp] = np.maximum(np.searchsorted(samples, t + margin, side="right") - 1, 0)
+    return places

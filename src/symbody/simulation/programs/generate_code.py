@@ -1,0 +1,45 @@
+"""`generate_code`: equations as source text of any language."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from symbody.arguments import checked_arguments
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.codegen.signature import source_text
+from symbody.equations.equation_set import EquationSet
+from symbody.simulation.programs.modelica_model import modelica_model
+
+
+@checked_arguments
+def generate_code(
+    eqs: EquationSet,
+    outputs: str | Iterable[str],
+    language: str = "c",
+    parameters: Mapping[str, Value] | None = None,
+) -> str:
+    """Return source text that computes the `outputs`.
+
+    Parameters
+    ----------
+    language : str
+        "c" for C99, "python" for a module that needs NumPy alone, "fortran" for Fortran 2008, "matlab"
+        (or "octave"), "julia", "rust", "javascript" for an ES module, "jax", "casadi", or "modelica" for a
+        model with states and their derivatives, of which the outputs may be none; each text explains itself
+        at its head.
+    parameters : mapping, optional
+        Values to put in; None leaves every parameter an argument, in the order of ``eqs.parameters``.
+
+    Raises
+    ------
+    CompileError
+        If the language or an output is unknown, or parameters have no value.
+    UsageError, AssemblyError
+        If a motion is no Modelica model, or has no first state.
+    """
+    if isinstance(language, str) and language.lower() == "modelica":
+        return modelica_model(eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), parameters)
+    free = eqs.parameter_names if parameters is None else ()
+    sequence, signature = form_sequence(eqs, outputs, parameters or {}, free)
+    return source_text(sequence, language, signature)

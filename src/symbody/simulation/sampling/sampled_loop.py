@@ -1,0 +1,156 @@
+"""`SampledLoop`: held values inside the compiled loop of a motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.native_call import check_status
+from symbody.errors import Problem, UsageError
+from symbody.kernels import block as run_at
+from symbody.kernels import sample_block as at
+from symbody.kernels import watch_block as watch_at
+from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.native.blocks import function_numbers, state_of
+from symbody.simulation.native.description import Record, RightHandSide
+from symbody.simulation.native.machine import (
+    address,
+    advance_sampled,
+    advance_sampled_watched,
+    sample_kernels,
+)
+from symbody.simulation.sampling.sampler import Sampler
+from symbody.simulation.simulation_problem import SimulationProblem
+
+Floats = NDArray[np.float64]
+
+
+class SampledLoop:
+    """Takes the samples of one motion.
+
+    Parameters
+    ----------
+    problem : SimulationProblem
+        What moves.
+    sampler : Sampler
+        The values, which may come from a motion before.
+
+    Raises
+    ------
+    FormulationError
+        If a formula of a value has no meaning.
+    UsageError
+        If it is not a number but a vector or matrix.
+    """
+
+    def __init__(self, problem: SimulationProblem, sampler: Sampler) -> None:
+        self.sampler = sampler
+        laws = problem.laws
+        self._function = problem.compile_outputs(sampler.formulas)
+        self._check_shapes()
+        self._callback = CallbackFunction(self._function, laws) if laws.need_python else None
+        self._address = self._function.address if self._callback is None else self._callback.address
+        self._numbers = function_numbers(
+            RightHandSide(
+                0, len(problem.eqs.speed_names), np.zeros(len(laws.callbacks)), np.zeros(0),
+                self._function.constants(), self._function.work_size, laws.table_numbers(),
+            )
+        )  # fmt: skip
+
+    def _check_shapes(self) -> None:
+        pairs = zip(self.sampler.values, self._function.outputs, strict=True)
+        problems = [
+            Problem("signal.no_number", f"signal {value.name}", f"its value has shape {output.shape}",
+                    "a signal is one number at each time", "name one component, such as 'reaction A Fx'")
+            for value, output in pairs if output.shape
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
+    def begin(self, block: Floats) -> None:
+        """Take the samples that are due where a motion begins, and show the right-hand side all values."""
+        t = float(block[run_at.TIME])
+        self.sampler.rewind(t)
+        self.take(t, state_of(block))
+        sample_kernels().show_values(
+            address(self.sampler.block), address(block[int(block[run_at.FUNCTION]) :])
+        )
+
+    def take(self, t: float, x: Floats) -> None:
+        """Take the samples that are due at a time and state (u, q, s, ..).
+
+        Raises
+        ------
+        SimulationError
+            If a function fails.
+        """
+        sampler = self.sampler
+        if not sample_kernels().is_due(address(sampler.block), t):
+            return
+        if sampler.block[at.RECORDED] == sampler.block[at.ROOM]:
+            sampler.grow()
+        places = map(address, (self._numbers, sampler.block, sampler.record))
+        if sample_kernels().take_samples(self._address, *places, t, address(x)):
+            self._raise_fault()
+
+    def show_inputs(self, slots: NDArray[np.intp], values: Floats) -> None:
+        """Set other inputs of the function of new values."""
+        self._numbers[run_at.R_PLACE + slots] = values
+
+    def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        code = run_at.NO_SAMPLE_ROOM
+        while code == run_at.NO_SAMPLE_ROOM:
+            own = self.sampler.block, self._numbers
+            arrays = (block, *own, *_places(record), self.sampler.record)
+            code = advance_sampled()(rhs, projector, self._address, *map(address, arrays), trials)
+            self._make_room(code)
+        return code
+
+    def advance_watched(
+        self,
+        functions: tuple[int, ...],
+        blocks: tuple[Floats, Floats],
+        record: Record,
+        happened: Floats,
+        trials: int,
+    ) -> int:
+        """Try up to so many steps, and let events happen; return a code of `symbody.kernels.block`.
+
+        Parameters
+        ----------
+        functions : (5,) int
+            Right-hand side, projector, and those of `kernels.event_watch.look`.
+        blocks : (2,) array
+            Of the run and of the watch.
+        """
+        self._show_watch(blocks[1])
+        code = run_at.NO_SAMPLE_ROOM
+        while code == run_at.NO_SAMPLE_ROOM:
+            own = self.sampler.block, self._numbers
+            arrays = (*blocks, *own, *_places(record), happened, self.sampler.record)
+            code = advance_sampled_watched()(*functions, self._address, *map(address, arrays), trials)
+            self._make_room(code)
+        return code
+
+    def _show_watch(self, watch: Floats) -> None:
+        """Show the functions of events all values."""
+        for place in (watch_at.NUMBERS, watch_at.ACTIONS):
+            if watch[place]:
+                sample_kernels().show_values(address(self.sampler.block), address(watch[int(watch[place]) :]))
+
+    def _make_room(self, code: int) -> None:
+        if code == run_at.NO_SAMPLE_ROOM:
+            self.sampler.grow()
+        if code == run_at.SAMPLE_FAULT:
+            self._raise_fault()
+
+    def _raise_fault(self) -> None:
+        """Raise what a law of an input raised, or what the status of the function means."""
+        if self._callback is not None and self._callback.error is not None:
+            raise self._callback.error
+        check_status(int(self.sampler.block[at.FAULT]))
+
+
+def _places(record: Record) -> tuple[Floats, ...]:
+    return record.wanted, record.t, record.x, record.breaks, record.pieces

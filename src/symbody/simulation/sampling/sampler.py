@@ -1,0 +1,187 @@
+"""`Sampler`: values that are held between samples, as `symbody.kernels.sampling` updates them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.kernels import sample_block as at
+from symbody.kernels.sampling import ONE_INSTANT
+from symbody.simulation.inputs.held_law import HeldRecord, places_in
+
+Floats = NDArray[np.float64]
+
+_FIRST_ROOM: Final = 256  # samples
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldValue:
+    """A value that is held between samples.
+
+    Attributes
+    ----------
+    formula : str
+        Of its new value: an expression, or the name of an output.
+    slot : int
+        Its place among the inputs that compiled functions take.
+    step : float
+        Its sample time [s].
+    initial : float
+        The value before the first sample.
+    """
+
+    name: str
+    formula: str
+    slot: int
+    step: float
+    initial: float
+
+
+class Sampler:
+    """Values that are held between samples: what they are, what they were, when the next samples are due.
+
+    Parameters
+    ----------
+    values : sequence of HeldValue
+        In the order in which they are updated.
+    start : float
+        When samples are counted from [s].
+    speeds : int
+        How many speeds stand first in states.
+
+    Attributes
+    ----------
+    block : array
+        See `symbody.kernels.sample_block`.
+    record : (room, 1 + m) array
+        When samples were taken, and all values from then on.
+    """
+
+    def __init__(self, values: Sequence[HeldValue], start: float, speeds: int) -> None:
+        self.values = tuple(values)
+        self.names = tuple(value.name for value in values)
+        steps = tuple(dict.fromkeys(value.step for value in values))
+        groups = [steps.index(value.step) for value in values]
+        initial, slots = [value.initial for value in values], [value.slot for value in values]
+        m, g = len(values), len(steps)
+        places = at.HEADER + np.cumsum([0, m, m, m, g, g])
+        head = np.zeros(at.HEADER)
+        head[[at.VALUES, at.SLOTS, at.GROUP_OF, at.STEPS, at.TAKEN, at.NEW]] = places
+        head[[at.COUNT, at.GROUPS, at.SPEEDS]] = m, g, speeds
+        head[[at.START, at.NEXT]] = start
+        parts = [head, initial, slots, groups, steps, np.zeros(g), np.zeros(m)]
+        self.block: Floats = np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])
+        self.record: Floats = np.empty((_FIRST_ROOM, 1 + m))
+        self.block[at.ROOM] = len(self.record)
+        self._first = self.block.copy()
+
+    @property
+    def formulas(self) -> list[str]:
+        """The formulas of all new values."""
+        return [value.formula for value in self.values]
+
+    @property
+    def samples(self) -> HeldRecord:
+        """What was sampled so far."""
+        rows = self.record[: int(self.block[at.RECORDED])]
+        return HeldRecord(self.names, rows[:, 0].copy(), np.ascontiguousarray(rows[:, 1:].T))
+
+    def current(self, name: str) -> float:
+        """Return a value at present."""
+        return float(self.block[int(self.block[at.VALUES]) + self.names.index(name)])
+
+    def values_at(self, name: str, t: Floats) -> Floats:
+        """Return a value at times (N,) that the motion has passed."""
+        rows = self.record[: int(self.block[at.RECORDED])]
+        if not len(rows):
+            return np.full(np.shape(t), self.current(name))
+        values: Floats = rows[places_in(rows[:, 0], np.asarray(t)), 1 + self.names.index(name)]
+        return values
+
+    def value_before(self, name: str, t: float) -> float:
+        """Return a value just before a time that the motion has passed."""
+        rows = self.record[: int(self.block[at.RECORDED])]
+        margin = ONE_INSTANT * max(abs(t), abs(float(self.block[at.START])))
+        place = int(np.searchsorted(rows[:, 0], t - margin)) - 1
+        k = self.names.index(name)
+        return float(self._first[int(self._first[at.VALUES]) + k] if place < 0 else rows[place, 1 + k])
+
+    @property
+    def next_due(self) -> float:
+        """When the next sample is due [s]."""
+        return float(self.block[at.NEXT])
+
+    def is_due(self, t: float) -> bool:
+        """Return whether a sample is due at a time, up to rounding."""
+        margin = ONE_INSTANT * max(abs(t), abs(self.next_due), abs(float(self.block[at.START])))
+        return self.next_due - t <= margin
+
+    def grow(self) -> None:
+        """Make room for as many more samples."""
+        self.record = np.concatenate([self.record, np.empty_like(self.record)])
+        self.block[at.ROOM] = len(self.record)
+
+    def rewind(self, t: float) -> None:
+        """Forget the samples behind a time."""
+        block = self.block
+        kept = self.record[: int(block[at.RECORDED])]
+        margin = ONE_INSTANT * max(abs(t), abs(float(block[at.START])))
+        count = int(np.searchsorted(kept[:, 0], t + margin, side="right"))
+        if count == len(kept):
+            return
+        if count == 0:
+            block[:] = self._first
+            block[at.ROOM] = len(self.record)
+            return
+        block[at.RECORDED] = count
+        block[int(block[at.VALUES]) :][: len(self.values)] = kept[count - 1, 1:]
+        self._count_samples(float(kept[count - 1, 0]))
+
+    def _count_samples(self, last: float) -> None:
+        """Set how many samples each group has taken, where the last of all was taken at a time."""
+        block = self.block
+        groups, start = int(block[at.GROUPS]), float(block[at.START])
+        steps = block[int(block[at.STEPS]) :][:groups]
+        taken = block[int(block[at.TAKEN]) :][:groups]
+        margin = ONE_INSTANT * max(abs(last), abs(start))
+        taken[:] = np.maximum(np.round((last - start) / steps), 0.0)
+        taken[start + taken * steps <= last + margin] += 1.0
+        block[at.NEXT] = (start + taken * steps).min()
+
+    def follow(self, other: Sampler, t: float) -> None:
+        """Go on from a time with the values of another sampler, whose sample times may be others."""
+        block, count = self.block, len(self.values)
+        block[int(block[at.VALUES]) :][:count] = other.block[int(other.block[at.VALUES]) :][:count]
+        if other.block[int(other.block[at.TAKEN]) : int(other.block[at.NEW])].any():
+            self._count_samples(t)
+
+    def snapshot(self) -> Floats:
+        """Return the block, from which `resume` goes on."""
+        return self.block.copy()
+
+    def resume(self, kept: Floats) -> None:
+        """Go on from a snapshot; the record begins anew."""
+        self.block[:] = kept
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Forget what was recorded: the values at present are the first."""
+        self.block[at.RECORDED], self.block[at.ROOM] = 0.0, len(self.record)
+        self._first = self.block.copy()
+
+
+def held_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | None:
+    """Return what several samplers recorded, as one record with names in this order; None without any."""
+    records = [sampler.samples for sampler in samplers if sampler.values]
+    records = [record for record in records if record.t.size]
+    if not records:
+        return None
+    t = np.unique(np.concatenate([record.t for record in records]))
+    t = t[np.diff(t, prepend=-np.inf) > 2.0 * ONE_INSTANT * np.maximum(np.abs(t), abs(float(t[0])))]
+    by_name: Mapping[str, HeldRecord] = {name: record for record in records for name in record.names}
+    names = tuple(name for name in order if name in by_name)
+    return HeldRecord(names, t, np.stack([by_name[name].values_at(name, t) for name in names]))

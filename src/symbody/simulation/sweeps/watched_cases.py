@@ -1,0 +1,189 @@
+"""Cases with events in the compiled loop: their arrays, the way through the loop, what happened."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.function import CompiledFunction
+from symbody.kernels import block as at
+from symbody.kernels import watch_block as watch_at
+from symbody.kernels import watched_cases as loop_at
+from symbody.simulation.events.event_watch import value_notes
+from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block, with_cut_fit
+from symbody.simulation.inputs.tables import table_numbers
+from symbody.simulation.native.blocks import function_numbers
+from symbody.simulation.native.description import Floats, Projector, RightHandSide
+from symbody.simulation.native.machine import address, watched_cases
+from symbody.simulation.native.run import EVENT_SAMPLES, memory_limit
+from symbody.simulation.sweeps.records import NOT_ENDED, CaseDetails, CaseWatch, Chunk, LoopJob, Records
+
+Integers = NDArray[np.int64]
+
+# Room for steps of one case and for what happens in all, at first.
+_STEPS: Final = 256
+_HAPPENED: Final = 1024
+_SLICE: Final = 1000
+
+
+class WatchedRows(NamedTuple):
+    """What the loop needs besides what it needs without events.
+
+    Attributes
+    ----------
+    fresh : array
+        The block of a watch that has not begun.
+    rows : (cases, k) array
+        Numbers of its functions for each case.
+    """
+
+    fresh: Floats
+    rows: Floats
+
+
+def case_numbers(function: CompiledFunction | None, parameters: Floats) -> tuple[Floats, Floats]:
+    """Return p and c of a function for each case, without columns if there is none."""
+    nothing = np.zeros((parameters.shape[0], 0))
+    if function is None:
+        return nothing, nothing
+    constants = function.constants(parameters)
+    return parameters, np.broadcast_to(constants, (parameters.shape[0], constants.shape[-1]))
+
+
+def case_function(job: LoopJob, function: CompiledFunction, numbers: tuple[Floats, Floats]) -> RightHandSide:
+    """Return a function with room for the numbers of one case, and with its tables."""
+    p, c = (np.zeros(table.shape[1]) for table in numbers)
+    n_u, inputs = len(function.signature.u), np.zeros(len(job.tables))
+    return RightHandSide(function.address, n_u, inputs, p, c, function.work_size, table_numbers(job.tables))
+
+
+def watched_rows(
+    job: LoopJob, watch: CaseWatch, chunk: Chunk, projector: Projector, closing: tuple[Floats, Floats]
+) -> WatchedRows:
+    """Return the block of a watch, and the numbers of its functions for each case."""
+    numbers = [case_numbers(function, chunk.parameters) for function in (watch.values, watch.actions)]
+    values, actions = (
+        np.zeros(0) if function is None else function_numbers(case_function(job, function, own))
+        for function, own in zip((watch.values, watch.actions), numbers, strict=True)
+    )
+    is_closed = projector.address != 0
+    function = job.function.signature
+    sizes = WatchNumbers(
+        job.state_size + 1,
+        len(function.u),
+        len(function.q),
+        values,
+        actions,
+        function_numbers(projector) if is_closed else np.zeros(0),
+        projector.out_size if is_closed else 0,
+        projector.scales if is_closed else np.zeros(0),
+    )
+    dense_rows = 4 + len(job.method.tableau.dense)
+    fresh = with_cut_fit(make_watch_block(watch.events, sizes), dense_rows)
+    fresh[watch_at.SPAN] = abs(job.span[1] - job.span[0])
+    fresh[watch_at.DIRECTION] = 1.0 if job.span[1] >= job.span[0] else -1.0
+    fresh[watch_at.PIECE_ROWS] = dense_rows
+    fresh[watch_at.FIRST_LENGTH] = float(job.method.first_step or 0.0)
+    own = [*numbers[0], *numbers[1], *closing, chunk.scales] if is_closed else [*numbers[0], *numbers[1]]
+    return WatchedRows(fresh, np.hstack(own))
+
+
+class WatchedLoop:
+    """The loop over cases with events, and its room, which grows.
+
+    Parameters
+    ----------
+    addresses : sequence of int
+        Of the derivative and of what projects.
+    rows : (cases, size) array
+        All numbers of each case, those of the watch from column `first` on.
+    """
+
+    def __init__(
+        self, job: LoopJob, watch: CaseWatch, addresses: Sequence[int], block: Floats, rows: Floats,
+        watched: WatchedRows, records: Records,
+    ) -> None:  # fmt: skip
+        self._job, self._watch, self._records = job, watch, records
+        self._block, self._rows, self._fresh = block, rows, watched.fresh
+        self._first = rows.shape[1] - watched.rows.shape[1]
+        n = job.state_size + 1
+        acting = 0 if watch.actions is None else watch.actions.address
+        closing = addresses[1] if watched.fresh[watch_at.CLOSING] else 0
+        self._addresses = (*addresses, watch.values.address, acting, closing)
+        self._state = watched.fresh.copy()
+        room = job.times.size + EVENT_SAMPLES
+        self._t, self._x = np.zeros(room), np.zeros((room, n))
+        self._samples = np.full((records.count, job.times.size, n), np.nan)
+        self._breaks = np.zeros(_STEPS + 1)
+        self._pieces = np.zeros((_STEPS, int(watched.fresh[watch_at.PIECE_ROWS]), n))
+        self._happened = np.zeros((_HAPPENED + watch_at.ZEROS_PER_EVENT * len(watch.events), n + 2))
+        self._looks = np.zeros((records.count, loop_at.LOOK_EVENTS + loop_at.LOOK_SIZE * len(watch.events)))
+        block[at.KEEP_DENSE], block[at.SAMPLE_ROOM] = 1.0, room
+
+    def run(self, verdicts: Floats, stop: Integers, done: Integers) -> None:
+        """Compute the cases that have not ended, and write down what happened."""
+        code = at.RUNNING
+        while code != at.FINISHED and stop[0] == 0:
+            code = self._advance(verdicts)
+            if code == at.FULL:
+                self._make_room_for_steps()
+            elif code == at.NO_EVENT_ROOM:
+                self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
+            done[0] = self._block[at.CASES_ENDED]
+        verdicts[verdicts[:, at.CODE] == at.EVENT_FAULT, at.CODE] = at.STIFF  # `simulate` says what is wrong
+
+    def _advance(self, verdicts: Floats) -> int:
+        self._block[at.STEP_ROOM] = len(self._pieces)
+        self._state[watch_at.HAPPENED_ROOM] = len(self._happened)
+        places = [self._rows, self._job.times, self._t, self._x, self._samples, verdicts]
+        places += [self._breaks, self._pieces, self._happened, self._looks]
+        return watched_cases()(
+            *self._addresses, address(self._block), address(self._state), self._fresh.size,
+            address(self._fresh), *self._rows.shape, self._first, *map(address, places), _SLICE,
+        )  # fmt: skip
+
+    def _make_room_for_steps(self) -> None:
+        """Double the room for steps.
+
+        Raises
+        ------
+        MemoryError
+            None is left.
+        """
+        if 2 * self._pieces.nbytes > memory_limit():
+            raise MemoryError
+        self._breaks = np.concatenate([self._breaks, np.zeros_like(self._breaks)])
+        self._pieces = np.concatenate([self._pieces, np.zeros_like(self._pieces)])
+
+    def write_down(self, before: Integers) -> None:
+        """Write samples, events, notes and work of the cases that have ended by now into the records."""
+        records, happened = self._records, 0
+        for k in range(records.count):
+            if before[k] != NOT_ENDED:
+                continue
+            records.x[k] = self._samples[k, :, :-1]
+            if records.codes[k] == NOT_ENDED:
+                continue
+            rows = self._happened[happened : int(self._looks[k, loop_at.LOOK_HAPPENED])]
+            happened = int(self._looks[k, loop_at.LOOK_HAPPENED])
+            records.details[records.first + k] = self._details(k, rows)
+
+    def _details(self, k: int, rows: Floats) -> CaseDetails:
+        watch, records, look = self._watch, self._records, self._looks[k]
+        names, labels = watch.state_names, watch.labels
+        events = tuple(
+            Occurrence(labels[int(row[0])], row[1], dict(zip(names, row[2:], strict=False)))
+            for row in rows.tolist()
+        )
+        seen = look[loop_at.LOOK_EVENTS :].reshape(-1, loop_at.LOOK_SIZE)
+        notes = value_notes(labels, seen) if seen.any() else ()
+        if records.codes[k] == at.CHATTERING:
+            culprit = labels[int(look[loop_at.LOOK_CULPRIT]) - 1]
+            stop = f"the motion is known up to t = {records.reached[k]:.9g} s"
+            notes = (*notes, f"{stop}; there event {culprit!r} happens again and again")
+        work = self._samples[k, : records.counts[k, at.SAMPLES], -1].copy()
+        return CaseDetails("; ".join(notes), events, work)

@@ -1,0 +1,33 @@
+"""The key of stored equations changes with every folder whose code forms them."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import symbody
+from symbody.equations import cache_key
+
+PACKAGE = Path(symbody.__file__).parent
+ROOMS = cache_key._ROOMS
+
+
+def imported_folders(path: Path) -> set[str]:
+    """The folders of the package that a file imports from."""
+    modules: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            modules.add(node.module)
+        elif isinstance(node, ast.Import):
+            modules.update(alias.name for alias in node.names)
+    parts = [module.split(".") for module in modules if module.startswith("symbody.")]
+    return {name for _, name, *_ in parts if (PACKAGE / name).is_dir()}
+
+
+def test_every_folder_that_forms_equations_is_in_the_key() -> None:
+    imported = set[str]()
+    for room in ROOMS:
+        files = sorted((PACKAGE / room).rglob("*.py"))
+        assert files, f"there is no folder {room}"
+        imported.update(*map(imported_folders, files))
+    assert imported <= set(ROOMS)

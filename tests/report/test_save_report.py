@@ -1,0 +1,156 @@
+"""Reports: the same bytes each time, formulas that are those of the graph, nothing but text from names."""
+
+from __future__ import annotations
+
+import re
+from html import unescape
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symbody as sb
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+NAMES = sorted(path.stem for path in EXAMPLES.glob("*/*.toml") if path.stem == path.parent.name)
+FAST = ("slider_crank", "spinning_top", "dc_motor_arm")
+
+
+def load(name: str) -> sb.EquationSet:
+    return sb.form_equations(sb.load_model(EXAMPLES / name / f"{name}.toml"))
+
+
+class Page(HTMLParser):
+    """Counts tags, and collects the texts beside formulas."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.sources: list[str] = []
+        self.annotations: list[str] = []
+        self._is_annotation = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.sources += [value or "" for name, value in attrs if name in ("src", "href")]
+        self._is_annotation = tag == "annotation"
+
+    def handle_data(self, data: str) -> None:
+        if self._is_annotation:
+            self.annotations.append(data)
+
+    def handle_endtag(self, tag: str) -> None:
+        self._is_annotation = False
+
+
+def write(eqs: sb.EquationSet, path: Path, **words: object) -> str:
+    sb.save_report(eqs, path, **words)  # type: ignore[arg-type]
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "name", [*FAST, *(pytest.param(x, marks=pytest.mark.exhaustive) for x in NAMES if x not in FAST)]
+)
+def test_pages_of_examples(name: str, tmp_path: Path) -> None:
+    eqs = load(name)
+    text = write(eqs, tmp_path / "one.html")
+    assert write(eqs, tmp_path / "two.html") == text
+    page = Page(text)
+    assert "script" not in page.tags
+    assert all(source.startswith(("data:", "#")) for source in page.sources)
+    assert page.tags.count("section") >= 11
+    assert page.annotations
+
+
+def test_every_kind_of_file(tmp_path: Path) -> None:
+    eqs = load("slider_crank")
+    run = sb.simulate(eqs, (0, 0.2))
+    tex = write(eqs, tmp_path / "x.tex", run=run)
+    for picture in re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", tex):
+        assert (tmp_path / picture).read_bytes().startswith(b"%PDF")
+    assert tex.count(r"\begin{") == tex.count(r"\end{")
+    markdown = write(eqs, tmp_path / "x.md", run=run)
+    pictures = re.findall(r"!\[[^]]*\]\(([^)]*)\)", markdown)
+    assert len(pictures) == 4
+    assert all((tmp_path / picture).is_file() for picture in pictures)
+    nbformat = pytest.importorskip("nbformat")
+    sb.save_report(eqs, tmp_path / "x.ipynb", run)
+    nbformat.validate(nbformat.read(tmp_path / "x.ipynb", as_version=4))
+
+
+def test_formulas_are_those_of_the_graph(tmp_path: Path) -> None:
+    eqs = load("slider_crank")
+    page = Page(write(eqs, tmp_path / "x.html", sections=["dynamics"]))
+    parameters = {str(name): 0.5 + 0.1 * k for k, name in enumerate(eqs.parameters)}
+    point = (0.0, [0.3, 0.4, 0.5], [0.6, 0.7, 0.8], [0.9])
+    names = ["mass_matrix", "forcing", "jacobian", "gamma"]
+    values = sb.compile(eqs, names, parameters=parameters)(*point)
+    texts = [unescape(text).split("\n") for text in page.annotations]
+    for lines, entries in zip(texts, values, strict=True):
+        read = sb.compile(eqs, lines, parameters=parameters)(*point)
+        np.testing.assert_allclose(read, np.ravel(entries), rtol=1e-13, atol=1e-14)
+
+
+def test_names_are_text(tmp_path: Path) -> None:
+    parts = [sb.Body("B", mass=1), sb.Prismatic("P", "ground", "B", axis="z", coordinate="z")]
+    eqs = sb.form_equations(sb.Model('<b>&"m"</b> $x_1$ \\end', parts, notes=["<i>"]))
+    text = write(eqs, tmp_path / "x.html")
+    assert "<b>" not in text
+    assert "<i>" not in text
+    assert "&lt;b&gt;" in text
+    assert r"\$x\_1\$ \textbackslash{}end" in write(eqs, tmp_path / "x.tex")
+    assert "&lt;b&gt;" in write(eqs, tmp_path / "x.md")
+
+
+def test_sections_are_chosen(tmp_path: Path) -> None:
+    text = write(
+        load("slider_crank"), tmp_path / "x.html", sections=["equations", "parameters"], title="Mine"
+    )
+    assert re.findall(r'<section id="(\w+)"', text) == ["equations", "parameters"]
+    assert "<h1>Mine</h1>" in text
+
+
+def test_missing_values_are_said(tmp_path: Path) -> None:
+    parts = [sb.Body("B", mass="m"), sb.Prismatic("P", "ground", "B", coordinate="x")]
+    text = write(sb.form_equations(sb.Model("bare", parts, parameters={"m": None})), tmp_path / "x.html")
+    assert "It is not drawn" in text
+    assert "no value" in text
+
+
+def test_large_mechanisms_are_counted(tmp_path: Path) -> None:
+    frames = {"P": sb.Frame(at=(-0.5, 0, 0)), "Q": sb.Frame(at=(0.5, 0, 0))}
+    bodies = [sb.Body(f"B{k}", mass=1, inertia=(0, 0, 1), frames=frames) for k in range(16)]
+    joints = [
+        sb.Revolute(f"J{k}", f"B{k - 1}.Q" if k else "ground", f"B{k}.P", coordinate=f"a{k}")
+        for k in range(16)
+    ]
+    text = write(sb.form_equations(sb.Model("chain", [*bodies, *joints], (0, -9.81, 0))), tmp_path / "x.html")
+    assert "too large to be read" in text
+    assert len(text) < 3_000_000
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        ({"path": "x.docx"}, "report.format"),
+        ({"path": "x"}, "report.format"),
+        ({"path": "x.html", "sections": ["dynamic"]}, "report.section"),
+        ({"path": "x.html", "run": "other"}, "report.run"),
+    ],
+)
+def test_bad_arguments(words: dict[str, object], code: str, tmp_path: Path) -> None:
+    eqs = load("slider_crank")
+    if words.get("run"):
+        words["run"] = sb.simulate(load("spinning_top"), (0, 0.01))
+    path = tmp_path / str(words.pop("path"))
+    with pytest.raises(sb.UsageError) as caught:
+        sb.save_report(eqs, path, **words)  # type: ignore[arg-type]
+    assert [problem.code for problem in caught.value.problems] == [code]
+    assert not path.exists()
+
+
+def test_folder_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(sb.EnvironmentFault, match=r"report\.unwritable"):
+        sb.save_report(load("slider_crank"), tmp_path / "none" / "x.html", sections=["parameters"])

@@ -1,0 +1,294 @@
+"""Inputs that FMUs compute: our own controllers in the loop against loops in Python, faults, ends."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import re
+import shutil
+import zipfile
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from symbody.errors import SymbodyError
+from tests.problems.mechanisms import equations_of
+
+fmpy = pytest.importorskip("fmpy", reason="needs the package fmpy")
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+
+GAINS = {"Kx": 1.0, "Kv": 2.0, "Kt": -30.0, "Kw": -8.0, "Ki": 0.5}
+READS = {"x": "x", "v": "x_dot", "phi": "theta", "w": "theta_dot"}
+STEP = 0.01
+Version = Literal["2.0", "3.0"]
+Maker = Callable[[Version], Path]
+
+
+@pytest.fixture(scope="module")
+def controller(tmp_path_factory: pytest.TempPathFactory) -> Maker:
+    """Return the FMU of a controller of the cart-pole: state feedback and a filtered position."""
+    folder = tmp_path_factory.mktemp("controllers")
+    eqs = sb.form_equations(
+        sb.Model(
+            "controller",
+            [
+                sb.Signal("F", value="Kx*x + Kv*v + Kt*phi + Kw*w + Ki*e"),
+                sb.Signal("e", rate="-e + x", initial=0.0),
+                sb.Signal("twice", value="2*F"),
+                sb.Signal("root", value="sqrt(0.5 - x)"),
+            ],
+            inputs=["x", "v", "phi", "w"],
+            parameters=GAINS,
+        )
+    )
+
+    def make(version: Version) -> Path:
+        path = folder / f"controller_{version[0]}.fmu"
+        if not path.exists():
+            sb.save_fmu(eqs, path, version, outputs=["F", "twice", "root"], sources=False)
+        return path
+
+    return make
+
+
+def in_python(end: float, gains: Mapping[str, float] = GAINS, *, is_late: bool = False) -> sb.Stepper:
+    """Return the cart-pole at the end of a loop of steps with the same controller."""
+    stepper = sb.Stepper(equations_of("cart_pole"), STEP, initial={"theta": 0.2}, rtol=1e-11)
+    e, F = 0.0, gains["Kt"] * 0.2
+    for _ in range(round(end / STEP)):
+        x, v, phi, w = (float(stepper[name]) for name in READS.values())
+        e = x + (e - x) * math.exp(-STEP)
+        new = (gains["Kx"] * x + gains["Kv"] * v + gains["Kt"] * phi + gains["Kw"] * w) + gains["Ki"] * e
+        stepper.step(F=float(F if is_late else new))
+        F = new
+    return stepper
+
+
+def balance(law: sb.FmuInput, end: float = 2.0, **more: Any) -> sb.Trajectory:
+    return sb.simulate(equations_of("cart_pole"), end, {"theta": 0.2}, inputs={"F": law}, rtol=1e-11, **more)
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+@pytest.mark.parametrize("is_late", [False, True])
+def test_loop_equals_steps_in_python(controller: Maker, version: Version, is_late: bool) -> None:
+    law = sb.FmuInput(controller(version), "F", READS, STEP, is_late=is_late)
+    run, stepper = balance(law), in_python(2.0, is_late=is_late)
+    assert run.success
+    for name in (*READS.values(), "energy"):
+        assert run[name][-1] == pytest.approx(stepper[name], abs=1e-9), name
+
+
+def test_values_are_held_between_samples(controller: Maker) -> None:
+    times = np.linspace(0.0, 0.1, 41)
+    run = balance(sb.FmuInput(controller("2.0"), "F", READS, STEP), 0.1, times=times)
+    assert (run.t == times).all()
+    force = run["F"].reshape(-1)
+    assert all(np.unique(force[k : k + 4]).size == 1 for k in range(0, 40, 4))  # a sample has the new value
+    assert np.unique(force[:40]).size == 10
+    every = balance(sb.FmuInput(controller("2.0"), "F", READS, STEP), 0.1)
+    for name in ("x", "theta", "F", "work"):
+        assert run[name] == pytest.approx(np.interp(times, every.t, every[name]), abs=1e-3)
+    assert every["energy"] - every["energy"][0] == pytest.approx(every["work"], abs=1e-8)
+
+
+def test_saved_motion_knows_its_inputs(controller: Maker, tmp_path: Path) -> None:
+    run = balance(sb.FmuInput(controller("2.0"), "F", READS, STEP), 0.1, times=np.linspace(0.0, 0.095, 20))
+    run.save(tmp_path / "run.npz")
+    again = sb.Trajectory.load(tmp_path / "run.npz")
+    assert again["F"] == pytest.approx(run["F"], abs=1e-15)
+    assert again["x_ddot"] == pytest.approx(run["x_ddot"], abs=1e-9)
+
+
+def test_parameters_expressions_and_last_piece(controller: Maker) -> None:
+    gains = GAINS | {"Kt": -40.0}
+    reads = READS | {"phi": "2*theta - 'theta'"}
+    law = sb.FmuInput(controller("2.0"), "F", reads, STEP, {"Kt": -40.0})
+    assert balance(law, 1.0)["theta"][-1] == pytest.approx(in_python(1.0, gains)["theta"], abs=1e-9)
+    assert balance(law, 0.0351).t[-1] == 0.0351  # no whole number of steps
+
+
+def test_inputs_by_one_instance(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = watch_instances(monkeypatch)
+    reads = {"x": "theta1", "v": "theta1_dot"}
+    eqs = equations_of("rr_robot")
+    names = eqs.coordinate_names[:1]
+    reads = {"x": names[0], "v": f"{names[0]}_dot"}
+    both = [sb.FmuInput(controller("2.0"), output, reads, 0.05) for output in ("F", "twice")]
+    run = sb.simulate(eqs, 0.2, inputs={"T1": both[0], "T2": both[1]})
+    assert run["T2"] == pytest.approx(2.0 * run["T1"]) and np.unique(run["T1"]).size > 2
+    assert calls == ["instantiate", "terminate", "freeInstance"]
+
+
+def test_samples_of_different_steps(controller: Maker) -> None:
+    eqs = equations_of("rr_robot")
+    name = eqs.coordinate_names[0]
+    laws = {
+        "T1": sb.FmuInput(controller("2.0"), "F", {"x": name}, 0.1),
+        "T2": sb.FmuInput(controller("3.0"), "F", {"x": name}, 0.15),
+    }
+    run = sb.simulate(eqs, 0.6, inputs=laws)
+    changes = {word: run.t[1:][np.diff(run[word]) != 0.0] for word in laws}
+    assert changes["T1"] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])
+    assert changes["T2"] == pytest.approx([0.15, 0.3, 0.45])
+
+
+def test_loops_stay_closed_and_events_stop(controller: Maker) -> None:
+    law = sb.FmuInput(controller("2.0"), "F", {"x": "s", "v": "s_dot"}, 0.02)
+    eqs = equations_of("slider_crank")
+    run = sb.simulate(eqs, 1.0, inputs={"F": law})
+    assert run.success and run["constraint_violation"].max() < 1e-9
+    half = float(run.at(0.51)["s"])
+    stopped = sb.simulate(eqs, 1.0, inputs={"F": law}, events=sb.Event(f"s - {half!r}", 0, "stop"))
+    assert stopped.status is sb.Status.STOPPED and stopped.t[-1] <= 0.51 + 1e-9
+    assert len(stopped.events) == 1
+
+
+# Faults
+
+
+def problem_of(call: Callable[[], object]) -> Any:
+    with pytest.raises(SymbodyError) as caught:
+        call()
+    return caught.value.problems[0]
+
+
+def test_step_is_needed(controller: Maker) -> None:
+    assert problem_of(lambda: sb.FmuInput(controller("2.0"), "F", READS)).code == "fmu_input.step"
+    assert problem_of(lambda: sb.FmuInput(controller("2.0"), "F", READS, -1.0)).code == "fmu_input.step"
+
+
+def test_names_have_suggestions(controller: Maker) -> None:
+    path = controller("2.0")
+    assert "'twice'" in problem_of(lambda: balance(sb.FmuInput(path, "twic", READS, STEP))).fix
+    fault = problem_of(lambda: balance(sb.FmuInput(path, "F", {"phy": "theta"}, STEP)))
+    assert fault.code == "fmu_input.variable" and "'phi'" in fault.fix
+    fault = problem_of(lambda: balance(sb.FmuInput(path, "F", {"theta": "phi"}, STEP)))
+    assert "did you mean" in fault.fix or fault.code != "fmu_input.variable"
+    fault = problem_of(lambda: balance(sb.FmuInput(path, "F", {"x": "tehta"}, STEP)))
+    assert "theta" in fault.fix
+    fault = problem_of(lambda: balance(sb.FmuInput(path, "F", {"x": "mass_matrix"}, STEP)))
+    assert fault.code == "fmu_input.no_number"
+    assert problem_of(lambda: balance(sb.FmuInput(path, "F", READS, STEP, {"K": 1.0}))).where.endswith(
+        "parameters"
+    )
+
+
+def test_no_fmpy(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = importlib.import_module
+
+    def refuse(name: str, *more: Any) -> Any:
+        if name.startswith("fmpy"):
+            raise ImportError(name)
+        return usual(name, *more)
+
+    monkeypatch.setattr(importlib, "import_module", refuse)
+    fault = problem_of(lambda: balance(sb.FmuInput(controller("2.0"), "F", READS, STEP)))
+    assert fault.code == "fmu_input.no_fmpy" and "pip install" in fault.fix
+
+
+def rewrite(path: Path, target: Path, change: Callable[[str, bytes], tuple[str, bytes]]) -> Path:
+    """Return an archive whose entries were changed."""
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(target, "w") as made:
+        for entry in source.namelist():
+            made.writestr(*change(entry, source.read(entry)))
+    return target
+
+
+def test_files_that_cannot_be_stepped_here(controller: Maker, tmp_path: Path) -> None:
+    path = controller("2.0")
+
+    def for_another(entry: str, data: bytes) -> tuple[str, bytes]:
+        return re.sub(r"binaries/[^/]+/", "binaries/win64/", entry).replace(".so", ".dll"), data
+
+    def for_exchange(entry: str, data: bytes) -> tuple[str, bytes]:
+        return entry, re.sub(rb"<CoSimulation.*?(/>|</CoSimulation>)", b"", data, flags=re.DOTALL)
+
+    (tmp_path / "text.fmu").write_text("no archive", encoding="utf-8")
+    files = {
+        "fmu_input.file": tmp_path / "text.fmu",
+        "fmu_input.platform": rewrite(path, tmp_path / "other.fmu", for_another),
+        "fmu_input.kind": rewrite(path, tmp_path / "exchange.fmu", for_exchange),
+        "fmu_input.description": rewrite(
+            path,
+            tmp_path / "wrong.fmu",
+            lambda entry, data: (entry, data.replace(b"causality", b"casuality")),
+        ),
+    }
+    for code, file in files.items():
+        law = sb.FmuInput(file, "F", READS, STEP)
+        assert problem_of(partial(balance, law)).code == code
+    missing = problem_of(lambda: balance(sb.FmuInput(tmp_path / "none.fmu", "F", READS, STEP)))
+    assert missing.code == "fmu_input.file"
+
+
+def test_where_no_motion_is_computed_at_once(controller: Maker) -> None:
+    eqs, law = equations_of("cart_pole"), sb.FmuInput(controller("2.0"), "F", READS, STEP)
+    calls: list[Callable[[], object]] = [
+        lambda: sb.Stepper(eqs, 0.01, inputs={"F": law}),
+        lambda: sb.sweep(eqs, 1.0, {"m": [1.0, 2.0]}, inputs={"F": law}),
+        lambda: sb.generate_simulation(eqs, 1.0, inputs={"F": law}),
+    ]
+    for call in calls:
+        assert problem_of(call).code == "fmu_input.elsewhere"
+    back = problem_of(lambda: sb.simulate(eqs, (1.0, 0.0), inputs={"F": law}))
+    assert back.code == "fmu_input.backwards"
+
+
+# Ends
+
+
+def watch_instances(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return a list that the beginnings and ends of all instances are added to."""
+    calls: list[str] = []
+    kind = importlib.import_module("fmpy.fmi2").FMU2Slave
+    for name in ("instantiate", "terminate", "freeInstance"):
+        usual = getattr(kind, name)
+
+        def note(self: Any, *given: Any, _name: str = name, _usual: Any = usual, **named: Any) -> Any:
+            calls.append(_name)
+            return _usual(self, *given, **named)
+
+        monkeypatch.setattr(kind, name, note)
+    return calls
+
+
+def test_instances_end_with_the_motion(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = watch_instances(monkeypatch)
+    law = sb.FmuInput(controller("2.0"), "F", {"x": "t"}, 0.05)
+
+    def fail(t: float, q: object, u: object) -> float:
+        if t > 0.2:
+            raise RuntimeError("broken off")
+        return 0.0
+
+    fault = problem_of(lambda: sb.simulate(equations_of("rr_robot"), 1.0, inputs={"T1": law, "T2": fail}))
+    assert "broken off" in fault.what
+    assert calls == ["instantiate", "terminate", "freeInstance"]
+
+
+def test_progress_ends_the_motion(controller: Maker) -> None:
+    shares: list[float] = []
+
+    def report(share: float) -> bool:
+        shares.append(share)
+        return share < 0.5
+
+    run = balance(sb.FmuInput(controller("2.0"), "F", READS, STEP), 1.0, progress=report)
+    assert run.status is sb.Status.INTERRUPTED and run.t[-1] == pytest.approx(0.5)
+    assert shares == sorted(shares) and len(shares) >= 49
+
+
+def test_numbers_that_are_none(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = watch_instances(monkeypatch)
+    law = sb.FmuInput(controller("2.0"), "root", {"x": "10*t"}, STEP)
+    fault = problem_of(lambda: balance(law))
+    assert fault.code == "fmu_input.failed" and "t = 0.0" in fault.what
+    assert calls[0] == "instantiate" and calls[-1] == "freeInstance"
+    law = sb.FmuInput(controller("2.0"), "F", {"x": "sqrt(0.05 - t)"}, STEP)
+    assert problem_of(lambda: balance(law)).code == "fmu_input.not_finite"
+    assert calls[-1] == "freeInstance"
