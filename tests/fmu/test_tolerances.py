@@ -76,4 +76,6 @@ def test_errors_of_all_examples(name: str, version: str, tmp_path: Path) -> None
 
 @pytest.mark.exhaustive
 def test_errors_of_the_stewart_platform(tmp_path: Path) -> None:
-    check_errors("stewart_platform", "3.0", tmp_path / "stewart_platform.fmu")  # its compilation takes minutes
+    check_errors(
+        "stewart_platform", "3.0", tmp_path / "stewart_platform.fmu"
+    )  # its compilation takes minutes

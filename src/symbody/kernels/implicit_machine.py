@@ -50,6 +50,7 @@ from symbody.kernels.implicit_block import (
     FACTORED_FOR,
     HAS_DERIVATIVES,
     LENGTH_BEFORE,
+    ONE_LENGTH,
     RATES,
     RATES_NEW,
     SLOPES_BEFORE,
@@ -114,7 +115,7 @@ def attempt_implicit(
     if finish_step(k, B, A, h) == 0:
         return -1.0
     error = 0.0
-    if B[METHOD + GROWTH] != 1.0:
+    if A[ONE_LENGTH] == 0.0:
         error = local_error(B, A, h)
     if error <= 1.0 and B[PROJECTOR] != 0.0:
         moved = project_new_state(g, B, B[T_NEW])
@@ -143,9 +144,9 @@ def step_factor(B: Reals, error: float) -> float:
     return min(max(factor, B[METHOD + SHRINK]), B[METHOD + GROWTH])
 
 
-def choose_step(B: Reals, error: float) -> None:
+def choose_step(B: Reals, A: Reals, error: float) -> None:
     """Choose the length of the next step after one that was accepted."""
-    if B[METHOD + GROWTH] == 1.0:
+    if A[ONE_LENGTH] != 0.0:
         B[STEP] = B[DIRECTION] * B[MAX_STEP]
         return
     factor = step_factor(B, error)
@@ -173,7 +174,7 @@ def accept_implicit(f: Function, B: Reals, A: Reals, error: float) -> None:
     A[LENGTH_BEFORE] = B[LENGTH]
     B[ACCEPTED] = B[ACCEPTED] + 1.0
     B[TIME] = B[T_NEW]
-    choose_step(B, error)
+    choose_step(B, A, error)
     t = behind_jump(B, B[TIME])
     if t != B[TIME]:
         B[TIME] = t
@@ -196,7 +197,7 @@ def try_implicit(
     if error >= 0.0 and error <= 1.0:
         accept_implicit(f, B, A, error)
         return RUNNING
-    if B[METHOD + GROWTH] == 1.0:
+    if A[ONE_LENGTH] != 0.0:
         return failure(B)
     factor = QUARTER
     if error >= 0.0:

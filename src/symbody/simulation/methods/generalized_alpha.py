@@ -30,10 +30,10 @@ from symbody.simulation.native.blocks import make_block, state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Projector, Record, RightHandSide
 from symbody.simulation.native.implicit import (
+    METHOD,
     ImplicitFunctions,
     ImplicitRun,
     make_array,
-    step_tableau,
 )
 from symbody.simulation.native.run import VERDICTS, RawRun, drive, fresh_record
 from symbody.simulation.status import Status
@@ -43,8 +43,6 @@ Notes = tuple[str, ...]
 
 # Steps that see the input at their ends alone are so much shorter than pieces in which it is a polynomial.
 _SHARE_OF_PIECE: Final = 0.125
-# From one step to the next; more would stir up what the method has damped.
-_GROWTH: Final = 2.0
 
 
 @checked_fields
@@ -183,13 +181,14 @@ def _make_run(
     longest = method.max_step if method.step is None else method.step
     goal = make_goal(integration.span, integration.rtol, tolerances, longest, _bounds(integration, method))
     goal = goal._replace(max_trials=int(integration.max_steps))
-    tableau = step_tableau(_GROWTH if method.step is None else 1.0)
     block = make_block(
-        functions.slopes, _projector(closing, method), tableau, goal, integration.x0, integration.span[0],
+        functions.slopes, _projector(closing, method), METHOD, goal, integration.x0, integration.span[0],
         float(method.step or 0.0),
     )  # fmt: skip
     n_q = len(integration.eqs.coordinate_names)
-    array = make_array(functions, integration.x0.size, n_q, float(method.rho))
+    array = make_array(
+        functions, integration.x0.size, n_q, float(method.rho), one_length=method.step is not None
+    )
     return ImplicitRun(functions, 0 if closing is None else closing.projector.address, block, array)
 
 
