@@ -16,7 +16,7 @@ from benchmarks.stiff import Point, measure, problems, table
 from benchmarks.table import show
 from benchmarks.timing import Settings
 
-PICTURE = Path(__file__).parent / "pictures" / "stiff.svg"
+PICTURE = Path(__file__).parent / "pictures" / "stiff.png"
 STYLES = {
     "Explicit": ("#1f4e79", "o"),
     "GeneralizedAlpha(step=h)": ("#c55a11", "s"),
@@ -39,18 +39,18 @@ def draw(results: Mapping[str, Sequence[Point]]) -> None:
                 marker=marker, markersize=4, linewidth=1.2, label=method,
             )  # fmt: skip
         panel.set_title(name, fontsize=10)
-        panel.set_xlim(1.0, 1e-8)
+        panel.set_xlim(1.0, 1e-12)
+        panel.set_xticks([10.0**-k for k in range(0, 13, 2)])
         panel.grid(which="major", color="#dddddd", linewidth=0.6)
         panel.tick_params(labelsize=8, labelbottom=True)
     for panel in (panels[0, 2], *panels[1, :2]):
-        panel.set_xlabel("error at the end [m], bushing [rad]", fontsize=8)
+        panel.set_xlabel("error at the end [m], of the bushing [rad]", fontsize=8)
     for panel in panels[:, 0]:
         panel.set_ylabel("processor time of a call [ms]", fontsize=8)
     handles, labels = panels[0, 0].get_legend_handles_labels()
     panels[1, 2].axis("off")
     panels[1, 2].legend(handles, labels, loc="center", fontsize=9, frameon=False)
-    figure.savefig(PICTURE)
-    figure.savefig(PICTURE.with_suffix(".png"), dpi=80)
+    figure.savefig(PICTURE, dpi=100)
 
 
 def main() -> None:
