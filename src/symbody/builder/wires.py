@@ -118,9 +118,9 @@ def _brought(kind: str, entry: Mapping[str, Any], element: Element | None) -> It
     elif isinstance(element, ConstraintElement):
         yield from _with_roots(constraint_entries(element, ""))
     elif isinstance(element, Signal):
-        yield from _with_roots(signal_entries([element], ""))
+        yield from _with_roots(signal_entries(element, [element], ""))
     elif isinstance(element, SignalBlock):
-        yield from _with_roots(signal_entries(element.signals, ""))
+        yield from _with_roots(signal_entries(element, element.signals, ""))
     elif kind in ("signal", "block", "table"):
         yield str(entry.get("name")), str(entry.get("name"))
 

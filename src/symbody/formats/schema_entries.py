@@ -103,7 +103,7 @@ def _value_type(field: declaration.Field[Any, Any], types: Mapping[Role, Any]) -
     if isinstance(field, fields.WordChoice):
         return Annotated[str, Field(json_schema_extra={"enum": [*field.words]})]
     if isinstance(field, block_fields.NamedGains):
-        words = {"propertyNames": {"enum": [*field.words]}}
+        words: dict[str, Any] = {"propertyNames": {"enum": [*field.words]}}
         return Annotated[dict[str, Expression], Field(json_schema_extra=words)]
     if isinstance(field, orientation.SpeedChoice):
         return Annotated[str | None, Field(json_schema_extra={"enum": [*field.words]})]

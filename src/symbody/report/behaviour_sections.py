@@ -13,7 +13,6 @@ import symbody
 from symbody.analysis.equilibrium.find_equilibrium import find_equilibrium
 from symbody.analysis.linear.linearize import linearize
 from symbody.analysis.linear.modes import Mode, eigenvalue_on_axes
-from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
 from symbody.expr.fingerprint import fingerprints
@@ -30,6 +29,7 @@ from symbody.report.document import (
 )
 from symbody.report.pictures import motion_picture
 from symbody.report.setting import Setting, reason
+from symbody.simulation.programs.generate_code import generate_code
 from symbody.simulation.results.trajectory import Trajectory
 
 _MOST_CURVES: Final = 8

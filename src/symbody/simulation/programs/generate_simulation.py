@@ -67,7 +67,7 @@ def generate_simulation(
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     refuse_held(eqs, "a program of its own")
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **(inputs or {})}, span)
-    reason = reason_for_simulate(eqs, laws, integrator, constraints, has_events=False)
+    reason = reason_for_simulate(eqs, laws, integrator, constraints)
     if reason:
         fix = "give formulas as inputs, or take simulate"
         raise UsageError(

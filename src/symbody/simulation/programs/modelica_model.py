@@ -76,7 +76,7 @@ def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mappi
 
 
 def _check_motion(eqs: EquationSet) -> None:
-    reason = reason_for_simulate(eqs, InputLaws({}, {}, (), {}), None, None, has_events=False)
+    reason = reason_for_simulate(eqs, InputLaws({}, {}, (), {}), None, None)
     if reason:
         raise UsageError(
             Problem("modelica.motion", eqs.model.name,
