@@ -91,13 +91,13 @@ def _figures(kind: str, bodies: int, limit: float) -> tuple[Figures, str]:
 
 def _attempt(kind: str, bodies: int, folder: str) -> Task:
     path = Path(folder, "model.toml")
-    sb.save_model(LARGE[kind](bodies), path)
     os.environ[VARIABLE] = str(Path(folder, "kept"))
-    small = sb.form_equations(LARGE[kind](3))
-    sb.simulate(small, _END)  # imports what motions need, and compiles their loop
-    sb.linearize(small)
 
     def task(word: str) -> Iterator[Step]:
+        sb.save_model(LARGE[kind](bodies), path)
+        small = sb.form_equations(LARGE[kind](3))
+        sb.simulate(small, _END)  # imports what motions need, and compiles their loop
+        sb.linearize(small)
         gc.collect()
         start = process_time()
         model = sb.load_model(path)

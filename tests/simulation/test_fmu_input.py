@@ -148,6 +148,32 @@ def test_loops_stay_closed_and_events_stop(controller: Maker) -> None:
     assert len(stopped.events) == 1
 
 
+def test_inputs_decide_when_a_formula_changes(controller: Maker) -> None:
+    body = sb.Body("Block", mass=1.0)
+    force = sb.Drive(applied="if(t*F > 0.52, 3, 0)")
+    rail = sb.Prismatic("rail", "ground", body, axis="x", coordinate="x", force=force)
+    eqs = sb.form_equations(sb.Model("block", [body, rail], (0, 0, 0), inputs=["F"]))
+    law = sb.FmuInput(controller("2.0"), "F", {"x": "1"}, 0.25, {"Ki": 0.0})
+    run = sb.simulate(eqs, 1.0, inputs={"F": law})
+    assert run["F"] == pytest.approx(np.ones(run.t.size))
+    assert run["x"][-1] == pytest.approx(1.5 * 0.48**2, abs=1e-12)
+
+
+def test_what_was_computed_moves_it_again(controller: Maker) -> None:
+    body = sb.Body("Block", mass=1.0)
+    force = sb.Drive(applied="F - 4*x - 2*held")
+    rail = sb.Prismatic("rail", "ground", body, axis="x", coordinate="x", force=force)
+    held = sb.Signal("held", value="x_dot", sample=0.03)  # samples of both kinds go on beside each other
+    model = sb.Model("block", [body, rail, held], (0, 0, 0), inputs=["F"], initial={"x": 0.3})
+    eqs = sb.form_equations(model)
+    law = sb.FmuInput(controller("2.0"), "F", {"x": "x", "w": "x_dot"}, 0.05)
+    run = sb.simulate(eqs, 1.0, inputs={"F": law}, rtol=1e-11)
+    assert run.provenance is not None
+    again = sb.simulate(eqs, 1.0, inputs={"F": run.provenance.tables["F"]}, rtol=1e-11)
+    for name in ("x", "x_dot", "held", "F"):
+        assert run[name][-1] == pytest.approx(again[name][-1], abs=1e-10), name
+
+
 # Faults
 
 
@@ -176,6 +202,22 @@ def test_names_have_suggestions(controller: Maker) -> None:
     assert problem_of(lambda: balance(sb.FmuInput(path, "F", READS, STEP, {"K": 1.0}))).where.endswith(
         "parameters"
     )
+
+
+def test_no_such_input(controller: Maker) -> None:
+    law = sb.FmuInput(controller("2.0"), "F", READS, STEP)
+    fault = problem_of(lambda: sb.simulate(equations_of("cart_pole"), 1.0, inputs={"G": law}))
+    assert fault.code == "fmu_input.unknown" and "F" in fault.fix
+
+
+def test_libraries_that_do_not_load(controller: Maker, tmp_path: Path) -> None:
+    path = rewrite(
+        controller("2.0"), tmp_path / "empty.fmu",
+        lambda entry, data: (entry, b"" if entry.endswith(".so") else data),
+    )  # fmt: skip
+    here = Path.cwd()
+    assert problem_of(partial(balance, sb.FmuInput(path, "F", READS, STEP))).code == "fmu_input.load"
+    assert Path.cwd() == here
 
 
 def test_no_fmpy(controller: Maker, monkeypatch: pytest.MonkeyPatch) -> None:

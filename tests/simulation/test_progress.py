@@ -43,12 +43,13 @@ def test_the_bar_names_the_stages_of_a_first_motion(monkeypatch: pytest.MonkeyPa
             super().update(task_id, **fields)
 
     monkeypatch.setattr(progress_bar, "Bar", Watched)
+    eqs = form_equations(example("spring_mass_damper").model)
     names: list[str] = []
     with watch_stages(names.append):  # whoever watches goes on doing so
-        simulate(form_equations(example("spring_mass_damper").model), SECOND, progress=True)
-    stages = [f"motion: {name}" for name in names]
-    assert "motion: computational sequence" in stages
-    assert [fields["description"] for fields in shown if "completed" not in fields] == stages
+        simulate(eqs, SECOND, progress=True)
+    in_the_bar = [fields["description"] for fields in shown if "completed" not in fields]
+    assert "motion: computational sequence" in in_the_bar
+    assert in_the_bar == [f"motion: {name}" for name in names]
     assert shown[-1] == {"description": "motion", "total": 1.0, "completed": 1.0}
 
 

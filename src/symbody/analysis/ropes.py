@@ -65,8 +65,14 @@ def assemble_with_ropes(
 
 def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
     """Return equations in which only the ropes named are constraints; the others are slack."""
-    slack = [name for name in ropes(eqs.formed) if name not in names]
-    return EquationSet(eqs.model, slacken(eqs.formed, slack), eqs.notes) if slack else eqs
+    slack = tuple(name for name in ropes(eqs.formed) if name not in names)
+    if not slack:
+        return eqs
+    # Kept with the equations, as their code is: the next state has the same ropes to look at.
+    loosened: EquationSet = eqs.plans.get(
+        ("slack ropes", slack), lambda: EquationSet(eqs.model, slacken(eqs.formed, slack), eqs.notes)
+    )
+    return loosened
 
 
 def slackness(evaluator: ConstraintEvaluator, q: Floats) -> dict[str, float]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 
 from symbody.expr.deadline import watch_stages
@@ -33,7 +34,7 @@ class StageBar:
         )
         task = bar.add_task(name, total=None)
         self._bar = bar
-        with bar, watch_stages(lambda part: bar.update(task, description=f"{name}: {part}")):
+        with bar, watch_stages(lambda part: bar.update(task, description=f"{name}: {escape(part)}")):
             yield
 
     def __call__(self, share: float) -> None:

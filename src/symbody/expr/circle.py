@@ -1,14 +1,15 @@
 """Sines and cosines in a finite field: rational points of the circle and the addition formulas.
 
 An angle is read as a linear form in atoms: ``theta + 2*beta - pi/2``. Each atom has a random rational
-point; multiples and sums of angles are powers and products of the complex numbers c + i s.
+point; multiples and sums of angles are powers and products of the complex numbers c + i s. So the angle of a
+link at the end of a chain takes one product, however many joints it is the sum of.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Final
+from typing import Final, NamedTuple
 
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import ADD, COS, FLOAT, MUL, NEG, PI, RATIONAL, SIN, SUB, TAN
@@ -19,6 +20,16 @@ Form = dict[tuple[int, ...], Fraction]  # atom to factor; the atom () is pi
 
 # Atoms have a point for 1/24 of their angle, so that halves, thirds and quarters of angles agree.
 _PARTS: Final = 24
+
+
+_UNIT: Final[Complex] = ((1, 1), (0, 0))
+
+
+class _Angle(NamedTuple):
+    """The point of a sum of whole multiples of atoms, `_UNIT` without any; and pi and numbers beside it."""
+
+    point: Complex
+    rest: Form
 
 
 class Circle:
@@ -35,15 +46,40 @@ class Circle:
         self._prime = prime
         self._values = values
         self._angular = self._nodes_in_angles(nodes)
+        self._angles: dict[int, _Angle | None] = {}
         self._forms: dict[int, Form] = {}
         self._points: dict[tuple[tuple[int, ...], Fraction], Complex] = {}
 
     def point(self, angle: int) -> Complex:
         """Return cosine and sine of an angle."""
-        result: Complex = ((1, 1), (0, 0))
-        for atom, factor in self._form(angle).items():
+        while self._angular and self._angular[-1] <= angle:
+            node = self._angular.pop()
+            self._angles[node] = self._whole_angle(node)
+        whole = self._angles[angle]
+        result, form = (_UNIT, self._form(angle)) if whole is None else whole
+        for atom, factor in form.items():
             result = self._product(result, self._multiple(atom, factor))
         return result
+
+    def _whole_angle(self, node: int) -> _Angle | None:
+        """Return an angle from those below it; None where atoms have factors that are not whole."""
+        terms = list(self._terms(node))
+        if not terms:
+            form = self._computed_form(node)
+            if form.keys() <= {(), (1,)}:
+                return _Angle(_UNIT, form)
+            ((atom, factor),) = form.items()
+            return _Angle(self._multiple(atom, factor), {})
+        point, rest = _UNIT, Form()
+        for operand, factor in terms:
+            below = self._angles[operand]
+            if below is None or (below.point is not _UNIT and factor.denominator != 1):
+                return None
+            if below.point is not _UNIT:
+                point = self._product(point, self._power(below.point, int(factor)))
+            for atom, inner in below.rest.items():
+                rest[atom] = rest.get(atom, Fraction(0)) + factor * inner
+        return _Angle(point, {atom: factor for atom, factor in rest.items() if factor})
 
     def _nodes_in_angles(self, nodes: Sequence[int]) -> list[int]:
         """Return, the oldest last, the nodes that stand linearly inside an angle."""
@@ -69,9 +105,14 @@ class Circle:
             yield b, Fraction(graph.constants[graph.left[a]])
 
     def _form(self, angle: int) -> Form:
-        while self._angular and self._angular[-1] <= angle:
-            node = self._angular.pop()
-            self._forms[node] = self._computed_form(node)
+        waiting = [angle]
+        while waiting:
+            node = waiting[-1]
+            below = [operand for operand, _ in self._terms(node) if operand not in self._forms]
+            if below:
+                waiting += below
+            else:
+                self._forms[waiting.pop()] = self._computed_form(node)
         return self._forms[angle]
 
     def _computed_form(self, node: int) -> Form:
@@ -106,13 +147,18 @@ class Circle:
             base, exponent = self._random_point(*atom), int(count)
         else:  # an odd fraction, or a number: an atom of its own
             base, exponent = self._random_point(3, *atom, count.numerator, count.denominator), 1
-        result: Complex = ((1, 1), (0, 0))
-        while exponent:
-            if exponent & 1:
+        return self._power(base, exponent if factor > 0 else -exponent)
+
+    def _power(self, base: Complex, exponent: int) -> Complex:
+        if exponent == 1:
+            return base
+        result, left = _UNIT, abs(exponent)
+        while left:
+            if left & 1:
                 result = self._product(result, base)
-            base, exponent = self._product(base, base), exponent >> 1
+            base, left = self._product(base, base), left >> 1
         cosine, sine = result
-        return (cosine, (-sine[0] % self._prime, -sine[1] % self._prime)) if factor < 0 else result
+        return (cosine, (-sine[0] % self._prime, -sine[1] % self._prime)) if exponent < 0 else result
 
     def _quarter_turns(self, count: int) -> Complex:
         c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[count % 4]

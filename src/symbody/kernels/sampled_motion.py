@@ -34,7 +34,6 @@ from symbody.kernels.watch_block import (
     ACTIONS,
     EVENT_SIZE,
     EVENTS,
-    G_LAST,
     GOES_ON,
     JUST_HAPPENED,
     MOST_RECENT,
@@ -43,6 +42,7 @@ from symbody.kernels.watch_block import (
     NUMBERS,
     RECENT,
     RECENT_COUNT,
+    SIDE,
     TABLE,
     VALUES,
 )
@@ -101,10 +101,12 @@ def advance_sampled(
 
 
 def values_before(e: Function, B: Reals, W: Reals) -> None:
-    """Note the values of events just before a sample, with what has just happened there."""
+    """Note on which side of zero the values of events are just before a sample; zero itself is none."""
     compute_values(e, W, B[TIME], part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])))
     for k in range(int(W[EVENTS])):
-        W[int(W[TABLE]) + EVENT_SIZE * k + G_LAST] = W[int(W[VALUES]) + k]
+        side = sign(W[int(W[VALUES]) + k])
+        if side != 0.0:
+            W[int(W[TABLE]) + EVENT_SIZE * k + SIDE] = side
 
 
 def watch_sample(e: Function, B: Reals, W: Reals, Z: Reals) -> None:
@@ -119,7 +121,7 @@ def watch_sample(e: Function, B: Reals, W: Reals, Z: Reals) -> None:
         row = int(W[TABLE]) + EVENT_SIZE * k
         W[row + JUST_HAPPENED] = has_just_happened(W, Z, k, t)
         side = sign(W[int(W[VALUES]) + k])
-        if sign(W[row + G_LAST]) * side < 0.0 and W[row + JUST_HAPPENED] == 0.0:
+        if W[row + SIDE] * side < 0.0 and W[row + JUST_HAPPENED] == 0.0:
             add_zero(W, t, k, side)
 
 

@@ -113,6 +113,7 @@ POLE: Final = 23  # whether it passed a pole, and where first
 POLE_TIME: Final = 24
 PEAK: Final = 25  # the largest value since the smooth motion began, and what is rounding there
 ROUNDING: Final = 26
+SIDE: Final = 27  # the sign of the value before the last sample of held values, 0 before it had one
 EVENT_SIZE: Final = 28
 
 # What an event does.

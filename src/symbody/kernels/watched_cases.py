@@ -92,7 +92,7 @@ def run_watched_cases(
     begun; `t` and `x` are room for the samples of one case and two more, `samples` holds those of all.
     """
     n = int(B[N])
-    wanted = int(B[TIMES])
+    times_of_case = int(B[TIMES])
     left = trials
     look_size = LOOK_EVENTS + LOOK_SIZE * int(W[EVENTS])
     while int(B[CASE]) < count:
@@ -113,9 +113,9 @@ def run_watched_cases(
             if code == FULL or code == NO_EVENT_ROOM:
                 return code
             conclude(B, code, verdict)
-            kept = min(int(B[SAMPLES]), wanted)  # a motion may stop behind all times that are wanted
+            kept = min(int(B[SAMPLES]), times_of_case)  # a motion may stop behind all times that are wanted
             verdict[VERDICT_COUNTS + SAMPLES] = float(kept)
-            copy(kept * n, x, part(samples, k * wanted * n, wanted * n))
+            copy(kept * n, x, part(samples, k * times_of_case * n, times_of_case * n))
             if code == RUNNING:
                 return RUNNING
             note_looks(W, part(looks, k * look_size, look_size))

@@ -74,14 +74,12 @@ def simulate(
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
     progress : bool or callable, optional
-        True shows a bar, and until the motion begins the stage of the work; a callable takes the share that
-        is done, and ends the motion by returning False.
+        True shows stages and a bar; a callable takes the share that is done, and ends the motion by False.
 
     Raises
     ------
     CompileError, FormulationError, UsageError, AssemblyError, SimulationError
-        If names, values, times, tables or events make no sense, initial values do not fit, or the law of an
-        input fails. Other failures stand in `status`.
+        If arguments make no sense, initial values do not fit, or a law fails; else `status` says what failed.
     """
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
@@ -91,9 +89,8 @@ def simulate(
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     with show_progress(progress, "motion") as report:
         first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-        problem = held.pose(
-            pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first), watched
-        )
+        problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
+        problem = held.pose(problem, watched)
         notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
         notes += start_notes(problem, first, {**(guess or {}), **initial})
         x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -66,6 +66,10 @@ class SimulationProblem:
             return bound_function(self.eqs, outputs, self.parameters, (), self.laws.formulas, quick=quick)
 
         return self._functions.get(key, compile_function)
+
+    def with_other_times(self) -> SimulationProblem:
+        """Return the problem without what was looked up of times at which it changes."""
+        return replace(self, _breakpoints={})
 
     def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
         """Return where what depends on time alone changes, in the equations and in expressions `watched`."""

@@ -144,6 +144,9 @@ def written_sections(textbook: Textbook, latex: bool, limit: int) -> list[Writte
     ]
     if outputs:
         written.append(WrittenSection("outputs", outputs))
+    held = [_held_sides(signal, latex) for signal in textbook.formed.topology.model.held_signals]
+    if held:
+        written.append(WrittenSection("samples", held))
     if definitions:
         named = [(latex_name(name) if latex else name, text) for name, text in definitions]
         written.append(WrittenSection("where", named))
@@ -152,10 +155,18 @@ def written_sections(textbook: Textbook, latex: bool, limit: int) -> list[Writte
 
 def _output_sides(signal: Signal, latex: bool) -> tuple[str, str]:
     """Return a signal and the name of the output that it stands for."""
-    text = str(signal.output)
+    return _words(signal.name, str(signal.output), latex)
+
+
+def _held_sides(signal: Signal, latex: bool) -> tuple[str, str]:
+    """Return a signal that is sampled, what it is at each sample, and how often that is."""
+    return _words(signal.name, f"{signal.output or signal.value}, every {signal.sample} s", latex)
+
+
+def _words(name: str, text: str, latex: bool) -> tuple[str, str]:
     if not latex:
-        return signal.name, text
-    return latex_name(signal.name), r"\text{" + re.sub(r"([_#%&$^~\{}])", r"\\\1", text) + "}"
+        return name, text
+    return latex_name(name), r"\text{" + re.sub(r"([_#%&$^~\{}])", r"\\\1", text) + "}"
 
 
 def _take(pairs: Iterator[tuple[str, str]], count: int) -> _Sides:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib
 import math
-import shutil
+import os
+import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -45,15 +46,14 @@ def open_unit(inputs: Mapping[str, FmuInput], start: float, values: Sequence[flo
     description = _read_description(fmpy, law, where)
     outputs = [each.output for each in inputs.values()]
     places = variable_places(description, law, outputs, where)
-    folder = fmpy.extract(law.path)
     is_third = description.fmiVersion.startswith("3.")
-    unit = FmuUnit(_instance(description, folder), law, where, places, is_third=is_third)
-    try:
-        unit.begin(start, values)
-        yield unit
-    finally:
-        unit.end()
-        shutil.rmtree(folder, ignore_errors=True)
+    with tempfile.TemporaryDirectory(prefix="symbody-fmu-", ignore_cleanup_errors=True) as folder:
+        unit = FmuUnit(_load(fmpy, description, law, folder, where), law, where, places, is_third=is_third)
+        try:
+            unit.begin(start, values)
+            yield unit
+        finally:
+            unit.end()
 
 
 class FmuUnit:
@@ -245,6 +245,21 @@ def _hint(law: FmuInput, name: str, reals: set[str]) -> str:
     if law.reads.get(name) in reals:
         return "reads= names the FMU's variable first: {VARIABLE: OUTPUT OF THE MECHANISM}"
     return f"it is not among the variables of {law.path}"
+
+
+def _load(fmpy: Any, description: Any, law: FmuInput, folder: str, where: str) -> Any:
+    """Return FMPy's object of an FMU whose library is loaded from a folder."""
+    here = os.getcwd()
+    try:
+        fmpy.extract(law.path, folder)
+        return _instance(description, folder)
+    except Exception as error:  # what the archive or the library is missing
+        raise UsageError(
+            Problem("fmu_input.load", where, f"the library of {law.path} cannot be loaded", str(error),
+                    "install what it needs, or export an FMU that needs nothing else")
+        ) from error  # fmt: skip
+    finally:
+        os.chdir(here)  # FMPy stays in the folder of a library that does not load
 
 
 def _instance(description: Any, folder: str) -> Any:

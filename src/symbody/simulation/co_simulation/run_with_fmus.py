@@ -19,6 +19,7 @@ from symbody.simulation.hybrid.switching import run_switching, switches
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.tables import Table
+from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -65,7 +66,7 @@ def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Tra
     for name, law in inputs.items():
         groups.setdefault(law.instance, {})[name] = law
     problem = plan.integration.problem
-    problem.breakpoints(plan.integration.span)  # looked for once, and not in every part
+    _ = plan.integration.breakpoints  # looked for once, and not in every part
     readers = [_reader(problem, group) for group in groups.values()]
     with ExitStack() as stack:
         held = dict.fromkeys(inputs, 0.0)
@@ -132,6 +133,7 @@ class _Run:
         self._units = units
         self._held = dict(held)
         self._problem = _with_values(plan.integration.problem, held)  # has what is held as constants
+        self._is_switched = _is_switched(plan.integration.problem)
         self._parts: list[Trajectory] = []
         self._record: list[tuple[float, dict[str, float]]] = []  # samples, and what was held from then on
         self._stored = 0  # samples of the motion
@@ -175,6 +177,8 @@ class _Run:
             self._held = {**self._held, **unit.sample(values)}
         self._record.append((t, self._held))
         self._problem = _with_values(self._problem, self._held)
+        if self._is_switched:
+            self._problem = self._problem.with_other_times()
 
     def _part(self, x: Floats, span: tuple[float, float], width: float) -> Trajectory:
         integration = self._plan.integration
@@ -217,6 +221,15 @@ class _Run:
         }  # fmt: skip
         problem = self._plan.integration.problem
         return replace(problem, laws=_with_tables(problem.laws, tables))
+
+
+def _is_switched(problem: SimulationProblem) -> bool:
+    """Return whether inputs by FMUs decide when formulas that depend on time change."""
+    functions = function_of_time(problem.compile_outputs(("xdot", "power")), problem.laws.tables)
+    if functions is None:
+        return False
+    switches_there = functions.known_switches.size + functions.open_switches.size
+    return switches_there > 0 and any(group == "r" for group, _ in functions.names)
 
 
 def _run_part(plan: MotionPlan) -> Trajectory:

@@ -91,8 +91,7 @@ def concatenate(
     last = parts[-1]
     done = [jumps.get(0, 0.0)]
     for k, part in enumerate(parts[:-1], start=1):
-        end = 0.0 if part.dense_output is None else float(part.at(part.dense_output.breaks[-1])["work"])
-        done.append(done[-1] + end + jumps.get(k, 0.0))
+        done.append(done[-1] + _work_at_end(part) + jumps.get(k, 0.0))
     works = [part.stored["work"] + before for part, before in zip(parts, done, strict=True)]
     evaluate = [part.evaluate for part in parts if part.evaluate is not None]
     starts = np.array([part.dense_output.breaks[0] if part.dense_output else part.t[0] for part in parts])
@@ -109,6 +108,16 @@ def concatenate(
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         events=tuple(events),
     )
+
+
+def _work_at_end(part: Trajectory) -> float:
+    """Return the work done until a part ends [J]."""
+    if part.dense_output is None:
+        return 0.0
+    end = part.dense_output.breaks[-1]
+    if part.t.size and part.t[-1] == end:
+        return float(part.stored["work"][-1])
+    return float(part.at(end)["work"])
 
 
 def _total(spent: Sequence[Statistics]) -> Statistics:

@@ -127,7 +127,7 @@ def find_breakpoints(
 ) -> list[Breakpoints]:
     """Return the pieces of a span for each row of free parameters (cases, n_p), by default one without."""
     p = np.zeros((1, 0)) if parameters is None else parameters
-    if span[0] == span[1]:
+    if span[0] == span[1] or functions.are_straight:
         return [NO_BREAKPOINTS] * len(p)
     search = _PieceSearch(functions, span, np.ascontiguousarray(p.T))
     search.divide()

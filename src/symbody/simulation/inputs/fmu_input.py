@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from symbody.arguments import checked_fields
-from symbody.errors import Problem, UsageError
+from symbody.errors import Problem, UsageError, nearest
 
 
 @checked_fields
@@ -74,6 +74,22 @@ class FmuInput:
         return (
             os.fspath(self.path), tuple(self.reads.items()), self.period, tuple(self.parameters.items()),
         )  # fmt: skip
+
+
+def check_fmu_inputs(inputs: Mapping[str, object], names: Sequence[str]) -> None:
+    """Refuse FMUs as laws of inputs that are not there.
+
+    Raises
+    ------
+    UsageError
+        With a suggestion.
+    """
+    for name, law in inputs.items():
+        if isinstance(law, FmuInput) and name not in names:
+            raise UsageError(
+                Problem("fmu_input.unknown", f"input {name}", f"the mechanism has no input {name!r}", "",
+                        nearest(name, names))
+            )  # fmt: skip
 
 
 def refuse_fmu_inputs(inputs: Mapping[str, object]) -> None:

@@ -21,7 +21,7 @@ from symbody.errors import Problem, SimulationError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model
 from symbody.model.tables.lookup import Lookup
-from symbody.simulation.inputs.fmu_input import FmuInput, refuse_fmu_inputs
+from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs, refuse_fmu_inputs
 from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.tables import Table, table_numbers
 
@@ -154,6 +154,7 @@ def input_laws(
     """
     if not has_fmus:
         refuse_fmu_inputs(given)
+    check_fmu_inputs(given, names)
     formulas: dict[str, Value] = dict.fromkeys(names, 0)
     callbacks: dict[str, Callback] = {}
     long: dict[str, Table] = {}

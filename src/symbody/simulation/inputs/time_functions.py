@@ -89,6 +89,11 @@ class TimeFunctions:
     before_open: Places
     steep: Places
 
+    @property
+    def are_straight(self) -> bool:
+        """Whether all values are affine functions of time, so that nothing changes on the way."""
+        return bool(self.is_affine.all()) and not self.known_switches.size
+
     def values(self, t: Floats, p: Floats, only: Places | None = None) -> Floats:
         """Return all values (n, N), or some, at times (N,) with free parameters (n_p, N)."""
         rows = np.zeros((len(self.operations), t.size))

@@ -35,7 +35,7 @@ class HeldValues(Protocol):
     """Takes the samples of values that are held in between, in the compiled loop."""
 
     def begin(self, block: Floats) -> None:
-        """Take the samples that are due where a motion begins, and show the right-hand side all values."""
+        """Go back to where a motion begins, and show the right-hand side all values."""
         ...
 
     def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.state import State
 from symbody.codegen.compile import compile
 from symbody.codegen.formation.names import Value
@@ -76,6 +77,7 @@ def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mappi
 
 
 def _check_motion(eqs: EquationSet) -> None:
+    refuse_held(eqs, "a Modelica model")
     reason = reason_for_simulate(eqs, InputLaws({}, {}, (), {}), None, None)
     if reason:
         raise UsageError(

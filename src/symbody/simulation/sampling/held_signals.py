@@ -20,8 +20,10 @@ from symbody.model.signals.signal import Signal
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
+from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.sampling.sampled_loop import SampledLoop
 from symbody.simulation.sampling.sampler import HeldValue, Sampler, held_of
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -44,10 +46,15 @@ class HeldSignals:
         In the order of the model.
     start : float
         When samples are counted from [s].
+    waits : bool
+        Whether the first samples need what the motion computes first, as FMUs do.
     """
 
-    def __init__(self, eqs: EquationSet, values: Sequence[HeldValue], start: float) -> None:
+    def __init__(
+        self, eqs: EquationSet, values: Sequence[HeldValue], start: float, *, waits: bool = False
+    ) -> None:
         self._eqs = eqs
+        self._waits = waits
         self._start = start
         self._values = tuple(values)
         self.active = self._make_sampler(self._values)
@@ -99,7 +106,15 @@ class HeldSignals:
         self.active = self._make_sampler([value for value in self._values if value.name in read])
         runs = groupby(self._values, lambda value: value.name in read)
         self.passive = tuple(self._make_sampler(list(run)) for is_read, run in runs if not is_read)
-        return replace(problem, sampler=self.active) if read else problem
+        return self._sample_first(replace(problem, sampler=self.active)) if read else problem
+
+    def _sample_first(self, problem: SimulationProblem) -> SimulationProblem:
+        """Return the problem after the first samples: what follows from a state follows from them too."""
+        first = problem.first
+        if first is not None and not self._waits:
+            x = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
+            SampledLoop(problem, self.active).take(first.t, x)
+        return problem
 
     def place(self, laws: InputLaws) -> None:
         """Find the values among the inputs that compiled functions take; the motion may read all."""
@@ -171,7 +186,8 @@ def held_signals(
     starts = constant_values(eqs, {s.name: given.get(s.name, s.initial) for s in signals}, parameters)
     _check_steps(signals, steps, span)
     values = [HeldValue(s.name, s.output or str(s.value), 0, steps[s.name], starts[s.name]) for s in signals]
-    return HeldSignals(eqs, values, span[0])
+    waits = any(isinstance(law, FmuInput) for law in inputs.values())
+    return HeldSignals(eqs, values, span[0], waits=waits)
 
 
 def _check_inputs(signals: Sequence[Signal], inputs: Mapping[str, object]) -> None:

@@ -11,7 +11,7 @@ from symbody.kernels import block as run_at
 from symbody.kernels import sample_block as at
 from symbody.kernels import watch_block as watch_at
 from symbody.simulation.inputs.input_laws import CallbackFunction
-from symbody.simulation.native.blocks import function_numbers, state_of
+from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import Record, RightHandSide
 from symbody.simulation.native.machine import (
     address,
@@ -68,10 +68,8 @@ class SampledLoop:
             raise UsageError(*problems)
 
     def begin(self, block: Floats) -> None:
-        """Take the samples that are due where a motion begins, and show the right-hand side all values."""
-        t = float(block[run_at.TIME])
-        self.sampler.rewind(t)
-        self.take(t, state_of(block))
+        """Go back to where a motion begins, and show the right-hand side all values."""
+        self.sampler.rewind(float(block[run_at.TIME]))
         sample_kernels().show_values(
             address(self.sampler.block), address(block[int(block[run_at.FUNCTION]) :])
         )

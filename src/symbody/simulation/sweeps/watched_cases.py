@@ -67,8 +67,8 @@ def watched_rows(
     """Return the block of a watch, and the numbers of its functions for each case."""
     numbers = [case_numbers(function, chunk.parameters) for function in (watch.values, watch.actions)]
     values, actions = (
-        np.zeros(0) if function is None else function_numbers(case_function(job, function, own))
-        for function, own in zip((watch.values, watch.actions), numbers, strict=True)
+        np.zeros(0) if function is None else function_numbers(case_function(job, function, columns))
+        for function, columns in zip((watch.values, watch.actions), numbers, strict=True)
     )
     is_closed = projector.address != 0
     function = job.function.signature
@@ -88,8 +88,8 @@ def watched_rows(
     fresh[watch_at.DIRECTION] = 1.0 if job.span[1] >= job.span[0] else -1.0
     fresh[watch_at.PIECE_ROWS] = dense_rows
     fresh[watch_at.FIRST_LENGTH] = float(job.method.first_step or 0.0)
-    own = [*numbers[0], *numbers[1], *closing, chunk.scales] if is_closed else [*numbers[0], *numbers[1]]
-    return WatchedRows(fresh, np.hstack(own))
+    columns = [*numbers[0], *numbers[1], *(closing if is_closed else ()), chunk.scales]
+    return WatchedRows(fresh, np.hstack(columns))
 
 
 class WatchedLoop:
