@@ -181,6 +181,7 @@ def ways(time: float) -> dict[str, tuple[float, dict[str, Any]]]:
         "Partition": (1.0, {"constraints": sb.Partition()}),
         "Explicit": (1.0, {"integrator": sb.Explicit(order=5)}),
         "FixedStep": (1.0, {"integrator": sb.FixedStep(time / 512)}),
+        "GeneralizedAlpha": (IMPLICIT, {"integrator": sb.GeneralizedAlpha(step=time / 512)}),
         "GGL": (IMPLICIT, {"constraints": sb.GGL()}),
         "Stiff": (IMPLICIT, {"integrator": sb.Stiff()}),
     }
@@ -212,4 +213,4 @@ ANALYSES: dict[str, Analysis] = {
 }  # fmt: skip
 # Explicit methods compute in one order of operations whatever the numbers are: powers of two change no bit. Of
 # `Baumgarte` those of its constants go with the unit of time; they are not powers of two, which are left out as 1.
-SAME_BITS = ("Explicit", "FixedStep", "Baumgarte")
+SAME_BITS = ("Explicit", "FixedStep", "GeneralizedAlpha", "Baumgarte")

@@ -22,7 +22,7 @@ GROWTH = float(np.exp(3 * SHARE))
 
 
 # Their derivatives by up to a hundred absolute coordinates take minutes to compile.
-HEAVY = ("linearize", "find_equilibrium", "GGL", "Stiff")
+HEAVY = ("linearize", "find_equilibrium", "GGL", "GeneralizedAlpha", "Stiff")
 
 
 def powers_of_two(rng: random.Random) -> Units:
@@ -124,6 +124,7 @@ def check_analyses(seeds: Iterable[int]) -> None:
         (30, "inverse_dynamics"),
         (31, "assemble"),
         (30, "Baumgarte"),
+        (5, "GeneralizedAlpha"),
         (5, "Baumgarte"),
         pytest.param(84, "Baumgarte", marks=pytest.mark.exhaustive),
         pytest.param(202, "GGL", marks=pytest.mark.exhaustive),

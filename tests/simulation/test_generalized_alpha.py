@@ -212,6 +212,15 @@ def test_other_ways_to_hold_constraints() -> None:
             sb.simulate(held_pendulum(), 1.0, integrator=method, constraints=way)
 
 
+def test_sampled_controllers_are_refused() -> None:
+    body = sb.Body("Mass", mass=1)
+    slide = sb.Prismatic("slide", "ground", body, axis="x", coordinate="x", force=sb.Drive(applied="pull"))
+    control = sb.Signal("pull", "-x_dot", sample=0.1)
+    eqs = sb.form_equations(sb.Model("sampled", [body, slide, control], initial={"x_dot": 1}))
+    with pytest.raises(sb.UsageError, match=r"simulation\.sampled.*sb\.GeneralizedAlpha"):
+        sb.simulate(eqs, 1.0, integrator=sb.GeneralizedAlpha())
+
+
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [

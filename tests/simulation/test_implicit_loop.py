@@ -16,7 +16,7 @@ from symbody.kernels.language import Reals
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS
 from symbody.simulation.methods.explicit import NO_FUNCTION, NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.native.blocks import make_block, state_of
-from symbody.simulation.native.implicit import ImplicitFunctions, ImplicitRun, make_array, step_tableau
+from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, ImplicitRun, make_array
 from symbody.simulation.native.run import fresh_record, show_room
 from tests.simulation import implicit_kernels
 
@@ -33,10 +33,9 @@ def fresh_run(step: float | None = None, rho: float = 0.8) -> ImplicitRun:
     )
     goal = make_goal((0.0, END), 1e-5, np.full(3, 1e-7), step, NO_BREAKPOINTS)
     goal = goal._replace(max_trials=10_000)
-    tableau = step_tableau(2.0 if step is None else 1.0)
     start = np.array([0.3, 1.5, 0.0])
-    block = make_block(functions.slopes, NOTHING_TO_PROJECT, tableau, goal, start, 0.0, step or 0.0)
-    return ImplicitRun(functions, 0, block, make_array(functions, 3, 1, rho))
+    block = make_block(functions.slopes, NOTHING_TO_PROJECT, METHOD, goal, start, 0.0, step or 0.0)
+    return ImplicitRun(functions, 0, block, make_array(functions, 3, 1, rho, one_length=step is not None))
 
 
 @pytest.mark.parametrize("step", [None, 0.07])

@@ -20,6 +20,9 @@ LAG: Final = 4
 COORDINATES: Final = 5  # how many there are in q
 UNKNOWNS: Final = 6  # how many there are in v
 
+# Whether all steps have one length, but those that end at a jump or at the end.
+ONE_LENGTH: Final = 7
+
 # Where things begin. Algorithmic rates at the last step's end, the same for the length of the step that is
 # tried, and at its end; the correction; slopes one step before; how slopes change at a start; a state inside
 # the step, and the rates of coordinates there; derivatives of all rates by all states; those of v by u

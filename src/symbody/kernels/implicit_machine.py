@@ -50,6 +50,7 @@ from symbody.kernels.implicit_block import (
     FACTORED_FOR,
     HAS_DERIVATIVES,
     LENGTH_BEFORE,
+    ONE_LENGTH,
     RATES,
     RATES_NEW,
     SLOPES_BEFORE,
@@ -66,8 +67,9 @@ from symbody.kernels.step_machine import begin, failure, keep_step
 
 # The share of the first step over which the change of the slopes is measured.
 PROBE: Final = 1e-3
-SAFETY: Final = 0.9
-# A step that would grow by less stays what it is, and so do the factors.
+SAFETY: Final = 0.8
+# Within these bounds the next step is as long as the last, and the factors stay.
+NEARLY: Final = 0.9
 WORTHWHILE: Final = 1.2
 # Where Newton's method fails.
 QUARTER: Final = 0.25
@@ -113,7 +115,7 @@ def attempt_implicit(
     if finish_step(k, B, A, h) == 0:
         return -1.0
     error = 0.0
-    if B[METHOD + GROWTH] != 1.0:
+    if A[ONE_LENGTH] == 0.0:
         error = local_error(B, A, h)
     if error <= 1.0 and B[PROJECTOR] != 0.0:
         moved = project_new_state(g, B, B[T_NEW])
@@ -142,15 +144,15 @@ def step_factor(B: Reals, error: float) -> float:
     return min(max(factor, B[METHOD + SHRINK]), B[METHOD + GROWTH])
 
 
-def choose_step(B: Reals, error: float) -> None:
+def choose_step(B: Reals, A: Reals, error: float) -> None:
     """Choose the length of the next step after one that was accepted."""
-    if B[METHOD + GROWTH] == 1.0:
+    if A[ONE_LENGTH] != 0.0:
         B[STEP] = B[DIRECTION] * B[MAX_STEP]
         return
     factor = step_factor(B, error)
     if B[AFTER_REJECTION] != 0.0:
         factor = min(factor, 1.0)
-    if factor >= 1.0 and factor < WORTHWHILE:
+    if factor > NEARLY and factor < WORTHWHILE:
         factor = 1.0
     h = B[LENGTH]
     if factor >= 1.0 and abs(h) < abs(B[STEP]):
@@ -172,7 +174,7 @@ def accept_implicit(f: Function, B: Reals, A: Reals, error: float) -> None:
     A[LENGTH_BEFORE] = B[LENGTH]
     B[ACCEPTED] = B[ACCEPTED] + 1.0
     B[TIME] = B[T_NEW]
-    choose_step(B, error)
+    choose_step(B, A, error)
     t = behind_jump(B, B[TIME])
     if t != B[TIME]:
         B[TIME] = t
@@ -195,7 +197,7 @@ def try_implicit(
     if error >= 0.0 and error <= 1.0:
         accept_implicit(f, B, A, error)
         return RUNNING
-    if B[METHOD + GROWTH] == 1.0:
+    if A[ONE_LENGTH] != 0.0:
         return failure(B)
     factor = QUARTER
     if error >= 0.0:

@@ -20,6 +20,7 @@ from symbody.simulation.methods.constraints import Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.gear_gupta_leimkuhler import GGL
+from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.overconstrained import (
@@ -130,9 +131,10 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
 
 def _with_step_notes(run: Integration, plan: MotionPlan) -> Integration:
     """Return a run with a note where steps of a given length are too long; others follow their errors."""
-    if not isinstance(plan.integrator, FixedStep):
+    step = plan.integrator.step if isinstance(plan.integrator, FixedStep | GeneralizedAlpha) else None
+    if step is None:
         return run
-    notes = unresolved_pose_notes(plan.integration.problem, run.raw, plan.integrator.step)
+    notes = unresolved_pose_notes(plan.integration.problem, run.raw, step)
     return run._replace(notes=(*run.notes, *notes))
 
 

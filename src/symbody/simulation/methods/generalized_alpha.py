@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_fields
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.errors import Problem, UsageError
 from symbody.kernels import block as at
 from symbody.simulation.events.event_watch import EventWatch
@@ -29,10 +30,10 @@ from symbody.simulation.native.blocks import make_block, state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Projector, Record, RightHandSide
 from symbody.simulation.native.implicit import (
+    METHOD,
     ImplicitFunctions,
     ImplicitRun,
     make_array,
-    step_tableau,
 )
 from symbody.simulation.native.run import VERDICTS, RawRun, drive, fresh_record
 from symbody.simulation.status import Status
@@ -42,8 +43,6 @@ Notes = tuple[str, ...]
 
 # Steps that see the input at their ends alone are so much shorter than pieces in which it is a polynomial.
 _SHARE_OF_PIECE: Final = 0.125
-# From one step to the next; more would stir up what the method has damped.
-_GROWTH: Final = 2.0
 
 
 @checked_fields
@@ -143,7 +142,7 @@ def _compile_functions(integration: IntegrationProblem) -> tuple[CompiledFunctio
     eqs = drop_idle_rows(integration.eqs, problem.parameters)
     wider = with_state_jacobian(eqs, problem.laws.formulas, problem.laws.callbacks)
     derivatives = replace(problem, eqs=wider).compile_outputs(STATE_JACOBIAN, quick=True)
-    return problem.compile_outputs(("xdot", "power")), problem.compile_outputs("qdot"), derivatives
+    return problem.compile_outputs(OF_STEPS), problem.compile_outputs("qdot"), derivatives
 
 
 @contextmanager
@@ -182,13 +181,14 @@ def _make_run(
     longest = method.max_step if method.step is None else method.step
     goal = make_goal(integration.span, integration.rtol, tolerances, longest, _bounds(integration, method))
     goal = goal._replace(max_trials=int(integration.max_steps))
-    tableau = step_tableau(_GROWTH if method.step is None else 1.0)
     block = make_block(
-        functions.slopes, _projector(closing, method), tableau, goal, integration.x0, integration.span[0],
+        functions.slopes, _projector(closing, method), METHOD, goal, integration.x0, integration.span[0],
         float(method.step or 0.0),
     )  # fmt: skip
     n_q = len(integration.eqs.coordinate_names)
-    array = make_array(functions, integration.x0.size, n_q, float(method.rho))
+    array = make_array(
+        functions, integration.x0.size, n_q, float(method.rho), one_length=method.step is not None
+    )
     return ImplicitRun(functions, 0 if closing is None else closing.projector.address, block, array)
 
 
@@ -202,8 +202,9 @@ def _projector(closing: StateProjector | None, method: GeneralizedAlpha) -> Proj
 def _bounds(integration: IntegrationProblem, method: GeneralizedAlpha) -> Breakpoints:
     """Return what bounds the steps: those of one length end at jumps alone."""
     bounds = integration.breakpoints
-    share = _SHARE_OF_PIECE if method.step is None else math.inf
-    return replace(bounds, longest=share * bounds.longest)
+    if method.step is not None:
+        return bounds.jumps_alone()
+    return replace(bounds, longest=_SHARE_OF_PIECE * bounds.longest)
 
 
 def _times(integration: IntegrationProblem) -> Floats | None:

@@ -23,12 +23,12 @@ _POINTER: Final = ctypes.c_void_p
 _INTEGER: Final = ctypes.c_int64
 
 
-def step_tableau(growth: float) -> Tableau:
-    """Return what the loop reads of a method of order 2: slopes at both ends, and how steps may grow."""
-    return Tableau(
-        order=2, stages=1, A=((), (1.0,)), c=(0.0, 1.0), error=((), ()), dense=(), exponent=1.0 / 3.0,
-        memory=0.0, shrink=0.2, growth=growth, stiff_bound=1.0,
-    )  # fmt: skip
+# What the loop reads of a method of order 2: slopes at both ends, how steps may shrink and grow. More growth
+# would stir up what the method has damped.
+METHOD: Final = Tableau(
+    order=2, stages=1, A=((), (1.0,)), c=(0.0, 1.0), error=((), ()), dense=(), exponent=1.0 / 3.0,
+    memory=0.0, shrink=0.2, growth=2.0, stiff_bound=1.0,
+)  # fmt: skip
 
 
 class Weights(NamedTuple):
@@ -72,8 +72,11 @@ def implicit_machine() -> _Machine:
     return _Machine(begin(places[names[0]]), advance(places[names[1]]))
 
 
-def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float) -> Floats:
-    """Return what `implicit_block` names, for n states with the work and n_q coordinates."""
+def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float, *, one_length: bool) -> Floats:
+    """Return what `implicit_block` names, for n states with the work and n_q coordinates.
+
+    With `one_length` all steps have that of the first but those that end at a jump or at the end.
+    """
     n_u, n_v = functions.slopes.n_u, n - 1 - n_q
     sizes = {
         beside.RATES: n_v, beside.RATES_USED: n_v, beside.RATES_NEW: n_v, beside.CORRECTION: n_v,
@@ -90,6 +93,7 @@ def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float) -> Fl
     array[[beside.ALPHA_M, beside.ALPHA_F, beside.GAMMA, beside.BETA]] = weights
     array[beside.LAG] = 0.0 if rho == 1.0 else weights.alpha_m - weights.alpha_f
     array[[beside.COORDINATES, beside.UNKNOWNS]] = n_q, n_v
+    array[beside.ONE_LENGTH] = one_length
     return array
 
 
