@@ -153,6 +153,9 @@ def _put_results(put: Callable[..., None], eqs: sb.EquationSet, loop: sb.Equatio
     put("save_animation", sb.save_animation, run=run, path=folder / "a.png", times=0.1, view=None,
         size=(64, 64), fps=10.0, speed=1.0, traces=(), labels=False, vectors=(), frames=False, dark=False,
         ghosts=0.3, title=None, progress=None)  # fmt: skip
+    put("save_report", sb.save_report, eqs=eqs, path=folder / "r.html", run=None, sections=["parameters"],
+        parameters=None, title=None)  # fmt: skip
+    put("without_sampling", sb.without_sampling, model=eqs.model)
     put("save_fmu", sb.save_fmu, eqs=eqs, path=folder / "a.fmu", version="3.0", outputs=(), initial=None,
         parameters=None, fixed=(), events=(), constraints=None, integrator=None, platforms=(),
         sources=True)  # fmt: skip
