@@ -28,7 +28,7 @@ _WINDOW: Final = (1440, 900)
 _CELL: Final = (720, 450)
 _COLUMNS: Final = 2
 _SIGNALS: Final = "dc_motor_arm"
-_QUALITY: Final = 45  # of the compression: the sheets stay below 300 kB
+_QUALITY: Final = 40  # of the compression: the sheets stay below 300 kB
 
 
 @contextmanager

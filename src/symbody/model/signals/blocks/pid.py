@@ -36,7 +36,7 @@ class PID(SignalBlock):
     gains: NamedGains = NamedGains(
         "p, i, d, and filter, the time constant [s] of the derivative.", words=("p", "i", "d", "filter")
     )
-    limits: OutputLimits = OutputLimits("Lowest and highest output.")
+    limits: OutputLimits = OutputLimits("Lowest and highest output.", default=None)
     tracking: OptionalQuantity = OptionalQuantity(
         "Time in which the integral is led back at limits; by default p/i.", unit="s", scope=Scope.LOAD
     )
