@@ -125,6 +125,26 @@ def test_time_may_jump_beside_a_sample() -> None:
     assert run.statistics.accepted < 60
 
 
+@pytest.mark.parametrize(("step", "jump"), [(0.29, 0.87), (0.35, 1.05), (0.1, 0.3), (0.25, 0.75)])
+def test_a_sample_is_behind_what_jumps_at_its_instant(step: float, jump: float) -> None:
+    """Products such as 3*0.29 may be less than the time of the jump by rounding."""
+    joint = sb.Prismatic(
+        "slide", "ground", sb.Body("Cart", mass=1), coordinate="x", force=sb.Drive(applied="n")
+    )
+    held = [sb.Signal("n", "F", sample=step), sb.Signal("log", "F + count", sample=step),
+            sb.Signal("count", f"floor(t/{step})", sample=step)]  # fmt: skip
+    eqs = sb.form_equations(sb.Model("cart", [joint, *held], inputs=["F"]))
+    early = np.linspace(0.0, jump, 50)
+    laws = [f"if(t < {jump}, 0, 1)", ((0, jump, jump, 9), (0, 0, 1, 1)),
+            (np.append(early, [jump, 9]), np.append(0 * early, [1, 1]))]  # fmt: skip
+    for law in laws:
+        record = sb.simulate(eqs, 2.0, inputs={"F": law}).held_values
+        assert record is not None
+        np.testing.assert_array_equal(
+            record.values[:, :5], [[0, 0, 0, 1, 1], [0, 0, 1, 3, 4], [0, 1, 2, 3, 4]]
+        )
+
+
 def test_inputs_of_every_kind_drive_beside_samples() -> None:
     joint = sb.Prismatic(
         "slide", "ground", sb.Body("Cart", mass=1), coordinate="x", force=sb.Drive(applied="n")
