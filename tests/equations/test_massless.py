@@ -23,7 +23,9 @@ def slide(name: str, start: str, end: str, coordinate: str, **force: Any) -> sb.
     return sb.Prismatic(name, start, end, axis="x", coordinate=coordinate, force=sb.Drive(**force))
 
 
-def model(*joints: sb.Prismatic, points: tuple[str, ...] = ("P",), **others: Any) -> sb.Model:
+def model(
+    *joints: sb.Prismatic | sb.SpringDamper, points: tuple[str, ...] = ("P",), **others: Any
+) -> sb.Model:
     bodies = [*(sb.Body(name) for name in points), sb.Body("A", mass="m")]
     return sb.Model("light", [*bodies, *joints], parameters=PARAMETERS, **others)
 
@@ -201,6 +203,22 @@ def test_dry_friction_and_relative_places_are_refused() -> None:
         eqs = sb.form_equations(model(joint, slide("t", start, "A", "a", stiffness=1), inputs=("F",)))
         with pytest.raises(sb.SymbodyError, match=words):
             sb.compile(eqs, "udot")
+
+
+@pytest.mark.parametrize(
+    ("initial", "parameters"),
+    [({}, {}), ({"a": 0.1}, {"c": 0})],
+    ids=["a line without direction", "no damping"],
+)
+def test_places_where_forces_do_not_determine_a_point_are_refused(
+    initial: dict[str, float], parameters: dict[str, float]
+) -> None:
+    joints = [slide("s", "ground", "P", "p", stiffness="k1"), slide("t", "ground", "A", "a")]
+    eqs = sb.form_equations(model(*joints, sb.SpringDamper("d", "P", "A", damping="c")))
+    with pytest.raises(sb.SymbodyError) as caught:
+        sb.simulate(eqs, 1.0, initial, parameters=parameters)
+    (problem,) = caught.value.problems
+    assert problem.code == "assembly.massless" and "p_dot" in problem.where and "damp" in problem.fix
 
 
 def test_inputs_and_signals_act_on_points_that_have_dampers() -> None:
