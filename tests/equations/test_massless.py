@@ -205,20 +205,33 @@ def test_dry_friction_and_relative_places_are_refused() -> None:
             sb.compile(eqs, "udot")
 
 
-@pytest.mark.parametrize(
-    ("initial", "parameters"),
-    [({}, {}), ({"a": 0.1}, {"c": 0})],
-    ids=["a line without direction", "no damping"],
-)
-def test_places_where_forces_do_not_determine_a_point_are_refused(
-    initial: dict[str, float], parameters: dict[str, float]
-) -> None:
+def test_a_damper_without_direction_does_not_determine_a_point() -> None:
     joints = [slide("s", "ground", "P", "p", stiffness="k1"), slide("t", "ground", "A", "a")]
     eqs = sb.form_equations(model(*joints, sb.SpringDamper("d", "P", "A", damping="c")))
     with pytest.raises(sb.SymbodyError) as caught:
-        sb.simulate(eqs, 1.0, initial, parameters=parameters)
+        sb.simulate(eqs, 1.0)
     (problem,) = caught.value.problems
-    assert problem.code == "assembly.massless" and "p_dot" in problem.where and "damp" in problem.fix
+    assert (problem.code, problem.where) == ("assembly.massless", "speed p_dot")
+    assert "into a joint" in problem.fix
+
+
+@pytest.mark.parametrize(
+    ("made", "zeros"),
+    [
+        (maxwell(True), {"c": 0}),
+        (maxwell(False), {"c": 0}),
+        (series(True), {"k1": 0, "k2": 0}),
+        (series(False), {"k1": 0, "k2": 0}),
+    ],
+)
+def test_parameters_that_leave_a_point_undetermined_are_refused(
+    made: sb.Model, zeros: dict[str, float]
+) -> None:
+    with pytest.raises(sb.SymbodyError) as caught:
+        sb.simulate(sb.form_equations(made), 1.0, {"a": 0.1}, parameters=zeros)
+    problem = caught.value.problems[0]
+    assert problem.code == "compile.massless"
+    assert problem.where in ("p", "p_dot", "a_dot")
 
 
 def test_inputs_and_signals_act_on_points_that_have_dampers() -> None:

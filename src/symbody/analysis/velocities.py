@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import AssemblyError, ExpressionError, Problem
+from symbody.errors import AssemblyError, Problem
 from symbody.manifold import least_solution, row_space
 from symbody.tolerances import ASSEMBLED, RANK
 
@@ -119,12 +119,7 @@ def check_pivots(evaluator: ConstraintEvaluator, q: NDArray[np.float64]) -> None
         return
     light = {speed.label for speed in evaluator.eqs.formed.light_balances}
     still = np.zeros(len(evaluator.eqs.speed_names))
-    try:
-        found = np.ravel(evaluator.compile([f"{names[0]}_pivot" for names in groups])(evaluator.t, q, still))
-    except ExpressionError:  # a divisor that is 0 with these parameters, as a damping is
-        if not light:
-            raise
-        found = np.array([0.0 if light & {*names} else 1.0 for names in groups])
+    found = np.ravel(evaluator.compile([f"{names[0]}_pivot" for names in groups])(evaluator.t, q, still))
     lost = [names for names, value in zip(groups, found, strict=True) if not abs(value) > ASSEMBLED]
     if lost:
         raise AssemblyError(
@@ -135,10 +130,10 @@ def check_pivots(evaluator: ConstraintEvaluator, q: NDArray[np.float64]) -> None
 def _no_balance(names: str) -> Problem:
     return Problem(
         "assembly.massless", f"speed {names}", f"here forces do not determine {names}, which no mass resists",
-        "its coefficient in the balance of forces vanishes, as for a damping of 0, or has no value, as for a "
-        "damper between two points that coincide: its line has no direction",
-        "give the damping a value and start beside this place, put the damper into a joint, as "
-        "Drive(damping=..), or give mass to what moves there",
+        "its coefficient in the balance of forces vanishes or has no value, as for a damper between points "
+        "that coincide: its line has no direction",
+        "start beside this place, put the damper into a joint, as Drive(damping=..), or give mass to what "
+        "moves there",
     )  # fmt: skip
 
 
