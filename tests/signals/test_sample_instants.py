@@ -108,6 +108,21 @@ def test_an_event_that_acts_at_a_jump_goes_on_from_there() -> None:
     assert ended.t[-1] == pytest.approx(0.5, rel=1e-14)
 
 
+def test_an_event_just_behind_a_sample_is_not_lost() -> None:
+    """By rounding alone 3*0.29 lies before 0.87, and many an n/10 before a crossing at n*0.1*speed."""
+    eqs = cart(sb.Signal("v", "x_dot", sample=0.29), force="0*t + 1e-300*v")
+    for event in ("t - 0.87", "t - 0.87 + 0*x", "x - 0.87"):
+        run = sb.simulate(eqs, 2.0, events=sb.Event(event, 1, {"x_dot": "x_dot + 4"}))
+        assert [occurrence.t for occurrence in run.events] == pytest.approx([0.87], rel=1e-12), event
+        assert run["x"][-1] == pytest.approx(0.87 + 5 * (2.0 - 0.87), rel=1e-9)
+    eqs = cart(sb.Signal("v", "x_dot", sample=0.1), force="1e-300*v")
+    for n in range(1, 40, 2):
+        speed = 1.0 / (n * 0.37)
+        wall = sb.Event(f"x - {speed * n * 0.1!r}", 0, {"x_dot": "-x_dot"})
+        run = sb.simulate(eqs, n * 0.1 + 0.05, {"x_dot": speed}, events=wall)
+        assert [event.t for event in run.events] == pytest.approx([n * 0.1], rel=1e-12)
+
+
 def test_events_between_samples_are_where_they_are_without_a_watch() -> None:
     eqs = cart(sb.Signal("brake", "-x", sample=0.1), force="20*brake", speed=1.0)
     run = sb.simulate(eqs, 3.0, events=sb.Event("x_dot", action="record"), rtol=1e-11)
