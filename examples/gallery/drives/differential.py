@@ -1,11 +1,11 @@
 """Bevel gear differential.
 
-A bevel gear on the carrier meshes with one on each half shaft: the wheels of a car may turn at different speeds, and get the
-same torque.
+A bevel gear on the carrier meshes with one on each half shaft: the wheels of a car may turn at different
+speeds, and get the same torque.
 
-Check: the carrier turns at the mean of the half shafts, and both shafts get half of the carrier's torque less
-what speeds up their own inertia; here the motion under a torque on the carrier and unequal brakes is that of the
-two equations of a differential whose gear has no inertia. R. L. Norton, Design of Machinery, McGraw-Hill,
+Check: the carrier turns at the mean of the half shafts and its torque goes to both in equal parts, so the
+motion against two unequal brakes is that of two linear equations, solved by the matrix exponential; at its
+end each wheel turns at half of the torque over its brake. R. L. Norton, Design of Machinery, McGraw-Hill,
 section on differentials.
 """
 

@@ -1,7 +1,7 @@
 """Planetary gear.
 
-A sun, three planets on a carrier, a ring: two of the three shafts drive the third. With the ring held it is the gear of
-hub motors and wind turbines; with all three shafts it divides power in hybrid cars.
+A sun, three planets on a carrier, a ring: two of the three shafts drive the third. With the ring held it is
+the gear of hub motors and wind turbines; with all three shafts it divides power in hybrid cars.
 
 Check: z_s w_sun + z_r w_ring = (z_s + z_r) w_carrier, R. Willis, Principles of Mechanism, 1841.
 """

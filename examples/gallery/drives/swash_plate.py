@@ -1,10 +1,10 @@
 """Swash plate with five pistons.
 
-A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there is no crank, and the
-stroke follows the tilt.
+A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there
+is no crank, and the stroke follows the tilt.
 
-Check: the piston at an angle p moves by R tan(alpha) cos(phi - p), a pure sine; stroke 2 R tan(alpha).
-J. Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, Akademia 2001, kinematics of axial pistons.
+Check: the piston at an angle p moves by R tan(alpha) cos(phi - p), a pure sine; stroke 2 R tan(alpha). J.
+Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, Akademia 2001, kinematics of axial pistons.
 """
 
 import numpy as np
@@ -20,7 +20,8 @@ def motion():
     """Return one turn of the shaft."""
     plate = sb.Body(
         "Plate", 1.0, (0.001, 0.001, 0.002), frames={"face": sb.Frame(rotate=[("y", TILT)])},
-        shapes=[sb.Cylinder(0.09, 0.01, rotate=[("y", TILT)], color="steelblue"), sb.Cylinder(0.012, 0.12, at=(0, 0, -0.06))],
+        shapes=[sb.Cylinder(0.09, 0.01, rotate=[("y", TILT)], color="steelblue"),
+                sb.Cylinder(0.012, 0.12, at=(0, 0, -0.06))],
     )  # fmt: skip
     parts = [plate, sb.Revolute("shaft", "ground", plate, coordinate="phi", motion="2*pi*t")]
     posts = {}

@@ -1,10 +1,10 @@
 """Universal joint between two shafts.
 
-Cardan's or Hooke's joint: two forks and a cross. The second shaft turns as often as the first, but unevenly, the more so the
-larger the angle between the shafts.
+Cardan's or Hooke's joint: two forks and a cross. The second shaft turns as often as the first, but
+unevenly, the more so the larger the angle between the shafts.
 
-Check: tan(phi2) = tan(phi1)/cos(beta) with phi1 from the position where the first fork lies across the plane of the
-shafts; R. L. Norton, Design of Machinery, McGraw-Hill, section on universal joints.
+Check: tan(phi2) = tan(phi1)/cos(beta) with phi1 from the position where the first fork lies across the
+plane of the shafts; R. L. Norton, Design of Machinery, McGraw-Hill, section on universal joints.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ import symbody as sb
 
 BEND = np.pi / 5
 TOLERANCE = 1e-8
-LOOK = {"times": (0.1,), "view": (0.7, -1.4, 0.7)}
+LOOK = {"times": (0.1,), "view": {"direction": (0.5, -1.0, 1.2), "zoom": 1.1}}
 
 
 def motion():

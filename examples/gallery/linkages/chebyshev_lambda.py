@@ -1,11 +1,12 @@
 """Chebyshev's lambda linkage.
 
-A crank-rocker with bars of 1 : 2.5 : 2.5 and posts 2 apart, the coupler as long again beyond the rocker. Its end draws
-a flat line for half a turn and comes back in an arc, as the foot of a walking machine does.
+A crank-rocker with bars of 1 : 2.5 : 2.5 and posts 2 apart, the coupler as long again beyond the rocker.
+Its end draws a flat line for half a turn and comes back in an arc, as the foot of a walking machine does.
 
-Check: the rocker's pin is equally far from crank pin, post and end, so the angle at the post is right (Thales) and
-the height of the end is (2 - cos(t)) sqrt(25/(5 - 4 cos(t)) - 1); it is 4 at t = 90, 180 and 270 degrees.
-P. L. Chebyshev, Theorie des mecanismes connus sous le nom de parallelogrammes, St Petersburg 1854.
+Check: the rocker's pin is equally far from crank pin, post and end, so the angle at the post is right
+(Thales) and the height of the end is (2 - cos(t)) sqrt(25/(5 - 4 cos(t)) - 1); it is 4 at t = 90, 180 and
+270 degrees. Proportions: R. L. Norton, Design of Machinery, McGraw-Hill, section on straight-line linkages,
+under Hoeken's name.
 """
 
 import numpy as np
@@ -48,5 +49,6 @@ def motion():
 def comparison(run):
     """Return the height of the coupler's end, and the formula."""
     cosine = np.cos(run["theta"])
-    height = (2 - cosine) * np.sqrt(25 / (5 - 4 * cosine) - 1)
+    square = CRANK**2 + POSTS**2 - 2 * CRANK * POSTS * cosine  # of the distance from crank pin to post
+    height = (POSTS - CRANK * cosine) * np.sqrt((2 * ROCKER) ** 2 / square - 1)
     return run["frame r Coupler.end ground ground"][1], height

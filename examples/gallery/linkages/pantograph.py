@@ -1,7 +1,7 @@
 """Pantograph.
 
-A parallelogram of four bars on one fixed point: what the tracer draws, the pen draws larger. It copied drawings, engraved
-letters, and carries the current collectors of trains.
+A parallelogram of four bars on one fixed point: what the tracer draws, the pen draws larger. It copied
+drawings, engraved letters, and carries the current collectors of trains.
 
 Check: fixed point, tracer and pen lie on a line, and the pen is k times as far as the tracer; C. Scheiner,
 Pantographice, Rome 1631.

@@ -1,10 +1,11 @@
 """Quick-return mechanism with a slotted arm.
 
-The pin of a crank of radius r slides in the slot of an arm, pivoted a distance d below: the arm goes forth slowly and back
-quickly. Shaping machines cut on the slow way.
+The pin of a crank of radius r slides in the slot of an arm, pivoted a distance d below: the arm goes forth
+slowly and back quickly. Shaping machines cut on the slow way.
 
 Check: tan(arm) = (d + r sin(t))/(r cos(t)), and the times of the two strokes are as 180 + 2 asin(r/d) to
-180 - 2 asin(r/d) degrees of the crank, R. L. Norton, Design of Machinery, McGraw-Hill, section on quick-return.
+180 - 2 asin(r/d) degrees of the crank, R. L. Norton, Design of Machinery, McGraw-Hill, section on
+quick-return.
 """
 
 import numpy as np

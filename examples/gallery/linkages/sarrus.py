@@ -1,10 +1,12 @@
 """Sarrus linkage.
 
-Two chains of three hinges, the hinges of one across those of the other, hold a plate parallel to the ground: the first
-linkage for an exact straight line (1853), and a motion in space. A count of constraints says that it cannot move.
+Two chains of three hinges, the hinges of one across those of the other, hold a plate parallel to the
+ground: the first linkage for an exact straight line (1853), and a motion in space. A count of constraints
+says that it cannot move.
 
-Check: the plate does not turn and its centre stays above that of the base, at a height 2 l sin(a). P. T. Sarrus,
-Note sur la transformation des mouvements rectilignes alternatifs, C. R. Acad. Sci. 36 (1853), 1036-1038.
+Check: the plate does not turn and its centre stays above that of the base, at a height 2 l sin(a). P. T.
+Sarrus, Note sur la transformation des mouvements rectilignes alternatifs, C. R. Acad. Sci. 36 (1853),
+1036-1038.
 """
 
 import numpy as np

@@ -1,11 +1,11 @@
 """Scissor lift.
 
-Two stages of crossed bars; an actuator along the floor pulls the lower ends together and lifts the platform. Close to the
-floor it has to pull many times the load.
+Two stages of crossed bars; an actuator along the floor pulls the lower ends together and lifts the
+platform. Close to the floor it has to pull many times the load.
 
-Check: by virtual work the pull is n W/tan(a) for n stages, a load W and bars at an angle a whose weight is small;
-here power in is power out: platform speed over actuator speed is n/tan(a). H. M. Spackman, Mathematical Analysis of
-Scissor Lifts, Naval Ocean Systems Center TD 1321, 1989.
+Check: by virtual work the pull is n W/tan(a) for n stages, a load W and bars at an angle a whose weight is
+small; here power in is power out: platform speed over actuator speed is n/tan(a). H. M. Spackman,
+Mathematical Analysis of Scissor Lifts, Naval Ocean Systems Center, 1989.
 """
 
 import numpy as np

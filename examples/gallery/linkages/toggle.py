@@ -1,11 +1,11 @@
 """Toggle press.
 
-Two equal bars form a knee; as it is pushed straight, the ram at the end of the second goes ever more slowly and presses ever
-harder. Stone crushers, locking pliers and moulding machines end their strokes so.
+Two equal bars form a knee; as it is pushed straight, the ram at the end of the second goes ever more slowly
+and presses ever harder. Stone crushers, locking pliers and moulding machines end their strokes so.
 
-Check: power in is power out, so ram speed over knee speed is 2 tan(a), a the angle of the bars from the line of the ram; the
-force ratio, its inverse, has no bound at the dead point a = 0. R. L. Norton, Design of Machinery, McGraw-Hill,
-section on mechanical advantage and toggles.
+Check: power in is power out, so ram speed over knee speed is 2 tan(a), a the angle of the bars from the
+line of the ram; the force ratio, its inverse, has no bound at the dead point a = 0. R. L. Norton, Design of
+Machinery, McGraw-Hill, section on mechanical advantage and toggles.
 """
 
 import numpy as np
@@ -37,6 +37,7 @@ def motion():
 
 
 def comparison(run):
-    """Return the speed of the ram, and that of the knee across the ram's line times 2 tan(alpha)."""
+    """Return speed and place of the ram; the speed of the knee times 2 tan(alpha), and 2 l cos(alpha)."""
     across = run["frame v Upper.b ground ground"][1]
-    return run["s_dot"], -2 * np.tan(run["alpha"]) * across
+    formula = [-2 * np.tan(run["alpha"]) * across, 2 * LENGTH * np.cos(run["alpha"])]
+    return np.array([run["s_dot"], run["s"]]), np.array(formula)

@@ -1,11 +1,11 @@
 """Watt's linkage.
 
-Two equal arms turn about posts on both sides; the middle of the short bar between their ends goes almost straight up
-and down. It guided the piston rods of steam engines, and it guides rear axles of cars.
+Two equal arms turn about posts on both sides; the middle of the short bar between their ends goes almost
+straight up and down. It guided the piston rods of steam engines, and it guides rear axles of cars.
 
-Check: the whole curve of that point, r^2 = b^2 - (a sin(t) -+ sqrt(c^2 - a^2 cos(t)^2))^2 in polar coordinates about
-the middle of the posts, which are 2 a apart, with arms b and bar 2 c; here times r^2, squared, without the root: J. D.
-Lawrence, A Catalog of Special Plane Curves, Dover 1972, Watt's curve.
+Check: the whole curve of that point, r^2 = b^2 - (a sin(t) -+ sqrt(c^2 - a^2 cos(t)^2))^2 in polar
+coordinates about the middle of the posts, which are 2 a apart, with arms b and bar 2 c; here times r^2,
+squared, without the root: J. D. Lawrence, A Catalog of Special Plane Curves, Dover 1972, Watt's curve.
 """
 
 import numpy as np

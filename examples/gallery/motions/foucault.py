@@ -1,7 +1,7 @@
 """Foucault's pendulum.
 
-The plane of a pendulum turns against the floor, because the floor turns: on an Earth that turns 100 times faster than ours,
-so that little time is enough.
+The plane of a pendulum turns against the floor, because the floor turns: on an Earth that turns 100 times
+faster than ours, so that little time is enough.
 
 Check: the plane turns at -Omega sin(latitude), all around in 24 h/sin(latitude) on Earth. L. Foucault,
 Demonstration physique du mouvement de rotation de la Terre, C. R. Acad. Sci. 32 (1851), 135-138.
@@ -57,4 +57,4 @@ def draw(run, ax):
     ax.plot(x[:700], y[:700], color="C0", label="first swing")
     ax.plot(x[-700:], y[-700:], color="C3", label="after 300 s")
     ax.set(xlabel="south [m]", ylabel="east [m]", aspect="equal")
-    ax.legend(loc="upper right")
+    ax.legend(loc="lower right")

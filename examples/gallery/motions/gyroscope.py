@@ -1,7 +1,7 @@
 """Gyroscope on one end of its axle.
 
-A wheel that spins fast does not fall when one end of its axle is held: it goes around the post. From the right first speed it
-does so evenly.
+A wheel that spins fast does not fall when one end of its axle is held: it goes around the post. From the
+right first speed it does so evenly.
 
 Check: with a level axle the rate is m g l/(C w), exactly, w the spin; H. Goldstein, C. Poole and J. Safko,
 Classical Mechanics, 3rd edition, section 5.7.

@@ -1,11 +1,11 @@
 """Rimless wheel.
 
-A hub with eight spokes rolls down a slope, spoke after spoke, and comes to one speed whatever it began with: the simplest of
-the passive walkers.
+A hub with eight spokes rolls down a slope, spoke after spoke, and comes to one speed whatever it began
+with: the simplest of the passive walkers.
 
-Check: each landing leaves cos(2 alpha) of the speed, and the speed after landing tends to
-sqrt(4 g/l sin(alpha) sin(slope)) cot(2 alpha), 2 alpha the angle between spokes, all mass in the hub:
-T. McGeer, Passive dynamic walking, Int. J. Robotics Research 9(2) (1990), 62-82.
+Check: each landing leaves cos(2 alpha) of the speed, and the speed after landing tends to sqrt(4 g/l
+sin(alpha) sin(slope)) cot(2 alpha), 2 alpha the angle between spokes, all mass in the hub: T. McGeer,
+Passive dynamic walking, Int. J. Robotics Research 9(2) (1990), 62-82.
 """
 
 import numpy as np
@@ -37,7 +37,9 @@ def motion():
     model = sb.Model("rimless wheel", parts, gravity=gravity, ground_shapes=floor)
     landing = sb.Event(
         f"theta - {ALPHA}", 1, name="lands",
-        action={"theta": -ALPHA, "theta_dot": f"cos(2*{ALPHA})*theta_dot", "x": f"x + 2*{LENGTH}*sin({ALPHA})"},
+        action={
+            "theta": -ALPHA, "theta_dot": f"cos(2*{ALPHA})*theta_dot", "x": f"x + 2*{LENGTH}*sin({ALPHA})",
+        },
     )  # fmt: skip
     first = {"theta": -ALPHA, "theta_dot": 2.5}
     return sb.simulate(sb.form_equations(model), 8.0, first, events=[landing], rtol=1e-10)

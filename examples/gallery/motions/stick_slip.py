@@ -1,11 +1,11 @@
 """Block on a belt that sticks and slips.
 
-A spring holds a block back on a moving belt. The belt carries it along until the spring breaks it away, it slides back, sticks
-again: why bows sound, doors creak and brakes squeal.
+A spring holds a block back on a moving belt. The belt carries it along until the spring breaks it away, it
+slides back, sticks again: why bows sound, doors creak and brakes squeal.
 
-Check: the times of all switches. It breaks away at a pull mu_s m g, slides as an oscillator about mu m g/k for
-2 (pi - atan(A w/V))/w, A = (mu_s - mu) m g/k, and sticks for 2 A/V: J. P. den Hartog, Mechanical Vibrations,
-McGraw-Hill, section on relaxation oscillations.
+Check: the times of all switches. It breaks away at a pull mu_s m g, slides as an oscillator about mu m g/k
+for 2 (pi - atan(A w/V))/w, A = (mu_s - mu) m g/k, and sticks for 2 A/V: J. P. den Hartog, Mechanical
+Vibrations, McGraw-Hill, section on relaxation oscillations.
 """
 
 import math
@@ -51,5 +51,5 @@ def draw(run, ax):
     for k, name in ((0, "breaks away"), (1, "sticks")):
         ax.plot(times[k::2], np.interp(times[k::2], run.t, run["frame r Block ground ground x"]),
                 "v" if k else "^", color="C3" if k else "C1", label=f"{name}, closed form")  # fmt: skip
-    ax.set(xlabel="t [s]", ylabel="stretch of the spring [m]", ylim=(0.0, 0.16))
-    ax.legend(loc="lower right")
+    ax.set(xlabel="t [s]", ylabel="stretch of the spring [m]", ylim=(0.0, 0.17))
+    ax.legend(loc="upper center", ncols=3)
