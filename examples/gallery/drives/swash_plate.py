@@ -3,7 +3,7 @@
 A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there
 is no crank, and the stroke follows the tilt.
 
-Check: the piston at an angle p moves by R tan(alpha) cos(phi - p), a pure sine; stroke 2 R tan(alpha). J.
+Check: the piston at an angle p moves by -R tan(alpha) cos(phi - p), a pure sine; stroke 2 R tan(alpha). J.
 Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, Akademia 2001, kinematics of axial pistons.
 """
 

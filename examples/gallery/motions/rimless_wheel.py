@@ -1,7 +1,8 @@
 """Rimless wheel.
 
 A hub with eight spokes rolls down a slope, spoke after spoke, and comes to one speed whatever it began
-with: the simplest of the passive walkers.
+with: the simplest of the passive walkers. A landing is an event, whose loss of speed is that of the angular
+momentum about the new foot.
 
 Check: each landing leaves cos(2 alpha) of the speed, and the speed after landing tends to sqrt(4 g/l
 sin(alpha) sin(slope)) cot(2 alpha), 2 alpha the angle between spokes, all mass in the hub: T. McGeer,
@@ -48,9 +49,7 @@ def motion():
 def comparison(run):
     """Return the speeds after each landing, and McGeer's, which begin with 2.5 rad/s."""
     last = [np.searchsorted(run.t, event.t, side="right") - 1 for event in run.events]
-    ratio, end = (
-        np.cos(2 * ALPHA) ** 2,
-        4 * 9.81 / LENGTH * np.sin(ALPHA) * np.sin(SLOPE) / np.tan(2 * ALPHA) ** 2,
-    )
+    ratio = np.cos(2 * ALPHA) ** 2
+    end = 4 * 9.81 / LENGTH * np.sin(ALPHA) * np.sin(SLOPE) / np.tan(2 * ALPHA) ** 2
     squares = end + ratio ** np.arange(1, len(last) + 1) * (2.5**2 - end)
     return run["theta_dot"][last], np.sqrt(squares)
