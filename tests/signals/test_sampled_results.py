@@ -204,7 +204,6 @@ SAMPLED = "signal.sampled"
         (lambda eqs, path: sb.without_sampling(eqs.model), "signal.no_continuous"),
         (lambda eqs, path: sb.Stepper(eqs, 0.1, inputs=["servo"]), "stepper.unknown_name"),
     ],
-    ids=str,
 )
 def test_what_takes_no_samples_says_so(
     eqs: sb.EquationSet, tmp_path: Path, attempt: Callable[[sb.EquationSet, Path], object], code: str
