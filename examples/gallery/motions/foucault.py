@@ -57,4 +57,4 @@ def draw(run, ax):
     ax.plot(x[:700], y[:700], color="C0", label="first swing")
     ax.plot(x[-700:], y[-700:], color="C3", label="after 300 s")
     ax.set(xlabel="south [m]", ylabel="east [m]", aspect="equal")
-    ax.legend(loc="lower right")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -45,11 +45,13 @@ def comparison(run):
 
 
 def draw(run, ax):
-    """Draw the place of the block over time, and the switches of the closed form."""
-    ax.plot(run.t, run["frame r Block ground ground x"], color="C0", label="block")
+    """Draw the stretch of the spring over time, and the switches of the closed form."""
+    place = "frame r Block ground ground x"
+    t = np.linspace(0, run.t[-1], 1001)
+    ax.plot(t, run.at(t)[place], color="C0", label="motion")
     times = comparison(run)[1]
-    for k, name in ((0, "breaks away"), (1, "sticks")):
-        ax.plot(times[k::2], np.interp(times[k::2], run.t, run["frame r Block ground ground x"]),
-                "v" if k else "^", color="C3" if k else "C1", label=f"{name}, closed form")  # fmt: skip
-    ax.set(xlabel="t [s]", ylabel="stretch of the spring [m]", ylim=(0.0, 0.17))
+    stretch = run.at(times)[place]
+    ax.plot(times[::2], stretch[::2], "^", color="C1", label="breaks away")
+    ax.plot(times[1::2], stretch[1::2], "v", color="C3", label="sticks")
+    ax.set(xlabel="t [s]", ylabel="stretch of the spring [m]", ylim=(0.0, 0.17), title="Marks: closed form")
     ax.legend(loc="upper center", ncols=3)
