@@ -22,6 +22,7 @@ extensions = [
     "sphinx_design",
     "mathml",
     "generated_pages",
+    "heading_levels",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["site", "_build"]

@@ -1,0 +1,46 @@
+"""Swash plate with five pistons.
+
+A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there
+is no crank, and the stroke follows the tilt.
+
+Check: the piston at an angle p moves by -R tan(alpha) cos(phi - p), a pure sine; stroke 2 R tan(alpha). J.
+Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, Akademia 2001, kinematics of axial pistons.
+"""
+
+import numpy as np
+
+import symbody as sb
+
+PISTONS, RADIUS, TILT = 5, 0.06, 0.3  # m, rad
+TOLERANCE = 1e-9
+LOOK = {"times": (0.13,), "view": (0.8, -1.2, 0.45)}
+
+
+def motion():
+    """Return one turn of the shaft."""
+    plate = sb.Body(
+        "Plate", 1.0, (0.001, 0.001, 0.002), frames={"face": sb.Frame(rotate=[("y", TILT)])},
+        shapes=[sb.Cylinder(0.09, 0.01, rotate=[("y", TILT)], color="steelblue"),
+                sb.Cylinder(0.012, 0.12, at=(0, 0, -0.06))],
+    )  # fmt: skip
+    parts = [plate, sb.Revolute("shaft", "ground", plate, coordinate="phi", motion="2*pi*t")]
+    posts = {}
+    for k in range(PISTONS):
+        angle = 2 * np.pi * k / PISTONS
+        place = (float(RADIUS * np.cos(angle)), float(RADIUS * np.sin(angle)), 0)
+        posts[f"bore{k}"] = sb.Frame(place)
+        shapes = [sb.Cylinder(0.014, 0.08, at=(0, 0, 0.045), color="orange"), sb.Sphere(0.012)]
+        piston = sb.Body(f"Piston{k}", 0.1, (1e-4, 1e-4, 1e-5), shapes=shapes)
+        parts += [
+            sb.Prismatic(f"guide{k}", f"ground.bore{k}", piston, "z", f"s{k}"),
+            sb.PointOnPlane(f"shoe{k}", "Plate.face", piston, axis="z"),
+        ]
+    model = sb.Model("swash plate", parts, ground=posts)
+    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+
+
+def comparison(run):
+    """Return the places of the pistons, and the formula."""
+    angles = 2 * np.pi * np.arange(PISTONS)[:, None] / PISTONS
+    places = np.array([run[f"s{k}"] for k in range(PISTONS)])
+    return places, -RADIUS * np.tan(TILT) * np.cos(run["phi"] - angles)

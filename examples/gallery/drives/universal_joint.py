@@ -1,0 +1,38 @@
+"""Universal joint between two shafts.
+
+Cardan's or Hooke's joint: two forks and a cross. The second shaft turns as often as the first, but
+unevenly, the more so the larger the angle between the shafts.
+
+Check: tan(phi2) = tan(phi1)/cos(beta) with phi1 from the position where the first fork lies across the
+plane of the shafts; R. L. Norton, Design of Machinery, McGraw-Hill, section on universal joints.
+"""
+
+import numpy as np
+
+import symbody as sb
+
+BEND = np.pi / 5
+TOLERANCE = 1e-8
+LOOK = {"times": (0.1,), "view": {"direction": (0.5, -1.0, 1.2), "zoom": 1.1}}
+
+
+def motion():
+    """Return one turn of the first shaft."""
+    end = {"fork": sb.Frame((0.2, 0, 0)), "tail": sb.Frame((-0.2, 0, 0))}
+    parts = [
+        sb.Body("Drive", 1.0, (0.001, 0.01, 0.01), frames=end),
+        sb.Body("Driven", 1.0, (0.001, 0.01, 0.01), frames=end),
+        sb.Revolute("first bearing", "ground.first", "Drive.tail", "x", "phi1", motion="2*pi*t"),
+        sb.Revolute("second bearing", "ground.second", "Driven.fork", "x", "phi2"),
+        sb.Universal("cross", "Drive.fork", "Driven.tail", axes=("y", "z"), tree=False),
+    ]
+    far = sb.Frame((float(0.2 + 0.4 * np.cos(BEND)), float(0.4 * np.sin(BEND)), 0), rotate=[("z", BEND)])
+    posts = {"first": sb.Frame((-0.2, 0, 0)), "second": far}
+    model = sb.Model("universal joint", parts, ground=posts)
+    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+
+
+def comparison(run):
+    """Return both sides of the relation, times the cosines, so that it has no poles."""
+    phi1, phi2 = run["phi1"], run["phi2"]
+    return np.sin(phi2) * np.cos(BEND) * np.cos(phi1), np.sin(phi1) * np.cos(phi2)

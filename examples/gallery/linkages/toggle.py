@@ -1,0 +1,43 @@
+"""Toggle press.
+
+Two equal bars form a knee; as it is pushed straight, the ram at the end of the second goes ever more slowly
+and presses ever harder. Stone crushers, locking pliers and moulding machines end their strokes so.
+
+Check: power in is power out, so ram speed over knee speed is 2 tan(a), a the angle of the bars from the
+line of the ram; the force ratio, its inverse, has no bound at the dead point a = 0. R. L. Norton, Design of
+Machinery, McGraw-Hill, section on mechanical advantage and toggles.
+"""
+
+import numpy as np
+
+import symbody as sb
+
+LENGTH = 0.3  # m
+TOLERANCE = 1e-8
+LOOK = {"times": (0.0, 0.5, 0.9)}
+
+
+def bar(name, length):
+    """Return a bar from a to b along its x axis."""
+    frames = {"a": sb.Frame((-length / 2, 0, 0)), "b": sb.Frame((length / 2, 0, 0))}
+    return sb.Body(name, 1.0, (0, 0, length**2 / 12), frames=frames)
+
+
+def motion():
+    """Return the way from a bent knee through the dead point."""
+    parts = [
+        *(bar("Upper", LENGTH), bar("Lower", LENGTH), sb.Body("Ram", 2.0, (0.01, 0.01, 0.01))),
+        sb.Revolute("post", "ground", "Upper.a", coordinate="alpha", motion="0.9 - 0.95*t"),
+        sb.Revolute("knee", "Upper.b", "Lower.a", coordinate="bend"),
+        sb.Prismatic("guide", "ground", "Ram", axis="x", coordinate="s"),
+        sb.Revolute("wrist", "Ram", "Lower.b"),
+    ]
+    model = sb.Model("toggle press", parts, initial={"bend": -1.8, "s": 0.37})
+    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+
+
+def comparison(run):
+    """Return speed and place of the ram; the speed of the knee times 2 tan(alpha), and 2 l cos(alpha)."""
+    across = run["frame v Upper.b ground ground"][1]
+    formula = [-2 * np.tan(run["alpha"]) * across, 2 * LENGTH * np.cos(run["alpha"])]
+    return np.array([run["s_dot"], run["s"]]), np.array(formula)

@@ -1,0 +1,109 @@
+"""The documentation site in a browser, from its folder: what people look for is found, and all can read it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .conftest import REPOSITORY, wait_until
+
+pytestmark = pytest.mark.exhaustive  # building the site takes a minute
+# What users ask for, and a page that should be among the first ten that are found.
+WORDS = {
+    "install": "installation.html",
+    "units": "reference/model_file_entries.html",
+    "gravity": "tutorial/1_spring_mass_damper.html",
+    "spring": "forces.html",
+    "damper": "tutorial/1_spring_mass_damper.html",
+    "friction": "friction.html",
+    "stick": "friction.html",
+    "rope": "ropes.html",
+    "gear": "constraints.html",
+    "rolling": "constraints.html",
+    "quaternion": "joints.html",
+    "revolute": "tutorial/2_double_pendulum.html",
+    "closed loop": "how_to/closed_loops.html",
+    "baumgarte": "how_to/keep_loops_closed.html",
+    "redundant": "how_to/redundant_constraints.html",
+    "singular": "kinematic_analysis.html",
+    "reaction": "how_to/reactions.html",
+    "eigenvalues": "linearization.html",
+    "bode": "how_to/linear_models.html",
+    "linearize": "linearization.html",
+    "inverse dynamics": "inverse_dynamics.html",
+    "events": "simulate.html",
+    "bounce": "how_to/events_and_friction.html",
+    "stiff": "how_to/stiff_systems.html",
+    "controller": "tutorial/10_controller.html",
+    "PID": "signals.html",
+    "motor": "signals.html",
+    "urdf": "urdf.html",
+    "matlab": "code_generation.html",
+    "simulink": "fmu.html",
+    "modelica": "code_generation.html",
+    "animation": "animation.html",
+    "sweep": "sweeps.html",
+    "parameter fit": "how_to/fit_parameters.html",
+    "jacobian": "notation.html",
+    "report": "report.html",
+}
+PAGES = ("index.html", "tutorial/1_spring_mass_damper.html", "model_file.html", "signals.html", "limits.html")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    pytest.importorskip("sphinx", reason="pip install -e '.[docs]'")
+    out = tmp_path_factory.mktemp("site")
+    command = [
+        "sphinx",
+        "-q",
+        "-b",
+        "html",
+        "-c",
+        "docs/site",
+        "-d",
+        str(out / "trees"),
+        "docs",
+        str(out / "html"),
+    ]
+    subprocess.run([sys.executable, "-m", *command], cwd=REPOSITORY, check=True)
+    return out / "html"
+
+
+def results(page: Any, site: Path, words: str) -> list[str]:
+    page.goto(f"{(site / 'search.html').as_uri()}?q={words.replace(' ', '+')}")
+    wait_until(page, "document.querySelectorAll('#search-results p.search-summary').length > 0")
+    wait_until(
+        page,
+        "document.querySelector('#search-results p.search-summary').innerText.match(/found|did not match/i)",
+    )
+    links = page.locator("#search-results ul.search li a")
+    return [str(link.get_attribute("href")).partition("?")[0].partition("#")[0] for link in links.all()]
+
+
+def test_search_finds_what_people_ask_for(chromium: Any, site: Path) -> None:
+    page = chromium.new_page()  # browsers read no summaries from a folder, and say so; titles and links are there
+    missed = {}
+    for words, target in WORDS.items():
+        first = list(dict.fromkeys(results(page, site, words)))[:10]
+        if target not in first:
+            missed[words] = first
+    assert not missed
+
+
+def test_all_can_read_it(chromium: Any, site: Path) -> None:
+    from axe_playwright_python.sync_playwright import Axe
+
+    axe, faults = Axe(), []
+    for scheme in ("light", "dark"):
+        page = chromium.new_page(color_scheme=scheme)
+        for name in PAGES:
+            page.goto((site / name).as_uri())
+            for each in axe.run(page).response["violations"]:
+                if each["impact"] in ("serious", "critical"):
+                    faults.append(f"{name}, {scheme}, {each['id']}: {each['nodes'][0]['html'][:160]}")
+    assert not faults
