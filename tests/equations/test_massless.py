@@ -23,7 +23,9 @@ def slide(name: str, start: str, end: str, coordinate: str, **force: Any) -> sb.
     return sb.Prismatic(name, start, end, axis="x", coordinate=coordinate, force=sb.Drive(**force))
 
 
-def model(*joints: sb.Prismatic, points: tuple[str, ...] = ("P",), **others: Any) -> sb.Model:
+def model(
+    *joints: sb.Prismatic | sb.SpringDamper, points: tuple[str, ...] = ("P",), **others: Any
+) -> sb.Model:
     bodies = [*(sb.Body(name) for name in points), sb.Body("A", mass="m")]
     return sb.Model("light", [*bodies, *joints], parameters=PARAMETERS, **others)
 
@@ -201,6 +203,35 @@ def test_dry_friction_and_relative_places_are_refused() -> None:
         eqs = sb.form_equations(model(joint, slide("t", start, "A", "a", stiffness=1), inputs=("F",)))
         with pytest.raises(sb.SymbodyError, match=words):
             sb.compile(eqs, "udot")
+
+
+def test_a_damper_without_direction_does_not_determine_a_point() -> None:
+    joints = [slide("s", "ground", "P", "p", stiffness="k1"), slide("t", "ground", "A", "a")]
+    eqs = sb.form_equations(model(*joints, sb.SpringDamper("d", "P", "A", damping="c")))
+    with pytest.raises(sb.SymbodyError) as caught:
+        sb.simulate(eqs, 1.0)
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.where) == ("assembly.massless", "speed p_dot")
+    assert "into a joint" in problem.fix
+
+
+@pytest.mark.parametrize(
+    ("made", "zeros"),
+    [
+        (maxwell(True), {"c": 0}),
+        (maxwell(False), {"c": 0}),
+        (series(True), {"k1": 0, "k2": 0}),
+        (series(False), {"k1": 0, "k2": 0}),
+    ],
+)
+def test_parameters_that_leave_a_point_undetermined_are_refused(
+    made: sb.Model, zeros: dict[str, float]
+) -> None:
+    with pytest.raises(sb.SymbodyError) as caught:
+        sb.simulate(sb.form_equations(made), 1.0, {"a": 0.1}, parameters=zeros)
+    problem = caught.value.problems[0]
+    assert problem.code == "compile.massless"
+    assert problem.where in ("p", "p_dot", "a_dot")
 
 
 def test_inputs_and_signals_act_on_points_that_have_dampers() -> None:

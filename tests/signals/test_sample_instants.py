@@ -108,6 +108,21 @@ def test_an_event_that_acts_at_a_jump_goes_on_from_there() -> None:
     assert ended.t[-1] == pytest.approx(0.5, rel=1e-14)
 
 
+def test_an_event_just_behind_a_sample_is_not_lost() -> None:
+    """By rounding alone 3*0.29 lies before 0.87, and many an n/10 before a crossing at n*0.1*speed."""
+    eqs = cart(sb.Signal("v", "x_dot", sample=0.29), force="0*t + 1e-300*v")
+    for event in ("t - 0.87", "t - 0.87 + 0*x", "x - 0.87"):
+        run = sb.simulate(eqs, 2.0, events=sb.Event(event, 1, {"x_dot": "x_dot + 4"}))
+        assert [occurrence.t for occurrence in run.events] == pytest.approx([0.87], rel=1e-12), event
+        assert run["x"][-1] == pytest.approx(0.87 + 5 * (2.0 - 0.87), rel=1e-9)
+    eqs = cart(sb.Signal("v", "x_dot", sample=0.1), force="1e-300*v")
+    for n in range(1, 40, 2):
+        speed = 1.0 / (n * 0.37)
+        wall = sb.Event(f"x - {speed * n * 0.1!r}", 0, {"x_dot": "-x_dot"})
+        run = sb.simulate(eqs, n * 0.1 + 0.05, {"x_dot": speed}, events=wall)
+        assert [event.t for event in run.events] == pytest.approx([n * 0.1], rel=1e-12)
+
+
 def test_events_between_samples_are_where_they_are_without_a_watch() -> None:
     eqs = cart(sb.Signal("brake", "-x", sample=0.1), force="20*brake", speed=1.0)
     run = sb.simulate(eqs, 3.0, events=sb.Event("x_dot", action="record"), rtol=1e-11)
@@ -123,6 +138,26 @@ def test_time_may_jump_beside_a_sample() -> None:
     run = sb.simulate(eqs, 1.0)
     assert run["x_dot"][-1] == pytest.approx(0.5 * 1 + 0.5 * 6, rel=1e-12)
     assert run.statistics.accepted < 60
+
+
+@pytest.mark.parametrize(("step", "jump"), [(0.29, 0.87), (0.35, 1.05), (0.1, 0.3), (0.25, 0.75)])
+def test_a_sample_is_behind_what_jumps_at_its_instant(step: float, jump: float) -> None:
+    """Products such as 3*0.29 may be less than the time of the jump by rounding."""
+    joint = sb.Prismatic(
+        "slide", "ground", sb.Body("Cart", mass=1), coordinate="x", force=sb.Drive(applied="n")
+    )
+    held = [sb.Signal("n", "F", sample=step), sb.Signal("log", "F + count", sample=step),
+            sb.Signal("count", f"floor(t/{step})", sample=step)]  # fmt: skip
+    eqs = sb.form_equations(sb.Model("cart", [joint, *held], inputs=["F"]))
+    early = np.linspace(0.0, jump, 50)
+    laws = [f"if(t < {jump}, 0, 1)", ((0, jump, jump, 9), (0, 0, 1, 1)),
+            (np.append(early, [jump, 9]), np.append(0 * early, [1, 1]))]  # fmt: skip
+    for law in laws:
+        record = sb.simulate(eqs, 2.0, inputs={"F": law}).held_values
+        assert record is not None
+        np.testing.assert_array_equal(
+            record.values[:, :5], [[0, 0, 0, 1, 1], [0, 0, 1, 3, 4], [0, 1, 2, 3, 4]]
+        )
 
 
 def test_inputs_of_every_kind_drive_beside_samples() -> None:

@@ -110,3 +110,27 @@ def test_samples_read_what_fmus_compute(tmp_path: Path) -> None:
     before, behind = run.at(instants - 1e-9), run.at(instants + 0.02)
     np.testing.assert_allclose(behind["n"], before["F"] - before["x"], atol=1e-7)
     assert run["n"][0] == pytest.approx(3.1)
+
+
+@pytest.mark.parametrize("push", ["F", "F + 0*n"], ids=["logged", "read"])
+def test_fmus_read_what_is_sampled(tmp_path: Path, push: str) -> None:
+    """A sampled measurement in front of a controller, whether a load reads it too or not; one that logs."""
+    gain = sb.form_equations(sb.Model("gain", [sb.Signal("w", "1 - 2*x")], inputs=["x"]))
+    sb.save_fmu(gain, tmp_path / "gain.fmu", outputs=["w"])
+    joint = sb.Prismatic(
+        "slide", "ground", sb.Body("Cart", mass=1), coordinate="x", force=sb.Drive(applied=push)
+    )
+    signals = [sb.Signal("n", "x", sample=0.1, initial=50), sb.Signal("log", "F", sample=0.1, initial=7)]
+    eqs = sb.form_equations(sb.Model("cart", [joint, *signals], inputs=["F"]))
+    law = sb.FmuInput(tmp_path / "gain.fmu", "w", {"x": "n"}, step=0.1)
+    run = sb.simulate(eqs, 1.05, {"x": 0.3}, inputs={"F": law})
+    x, v, forces = 0.3, 0.0, [0.0]
+    for k in range(11):
+        h = min(0.1, 1.05 - 0.1 * k)
+        force = 1 - 2 * x
+        x, v = x + v * h + force * h * h / 2, v + force * h
+        forces.append(force)
+    assert run["x"][-1] == pytest.approx(x, abs=1e-9)
+    held = run.held_values
+    assert held is not None
+    np.testing.assert_allclose(held.values_at("log", np.arange(11) * 0.1), forces[:11], atol=1e-9)

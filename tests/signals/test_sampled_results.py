@@ -151,6 +151,16 @@ def test_sweeps_sample_each_case(eqs: sb.EquationSet, tmp_path: Path) -> None:
         assert sweep.trajectory(case).held_values is not None
 
 
+def test_sweeps_vary_what_held_values_start_from(eqs: sb.EquationSet) -> None:
+    times = np.linspace(0.0, 1.0, 5)
+    sweep = sb.sweep(eqs, 1.0, initial={"count": [1, 10], "x": [0.0, 2.0]}, times=times)
+    runs = [
+        sb.simulate(eqs, 1.0, {"count": count, "x": x}, times=times) for count in (1, 10) for x in (0.0, 2.0)
+    ]
+    for name in ("count", "x*'work'", "count*'work'"):
+        np.testing.assert_array_equal(sweep[name], np.stack([run[name] for run in runs]))
+
+
 def test_steppers_take_samples_in_their_steps(eqs: sb.EquationSet) -> None:
     stepper = sb.Stepper(eqs, 0.04, initial={"count": 1})
     assert stepper["count"] == 1.0 and "sampled" in stepper.notes[-1]
@@ -169,6 +179,11 @@ def test_steppers_take_samples_in_their_steps(eqs: sb.EquationSet) -> None:
             assert each[name] == pytest.approx(run[name][-1], rel=1e-9), name
     stepper.reset()
     assert stepper["count"] == 1.0 and stepper["servo_integral"] == 0.0
+    stepper.reset({"count": "50*gain"}, x=0.5)
+    assert stepper["count"] == 100.0 and stepper.step(F=0)["count"] == 101.0
+    with pytest.raises(sb.SymbodyError):
+        stepper.reset(count="unknown")
+    assert stepper.t == 0.04 and stepper["count"] == 101.0
 
 
 def test_parameters_of_a_stepper_change_between_samples(eqs: sb.EquationSet) -> None:

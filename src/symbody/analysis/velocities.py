@@ -117,11 +117,24 @@ def check_pivots(evaluator: ConstraintEvaluator, q: NDArray[np.float64]) -> None
     groups = pivot_groups(evaluator.eqs)
     if not groups:
         return
+    light = {speed.label for speed in evaluator.eqs.formed.light_balances}
     still = np.zeros(len(evaluator.eqs.speed_names))
     found = np.ravel(evaluator.compile([f"{names[0]}_pivot" for names in groups])(evaluator.t, q, still))
     lost = [names for names, value in zip(groups, found, strict=True) if not abs(value) > ASSEMBLED]
     if lost:
-        raise AssemblyError(*(_vanishing_pivot(", ".join(names)) for names in lost))
+        raise AssemblyError(
+            *((_no_balance if light & {*names} else _vanishing_pivot)(", ".join(names)) for names in lost)
+        )
+
+
+def _no_balance(names: str) -> Problem:
+    return Problem(
+        "assembly.massless", f"speed {names}", f"here forces do not determine {names}, which no mass resists",
+        "its coefficient in the balance of forces vanishes or has no value, as for a damper between points "
+        "that coincide: its line has no direction",
+        "start beside this place, put the damper into a joint, as Drive(damping=..), or give mass to what "
+        "moves there",
+    )  # fmt: skip
 
 
 def _vanishing_pivot(names: str) -> Problem:

@@ -53,6 +53,17 @@ def massless_problem(code: str, names: Sequence[str], coordinates: Iterable[str]
     )  # fmt: skip
 
 
+def undetermined_problem(code: str, names: Sequence[str]) -> Problem:
+    """Return the problem of motions without mass that forces do not determine, by their names."""
+    words = ", ".join(names)
+    return Problem(
+        code, words, f"with these parameters forces do not determine {words}, which no mass resists",
+        "what a damping or stiffness along it is divided by is 0, as they are themselves",
+        "give a damping or stiffness along it another value, or mass to what moves there; where there is no "
+        "damper, leave it out of the model",
+    )  # fmt: skip
+
+
 def _null_space(rows: Floats) -> Floats:
     """Return an orthonormal basis (n, k) of what all rows are perpendicular to."""
     if rows.shape[0] == 0:

@@ -21,6 +21,7 @@ from symbody.kernels.watch_block import (
     EVENTS,
     FIRST_STEP,
     G_LAST,
+    GOES_THROUGH,
     HIT,
     JUST_HAPPENED,
     LARGEST,
@@ -55,7 +56,10 @@ BOUNCES: Final = 1e4  # a slope so many times the least that shows is not lost i
 
 
 def settle_start(e: Function, W: Reals) -> None:
-    """Mark the events whose value is zero at the start of a smooth motion, up to rounding."""
+    """Mark the events whose value is zero at the start of a smooth motion, up to rounding.
+
+    A value that a sample alone interrupted just before its zero is on its way there.
+    """
     m = int(W[EVENTS])
     n = int(W[STATES])
     leaf = part(W, int(W[LEAF]), LEAF_VALUES + m * STEP_NODES)
@@ -78,7 +82,7 @@ def settle_start(e: Function, W: Reals) -> None:
         elif first == 0.0:
             W[row + BAND] = 0.0
             W[row + AT_ZERO] = 1.0
-        elif abs(first) <= TOUCHING * largest:
+        elif abs(first) <= TOUCHING * largest and W[row + GOES_THROUGH] == 0.0:
             if abs(first) <= rounding_error(e, W, i, leaf[0], first, state):
                 W[row + BAND] = 2.0 * abs(first)
                 W[row + AT_ZERO] = 1.0

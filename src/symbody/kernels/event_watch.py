@@ -35,6 +35,7 @@ from symbody.kernels.watch_block import (
     G_LAST,
     G_OLDER,
     GOES_ON,
+    GOES_THROUGH,
     HIT,
     HIT_TIME,
     LARGEST,
@@ -77,6 +78,7 @@ def start_stretch(W: Reals, first: int) -> None:
     for k in range(int(W[EVENTS])):
         W[int(W[TABLE]) + EVENT_SIZE * k + HIT] = 0.0
         W[int(W[TABLE]) + EVENT_SIZE * k + AT_ZERO] = 0.0
+        W[int(W[TABLE]) + EVENT_SIZE * k + GOES_THROUGH] = 0.0
 
 
 def sample_leaf(e: Function, W: Reals, breaks: Reals, pieces: Reals, begin: float, end: float) -> None:

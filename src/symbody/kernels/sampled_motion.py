@@ -35,6 +35,7 @@ from symbody.kernels.watch_block import (
     EVENT_SIZE,
     EVENTS,
     GOES_ON,
+    GOES_THROUGH,
     JUST_HAPPENED,
     MOST_RECENT,
     NO_ROOM,
@@ -121,6 +122,8 @@ def watch_sample(e: Function, B: Reals, W: Reals, Z: Reals) -> None:
         row = int(W[TABLE]) + EVENT_SIZE * k
         W[row + JUST_HAPPENED] = has_just_happened(W, Z, k, t)
         side = sign(W[int(W[VALUES]) + k])
+        if W[row + SIDE] * side > 0.0 and W[row + JUST_HAPPENED] == 0.0:
+            W[row + GOES_THROUGH] = 1.0
         if W[row + SIDE] * side < 0.0 and W[row + JUST_HAPPENED] == 0.0:
             add_zero(W, t, k, side)
 

@@ -114,7 +114,8 @@ POLE_TIME: Final = 24
 PEAK: Final = 25  # the largest value since the smooth motion began, and what is rounding there
 ROUNDING: Final = 26
 SIDE: Final = 27  # the sign of the value before the last sample of held values, 0 before it had one
-EVENT_SIZE: Final = 28
+GOES_THROUGH: Final = 28  # 1 where a motion goes on from a sample on the side of zero where the value was
+EVENT_SIZE: Final = 29
 
 # What an event does.
 RECORDS: Final = 0.0

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from symbody.codegen.formation.names import Value, check_names, missing_value, unknown_name
-from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.codegen.massless import massless_problem, massless_speeds, undetermined_problem
 from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
 from symbody.equations.cache_key import store_notes
@@ -129,6 +129,9 @@ def _explain_undefined(
     error: ExpressionError,
 ) -> CompileError | ExpressionError:
     """Return why outputs cannot be formed with these values: what no mass resists, or what was divided."""
+    lost = _undefined_balances(eqs, replacements)
+    if lost:
+        return CompileError(undetermined_problem("compile.massless", lost))
     graph = eqs.formed.graph
     matrices = [
         _replace_symbols(eqs, eqs.roots(name), replacements, graph) for name in ("mass_matrix", "jacobian")
@@ -146,6 +149,25 @@ def _explain_undefined(
         return CompileError(massless_problem("compile.singular_mass", names, eqs.coordinate_names))
     where = _undefined_formula(eqs, replacements) or f"output {', '.join(outputs)}"
     return ExpressionError(*(p if p.where else replace(p, where=where) for p in error.problems))
+
+
+def _undefined_balances(eqs: EquationSet, replacements: Mapping[int, int]) -> list[str]:
+    """Return the names of motions without mass that forces do not determine with these parameters."""
+    formed = eqs.formed
+    light = [speed.label for speed in formed.light_balances]
+    inverse = [] if formed.elimination is None or not light else formed.elimination.inverse
+    positions = {row.name.removeprefix("balance_"): row.value for row in formed.rows if row.is_balance}
+    try:
+        substitute(formed.graph, [x.index for row in inverse for x in row], replacements)
+        light = []
+    except ExpressionError:
+        return light
+    for name, value in positions.items():
+        try:
+            substitute(formed.graph, [value.index], replacements)
+        except ExpressionError:
+            light.append(name)
+    return light
 
 
 def _undefined_formula(eqs: EquationSet, replacements: Mapping[int, int]) -> str:

@@ -37,6 +37,7 @@ class HeldSignals:
     """All held values of a mechanism in one motion; none for most.
 
     Those that nothing in the motion reads change nothing in it: they are sampled from its steps afterwards.
+    Beside FMUs all are sampled on the way, before an FMU at the same instant computes its inputs anew.
 
     Parameters
     ----------
@@ -46,15 +47,15 @@ class HeldSignals:
         In the order of the model.
     start : float
         When samples are counted from [s].
-    waits : bool
-        Whether the first samples need what the motion computes first, as FMUs do.
+    fmus : sequence of FmuInput
+        Laws of inputs. The first samples wait for what FMUs compute first, unless these read held values.
     """
 
     def __init__(
-        self, eqs: EquationSet, values: Sequence[HeldValue], start: float, *, waits: bool = False
+        self, eqs: EquationSet, values: Sequence[HeldValue], start: float, *, fmus: Sequence[FmuInput] = ()
     ) -> None:
         self._eqs = eqs
-        self._waits = waits
+        self._fmus = tuple(fmus)
         self._start = start
         self._values = tuple(values)
         self.active = self._make_sampler(self._values)
@@ -101,7 +102,7 @@ class HeldSignals:
         if not self._values:
             return problem
         self.place(problem.laws)
-        changes = switches(problem.eqs.formed) or may_jump(problem.eqs)
+        changes = switches(problem.eqs.formed) or may_jump(problem.eqs) or bool(self._fmus)
         read = set(self.names) if changes else self._values_read(problem, events)
         self.active = self._make_sampler([value for value in self._values if value.name in read])
         runs = groupby(self._values, lambda value: value.name in read)
@@ -111,10 +112,15 @@ class HeldSignals:
     def _sample_first(self, problem: SimulationProblem) -> SimulationProblem:
         """Return the problem after the first samples: what follows from a state follows from them too."""
         first = problem.first
-        if first is not None and not self._waits:
+        if first is not None and (not self._fmus or self._read_by_fmus(problem)):
             x = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
             SampledLoop(problem, self.active).take(first.t, x)
         return problem
+
+    def _read_by_fmus(self, problem: SimulationProblem) -> bool:
+        """Return whether what an FMU reads depends on held values."""
+        outputs = {output for law in self._fmus for output in law.reads.values()}
+        return bool(outputs) and bool(inputs_read(problem.compile_outputs(sorted(outputs))) & set(self.names))
 
     def place(self, laws: InputLaws) -> None:
         """Find the values among the inputs that compiled functions take; the motion may read all."""
@@ -186,8 +192,8 @@ def held_signals(
     starts = constant_values(eqs, {s.name: given.get(s.name, s.initial) for s in signals}, parameters)
     _check_steps(signals, steps, span)
     values = [HeldValue(s.name, s.output or str(s.value), 0, steps[s.name], starts[s.name]) for s in signals]
-    waits = any(isinstance(law, FmuInput) for law in inputs.values())
-    return HeldSignals(eqs, values, span[0], waits=waits)
+    fmus = [law for law in inputs.values() if isinstance(law, FmuInput)]
+    return HeldSignals(eqs, values, span[0], fmus=fmus)
 
 
 def _check_inputs(signals: Sequence[Signal], inputs: Mapping[str, object]) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
@@ -84,8 +85,8 @@ class Steps(Protocol):
         """See above."""
         ...
 
-    def restart(self) -> None:
-        """Begin anew from the numbers of the stepper."""
+    def restart(self, initial: Mapping[str, Value]) -> None:
+        """Begin anew from the numbers of the stepper; other values of before samples are among `initial`."""
         ...
 
     def end(self, code: int) -> Ending:
@@ -141,7 +142,7 @@ class CompiledSteps:
         status = VERDICTS[code]
         return Ending(status, "" if status.success else self._raw(status).stop_note(self._state_names))
 
-    def restart(self) -> None:
+    def restart(self, initial: Mapping[str, Value]) -> None:
         """Begin anew from time and state at present."""
         self.occurrences = ()
         self._window = self._numbers.t

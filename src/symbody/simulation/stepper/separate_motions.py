@@ -108,10 +108,10 @@ class SeparateMotions:
         note = "" if self._last.status.success else "; ".join(self._last.notes[-1:])
         return Ending(self._last.status, note)
 
-    def restart(self) -> None:
-        """Begin anew from time and state at present."""
+    def restart(self, initial: Mapping[str, Value]) -> None:
+        """Begin anew from time and state at present, with other held values where `initial` has some."""
         self.occurrences = ()
-        self._posed, self._sampler = None, self._make_sampler()
+        self._posed, self._sampler = None, self._make_sampler(initial)
 
     def snapshot(self) -> Floats:
         """Return what samples follow from; each motion follows from its first state."""
@@ -135,11 +135,12 @@ class SeparateMotions:
         made.resume(self.snapshot())
         return made
 
-    def _make_sampler(self) -> Sampler | None:
+    def _make_sampler(self, others: Mapping[str, Value] | None = None) -> Sampler | None:
         """Return what samples held values, from their values at the start on."""
         settings, problem = self._problem.settings, self._problem
         span = settings.t_start, settings.t_start + settings.dt
-        held = held_signals(settings.eqs, span, problem.parameters, settings.initial, {})
+        initial = {**settings.initial, **(others or {})}
+        held = held_signals(settings.eqs, span, problem.parameters, initial, {})
         if not held.names:
             return None
         held.place(problem.own_laws)

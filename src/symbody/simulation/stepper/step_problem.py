@@ -17,6 +17,7 @@ from symbody.simulation.inputs.input_laws import Callback, InputLaws, input_laws
 from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.methods.integration import work_tolerance
 from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.settings import WINDOW, Sizes, StepperSettings
@@ -132,6 +133,8 @@ def first_state(
     held = held_later(settings.eqs)  # they have values before their first samples
     given = {**settings.initial, **(other or {})}
     initial = {name: value for name, value in given.items() if name not in held}
+    if held:  # so that impossible values change nothing
+        held_signals(settings.eqs, (settings.t_start, settings.t_start), parameters, given, {})
     return assemble(
         settings.eqs, initial, settings.guess, parameters, laws.formulas, settings.t_start,
         scales=settings.scales,

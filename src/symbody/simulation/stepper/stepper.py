@@ -270,11 +270,11 @@ class Stepper:
             If the values do not fit, or a name is unknown; nothing has changed then.
         """
         check_mappings(initial=initial)
-        parameters = self._problem.parameters
-        first = first_state(self._settings, parameters, {**(initial or {}), **values})
+        others = {**(initial or {}), **values}
+        first = first_state(self._settings, self._problem.parameters, others)
         self._numbers.begin(self._settings.t_start, self.dt, state_values(first))
         self._missing = set(self._settings.held)
-        self._steps.restart()
+        self._steps.restart(others)
         self._take(self._problem, self._steps, self._slow, Status.SUCCESS)
         return self
 

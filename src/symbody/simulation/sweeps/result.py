@@ -106,7 +106,7 @@ class Sweep(Displayed):
         if name in self.state_names:
             row: Floats = self.x[:, self.state_names.index(name)]
             return row
-        if name in self.cases:
+        if name in self.cases and name not in {law.name for law in self.evaluation.laws.held_laws.values()}:
             return self.cases[name]
         formula = formula_of_samples(name, ())
         if formula is not None:
@@ -115,7 +115,8 @@ class Sweep(Displayed):
 
     def _samples(self, name: str) -> Floats:
         """Return a name over all cases and times; what varied is the same at all times."""
-        return self.cases[name][:, np.newaxis] if name in self.cases else self[name]
+        values = self[name]
+        return values[:, np.newaxis] if values.ndim == 1 else values
 
     @checked_arguments
     def trajectory(self, case: int) -> Trajectory:
