@@ -86,3 +86,20 @@ def test_inputs_of_c_are_listed_in_their_order() -> None:
     places = [line.split()[1] for line in head if "]" in line]
     assert places == ["q[0]", "u[0]", "r[0]"]
     assert any("c is not read" in line for line in head)
+
+
+def test_a_loop_that_a_motion_drives_moves() -> None:
+    bar = {"P": sb.Frame(at=(-0.5, 0, 0)), "Q": sb.Frame(at=(0.5, 0, 0))}
+    bodies = [sb.Body(name, 1, (0, 0, 0.1), frames=bar) for name in ("A", "B", "C")]
+    joints = [
+        sb.Revolute("a", "ground", "A.P", coordinate="a", motion="1 + t"),
+        sb.Revolute("b", "A.Q", "B.P", coordinate="b"),
+        sb.Revolute("c", "B.Q", "C.Q"),
+        sb.Revolute("d", "ground.D", "C.P", coordinate="d"),
+    ]
+    ground = {"D": sb.Frame(at=(1.3, 0, 0))}
+    model = sb.Model("driven", [*bodies, *joints], ground=ground, initial={"b": -0.8, "d": 1.5})
+    run = sb.simulate(sb.form_equations(model), 0.1)
+    assert run.success
+    assert abs(run["d"][-1] - run["d"][0]) > 0.01
+    assert not [note for note in run.notes if "no freedom" in note]

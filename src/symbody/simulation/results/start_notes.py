@@ -89,10 +89,11 @@ def _loose_bodies(problem: SimulationProblem) -> tuple[str, ...]:
 
 
 def _no_freedom(problem: SimulationProblem, first: State) -> tuple[str, ...]:
-    """Return a note if the constraints leave nothing that can move."""
+    """Return a note if the constraints leave nothing that can move and time moves nothing either."""
     eqs = problem.eqs
     n_u = len(eqs.speed_names)
-    if not n_u or len(eqs.multiplier_names) < n_u:
+    is_driven = any(not row.drift.is_zero for row in eqs.formed.rows)
+    if not n_u or len(eqs.multiplier_names) < n_u or is_driven:
         return ()
     slopes = np.asarray(first["jacobian"])
     if len(slopes) < len(eqs.multiplier_names):  # ropes are slack
