@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,18 @@ def driven_tree(bodies: int) -> sb.Model:
     return sb.Model("driven tree", [*elements, lag], gravity=(0, -9.81, 0), inputs=["T"])
 
 
+def rubbing_chain(bodies: int) -> sb.Model:
+    """A chain with friction, which reads a reaction, at its root."""
+    model = chain(bodies)
+    elements = [
+        replace(element, friction=sb.Friction(mu=0.1, v0=0.1, radius=0.05))
+        if isinstance(element, sb.Revolute) and str(element.start) == "ground"
+        else element
+        for element in model.elements
+    ]
+    return sb.Model("rubbing chain", elements, gravity=model.gravity, parameters=model.parameters)
+
+
 def moving(eqs: sb.EquationSet) -> dict[str, float]:
     """Values of all states of a tree, without any symmetry."""
     names = [*eqs.coordinate_names, *eqs.speed_names]
@@ -54,7 +67,7 @@ def counted_stages() -> Iterator[list[str]]:
         yield stages
 
 
-@pytest.mark.parametrize("make", [chain, tree, driven_tree, ring, truss])
+@pytest.mark.parametrize("make", [chain, rubbing_chain, tree, driven_tree, ring, truss])
 def test_columns_of_linear_equations_are_those_of_formulas(
     make: Callable[[int], sb.Model], monkeypatch: pytest.MonkeyPatch
 ) -> None:
