@@ -129,7 +129,7 @@ class CompiledSteps:
         self._laws = CallbackFunction(self._function, problem.problem.laws) if problem.calls_python else None
         numbers.array[stepping.INPUTS] = 0.0 if problem.calls_python else numbers.inputs.size
         numbers.array[stepping.DERIVED] = 0.0
-        self._window = numbers.t
+        self._open_window(numbers.t)
         self._block = self._new_block()
         self._call = self._bind()
         self.go_on: Callable[[], int] = self._way()
@@ -144,7 +144,7 @@ class CompiledSteps:
     def restart(self) -> None:
         """Begin anew from time and state at present."""
         self.occurrences = ()
-        self._window = self._numbers.t
+        self._open_window(self._numbers.t)
         self._numbers.array[stepping.DERIVED] = 0.0
         self._use_block(self._new_block())
 
@@ -156,7 +156,7 @@ class CompiledSteps:
     def resume(self, kept: Floats) -> None:
         """Go on from numbers that `snapshot` returned."""
         if kept[0] != self._window:
-            self._window = float(kept[0])
+            self._open_window(float(kept[0]))
             self._renew_block(self._new_block(), kept[1:])
         else:
             self._set_kept(self._block, kept[1:])
@@ -198,8 +198,6 @@ class CompiledSteps:
     @property
     def _depends_on_time(self) -> bool:
         """Whether steps have to be bounded by what happens at certain times."""
-        if isinstance(self._problem.settings.method, FixedStep):
-            return False
         functions = function_of_time(self._function, self._problem.problem.laws.tables)
         return functions is not None and bool(functions.moves.any())
 
@@ -221,9 +219,10 @@ class CompiledSteps:
 
     def _look_ahead(self) -> None:
         array = self._numbers.array
-        if array[stepping.NOW] + array[stepping.DURATION] > self._window_end:
+        # Half a step more: a jump at the very end of what is looked at is none.
+        if array[stepping.NOW] + 1.5 * array[stepping.DURATION] > self._window_end:
             kept = self.snapshot()
-            self._window = self._numbers.t
+            self._open_window(self._numbers.t)
             self._renew_block(self._new_block(), kept[1:])
 
     def _go_on_with_laws(self) -> int:
@@ -239,10 +238,10 @@ class CompiledSteps:
                 code = self._run_unlocked()
         return code
 
-    @property
-    def _window_end(self) -> float:
+    def _open_window(self, t: float) -> None:
+        """Set from when to when the next block looks at what depends on time."""
         step = max(self._problem.settings.dt, self._numbers.array.item(stepping.DURATION))
-        return self._window + WINDOW * step
+        self._window, self._window_end = t, t + WINDOW * step
 
     def _breakpoints(self) -> Breakpoints:
         settings = self._problem.settings
