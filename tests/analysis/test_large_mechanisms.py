@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -82,6 +83,18 @@ def test_columns_of_linear_equations_are_those_of_formulas(
     for name in ("A", "B", "C", "D"):
         one, other = getattr(formulas, name), getattr(columns, name)
         assert np.abs(one - other).max(initial=0.0) < 1e-10 * max(1.0, np.abs(one).max(initial=0.0))
+
+
+@pytest.mark.parametrize(("law", "by"), [("sqrt(q3)", "derivative by q3 here"), ("1/q3", "value here")])
+def test_columns_that_are_not_finite_are_refused_by_their_names(
+    law: str, by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(directional_slopes, "MANY_STATES", 1)
+    eqs = sb.form_equations(driven_tree(6))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(sb.AssemblyError, match=f"no finite {by}"):
+            sb.linearize(eqs, {**moving(eqs), "q3": 0.0}, inputs={"T": law})
 
 
 def test_the_graph_of_linear_equations_grows_with_the_bodies_not_with_their_square() -> None:

@@ -234,7 +234,8 @@ def _check_finite(
     bad = np.argwhere(~np.isfinite(values))
     if not bad.size:
         return
-    row, column = (int(k) for k in bad[0])
+    # Infinite ones come first: along other directions, 0 times an infinite slope is not a number.
+    row, column = min(bad.tolist(), key=lambda place: (place[1] > 0, not np.isinf(values[*place])))
     names = eqs.state_names
     by = ("", *names, *inputs)[column]
     what = f"{names[row]}' has no finite {f'derivative by {by}' if by else 'value'} here"
