@@ -232,3 +232,17 @@ def test_a_long_step_behind_short_ones_passes_over_nothing() -> None:
     model = sb.Model("push", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), inputs=["F"])
     stepper = sb.Stepper(sb.form_equations(model), 0.01, inputs={"F": pulse}).step().step(200.0)
     assert stepper["x_dot"] == pytest.approx(1.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("step", [None, 0.1, 0.03])
+def test_implicit_steps_of_steppers_read_jumps_at_their_ends_from_before(step: float | None) -> None:
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
+    model = sb.Model("push", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), inputs=["F"])
+    force = {"F": "if(t < 0.5, 0, 1)"}
+    integrator = sb.GeneralizedAlpha(step=step)
+    stepper = sb.Stepper(sb.form_equations(model), 0.1, inputs=force, integrator=integrator)
+    for _ in range(5):
+        stepper.step()
+    assert stepper["x_dot"] == pytest.approx(0.0, abs=1e-6)
+    stepper.step()
+    assert stepper["x_dot"] == pytest.approx(0.1, abs=1e-6)
