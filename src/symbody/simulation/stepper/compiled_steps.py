@@ -149,17 +149,17 @@ class CompiledSteps:
         self._use_block(self._new_block())
 
     def snapshot(self) -> Floats:
-        """Return the numbers of the block that change, its vectors, and where its window begins."""
+        """Return the numbers of the block that change, its vectors, and where its window begins and ends."""
         block = self._block
-        return np.concatenate([[self._window], block[_KEPT], *self._kept_vectors(block)])
+        return np.concatenate([[self._window, self._window_end], block[_KEPT], *self._kept_vectors(block)])
 
     def resume(self, kept: Floats) -> None:
         """Go on from numbers that `snapshot` returned."""
-        if kept[0] != self._window:
-            self._open_window(float(kept[0]))
-            self._renew_block(self._new_block(), kept[1:])
+        if kept[0] != self._window or kept[1] != self._window_end:
+            self._window, self._window_end = float(kept[0]), float(kept[1])
+            self._renew_block(self._new_block(), kept[2:])
         else:
-            self._set_kept(self._block, kept[1:])
+            self._set_kept(self._block, kept[2:])
 
     def copy(self, problem: StepProblem, numbers: StepNumbers) -> CompiledSteps:
         """Return steps that go on from here with other numbers."""
@@ -223,7 +223,7 @@ class CompiledSteps:
         if array[stepping.NOW] + 1.5 * array[stepping.DURATION] > self._window_end:
             kept = self.snapshot()
             self._open_window(self._numbers.t)
-            self._renew_block(self._new_block(), kept[1:])
+            self._renew_block(self._new_block(), kept[2:])
 
     def _go_on_with_laws(self) -> int:
         """Take a step whose inputs are computed by functions of Python."""
@@ -241,7 +241,8 @@ class CompiledSteps:
     def _open_window(self, t: float) -> None:
         """Set from when to when the next block looks at what depends on time."""
         step = max(self._problem.settings.dt, self._numbers.array.item(stepping.DURATION))
-        self._window, self._window_end = t, t + WINDOW * step
+        self._window: float = t
+        self._window_end: float = t + WINDOW * step
 
     def _breakpoints(self) -> Breakpoints:
         settings = self._problem.settings
