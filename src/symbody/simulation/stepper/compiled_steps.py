@@ -129,6 +129,7 @@ class CompiledSteps:
         self._laws = CallbackFunction(self._function, problem.problem.laws) if problem.calls_python else None
         numbers.array[stepping.INPUTS] = 0.0 if problem.calls_python else numbers.inputs.size
         numbers.array[stepping.DERIVED] = 0.0
+        self._window = self._window_end = numbers.t
         self._open_window(numbers.t)
         self._block = self._new_block()
         self._call = self._bind()
@@ -241,8 +242,7 @@ class CompiledSteps:
     def _open_window(self, t: float) -> None:
         """Set from when to when the next block looks at what depends on time."""
         step = max(self._problem.settings.dt, self._numbers.array.item(stepping.DURATION))
-        self._window: float = t
-        self._window_end: float = t + WINDOW * step
+        self._window, self._window_end = t, t + WINDOW * step
 
     def _breakpoints(self) -> Breakpoints:
         settings = self._problem.settings
