@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +43,18 @@ def driven_tree(bodies: int) -> sb.Model:
     return sb.Model("driven tree", [*elements, lag], gravity=(0, -9.81, 0), inputs=["T"])
 
 
+def rubbing_chain(bodies: int) -> sb.Model:
+    """A chain with friction, which reads a reaction, at its root."""
+    model = chain(bodies)
+    elements = [
+        replace(element, friction=sb.Friction(mu=0.1, v0=0.1, radius=0.05))
+        if isinstance(element, sb.Revolute) and str(element.start) == "ground"
+        else element
+        for element in model.elements
+    ]
+    return sb.Model("rubbing chain", elements, gravity=model.gravity, parameters=model.parameters)
+
+
 def moving(eqs: sb.EquationSet) -> dict[str, float]:
     """Values of all states of a tree, without any symmetry."""
     names = [*eqs.coordinate_names, *eqs.speed_names]
@@ -54,7 +68,7 @@ def counted_stages() -> Iterator[list[str]]:
         yield stages
 
 
-@pytest.mark.parametrize("make", [chain, tree, driven_tree, ring, truss])
+@pytest.mark.parametrize("make", [chain, rubbing_chain, tree, driven_tree, ring, truss])
 def test_columns_of_linear_equations_are_those_of_formulas(
     make: Callable[[int], sb.Model], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -69,6 +83,18 @@ def test_columns_of_linear_equations_are_those_of_formulas(
     for name in ("A", "B", "C", "D"):
         one, other = getattr(formulas, name), getattr(columns, name)
         assert np.abs(one - other).max(initial=0.0) < 1e-10 * max(1.0, np.abs(one).max(initial=0.0))
+
+
+@pytest.mark.parametrize(("law", "by"), [("sqrt(q3)", "derivative by q3 here"), ("1/q3", "value here")])
+def test_columns_that_are_not_finite_are_refused_by_their_names(
+    law: str, by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(directional_slopes, "MANY_STATES", 1)
+    eqs = sb.form_equations(driven_tree(6))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(sb.AssemblyError, match=f"no finite {by}"):
+            sb.linearize(eqs, {**moving(eqs), "q3": 0.0}, inputs={"T": law})
 
 
 def test_the_graph_of_linear_equations_grows_with_the_bodies_not_with_their_square() -> None:

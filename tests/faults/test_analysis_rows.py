@@ -52,6 +52,26 @@ def test_row_93_friction_at_rest() -> None:
     assert not any("changes over" in note for note in (*sliding.notes, *smooth.notes))
 
 
+def test_row_93_friction_of_hinges_at_rest() -> None:
+    """What a smooth law is guarded by, and what only conditions read, is no corner of it."""
+    frames = {"end": sb.Frame(at=(0, -1, 0))}
+    elements: list[sb.Body | sb.Revolute] = []
+    for k, below in ((1, "ground"), (2, "B1.end")):
+        friction = sb.Friction(mu=0.1, v0=0.1, radius=0.05)
+        elements += [
+            sb.Body(f"B{k}", mass=1, inertia=(0, 0, 0.1), frames=frames),
+            sb.Revolute(f"J{k}", below, f"B{k}", axis="z", friction=friction),
+        ]
+    eqs = sb.form_equations(sb.Model("hinges", elements, gravity=(0, -9.81, 0)))
+    assert not any("changes over" in note for note in sb.linearize(eqs).notes)
+
+
+def test_row_93_a_long_formula_is_shortened() -> None:
+    law = "abs(" + " + ".join(f"sin({k}*x)" for k in range(1, 60)) + ")"
+    (note,) = (note for note in sb.linearize(block(None, f"F -{law}")).notes if "changes over" in note)
+    assert "sin(" in note and " ... = 0" in note and len(note) < 600
+
+
 @pytest.mark.parametrize(
     ("law", "word"), [("-0.5*sign(x_dot)", "sign"), ("-abs(x)", "abs"), ("-min(x, 2*x)", "min")]
 )

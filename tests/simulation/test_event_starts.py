@@ -113,3 +113,12 @@ def test_poles_and_values_that_are_no_numbers(
     notes = [note for note in run.notes if note.startswith("event ")]
     assert len(notes) == (1 if word else 0)
     assert all(word in note and repr(value) in note for note in notes)
+
+
+@pytest.mark.parametrize("integrator", [*INTEGRATORS, sb.GeneralizedAlpha()])
+@pytest.mark.parametrize("height", [0.3, 5.0, -300.0])
+def test_what_begins_at_rest_where_its_event_is_zero_just_leaves(integrator: object, height: float) -> None:
+    """Also where first steps are so short that they move the place by roundings, up or down."""
+    events = [sb.Event(f"y - ({height})", 0, name="any"), sb.Event(f"y - ({height})", -1, "stop", "down")]
+    run = sb.simulate(ball(), 1.0, initial={"y": height}, events=events, integrator=integrator)
+    assert run.status is sb.Status.SUCCESS and not run.events

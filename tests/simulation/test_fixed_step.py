@@ -209,3 +209,43 @@ def test_steppers_and_sweeps_read_jumps_on_the_raster_as_motions_do(lanes: bool)
         stepper.step()
     # within how much of its time a jump lies follows from the span that is looked at
     assert stepper["x"] == pytest.approx(run["x"][-1], rel=1e-9)
+
+
+@pytest.mark.parametrize("step", [0.1, 0.05, 0.03])
+@pytest.mark.parametrize("jump", [0.5, 100.0, 120.0])
+def test_steppers_read_jumps_at_the_ends_of_their_steps_however_late(step: float, jump: float) -> None:
+    """Also where the last step before the jump is shorter, and beyond the thousand steps looked at first."""
+    force = sb.Table([0.0, jump, jump, 2.0 * jump], [0.0, 0.0, 1.0, 1.0])
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
+    model = sb.Model("push", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), inputs=["F"])
+    stepper = sb.Stepper(sb.form_equations(model), 0.1, inputs={"F": force}, integrator=sb.FixedStep(step))
+    for _ in range(round(jump / 0.1)):
+        stepper.step()
+    assert stepper["x_dot"] == 0.0
+    stepper.step()
+    assert stepper["x_dot"] == pytest.approx(0.1, rel=1e-9)
+
+
+def test_a_long_step_behind_short_ones_passes_over_nothing() -> None:
+    pulse = "if(t < 150, 0, if(t < 150.01, 100, 0))"
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
+    model = sb.Model("push", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), inputs=["F"])
+    stepper = sb.Stepper(sb.form_equations(model), 0.01, inputs={"F": pulse}).step().step(120.0)
+    copy, restored = stepper.copy(), sb.Stepper(sb.form_equations(model), 0.01, inputs={"F": pulse})
+    restored.restore(stepper.save())
+    assert stepper.step(80.0)["x_dot"] == pytest.approx(1.0, rel=1e-5)
+    assert copy.step(80.0)["x_dot"] == restored.step(80.0)["x_dot"] == stepper["x_dot"]
+
+
+@pytest.mark.parametrize("step", [None, 0.1, 0.03])
+def test_implicit_steps_of_steppers_read_jumps_at_their_ends_from_before(step: float | None) -> None:
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
+    model = sb.Model("push", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), inputs=["F"])
+    force = {"F": "if(t < 0.5, 0, 1)"}
+    integrator = sb.GeneralizedAlpha(step=step)
+    stepper = sb.Stepper(sb.form_equations(model), 0.1, inputs=force, integrator=integrator)
+    for _ in range(5):
+        stepper.step()
+    assert stepper["x_dot"] == pytest.approx(0.0, abs=1e-6)
+    stepper.step()
+    assert stepper["x_dot"] == pytest.approx(0.1, abs=1e-6)

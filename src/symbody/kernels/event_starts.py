@@ -79,8 +79,8 @@ def settle_start(e: Function, W: Reals) -> None:
             W[row + ROUNDING] = ROUNDED * error
             W[row + BAND] = max(ROUNDED * error, 2.0 * abs(first))
             W[row + AT_ZERO] = 1.0 - was_moved_away(first, max(largest, W[row + LARGEST]), error)
-        elif first == 0.0:
-            W[row + BAND] = 0.0
+        elif first == 0.0:  # steps may begin so short that only rounding changes the value
+            W[row + BAND] = ROUNDED * rounding_error(e, W, i, leaf[0], first, state)
             W[row + AT_ZERO] = 1.0
         elif abs(first) <= TOUCHING * largest and W[row + GOES_THROUGH] == 0.0:
             if abs(first) <= rounding_error(e, W, i, leaf[0], first, state):

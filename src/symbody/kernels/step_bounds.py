@@ -87,8 +87,12 @@ def bound_step(B: Reals, t: float, h: float) -> int:
     return -1
 
 
-def end_motion(B: Reals, ahead: float, place: int) -> None:
+def end_motion(B: Reals, t: float, bound: int) -> None:
     """Let the next trial lead to the end of the motion, or to just before a jump there."""
+    ahead = B[T_END] - t
+    place = bound
+    if B[METHOD + GROWTH] == 1.0:  # the last step of one length may be shorter, or longer by the stretch
+        place = find_jump_at_end(B, t, abs(ahead))
     B[LENGTH] = ahead
     B[T_NEW] = B[T_END]
     if place >= 0 and B[place + BREAK_JUMPS] != 0.0:
@@ -114,7 +118,7 @@ def plan_trial(B: Reals, t: float, h: float) -> None:
     if B[AFTER_REJECTION] == 0.0 and abs(ahead) <= 10.0 * EPSILON * abs(t_end):
         allowed = abs(ahead)  # an event that acts may lie so close to the end
     if abs(ahead) <= allowed and abs(ahead) <= B[MAX_STEP] * (1.0 + 1e-9):
-        end_motion(B, ahead, place)
+        end_motion(B, t, place)
         return
     if place >= 0:
         end = B[place + BREAK_TIME]

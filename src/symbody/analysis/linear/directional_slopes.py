@@ -61,7 +61,7 @@ class DirectionalSlopes:
     others : CompiledFunction
         J, dPhi/dq, Phi, J u + b, and what changes over at 0.
     forces : CompiledFunction
-        ``M u' - F`` for the accelerations r.
+        ``M u' - F`` for the accelerations r; M itself where friction depends on these.
     """
 
     states: int
@@ -81,8 +81,11 @@ class DirectionalSlopes:
 
     def _mass_matrix(self, t: float, q: Floats, u: Floats, s: Floats) -> Floats:
         """Return M: the forces for one acceleration after the other, less those for none."""
+        if not self.forces.signature.r:
+            return np.asarray(self.forces(t, q, u, s=s))
         needed: Floats = np.asarray(self.forces(t, q, u, np.vstack([np.zeros(u.size), np.eye(u.size)]), s=s))
-        return np.asarray((needed[1:] - needed[0]).T)
+        with np.errstate(invalid="ignore"):  # infinite forces are refused with the rates
+            return np.asarray((needed[1:] - needed[0]).T)
 
 
 def directional_slopes(
@@ -105,6 +108,6 @@ def directional_slopes(
     along = bound_function(wider, ("xdot", ALONG), parameters, (), inputs, quick=True)
     others, forces = (
         bound_function(wider, words, parameters, (), still, quick=True)
-        for words in ((*_OTHERS, kinks), "inverse_dynamics")
+        for words in ((*_OTHERS, kinks), "mass_matrix" if wider.formed.friction else "inverse_dynamics")
     )
     return DirectionalSlopes(*counts, along, others, forces)

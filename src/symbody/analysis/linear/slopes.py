@@ -25,9 +25,9 @@ from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_law_nodes
-from symbody.errors import AssemblyError, Problem
+from symbody.errors import AssemblyError, ExpressionError, Problem
 from symbody.expr.canonical import sub
-from symbody.expr.graph import TIME, Symbol, SymbolKind
+from symbody.expr.graph import TIME, Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
@@ -39,6 +39,7 @@ Floats = NDArray[np.float64]
 _BY_STATE: Final = "linear slopes by states"
 _BY_INPUT: Final = "linear slopes by inputs"
 _KINKS: Final = "linear kinks"
+_READABLE: Final = 300  # letters of a formula in a note
 Switch = tuple[str, int]
 
 
@@ -234,7 +235,8 @@ def _check_finite(
     bad = np.argwhere(~np.isfinite(values))
     if not bad.size:
         return
-    row, column = (int(k) for k in bad[0])
+    # Infinite ones come first: along other directions, 0 times an infinite slope is not a number.
+    row, column = min(bad.tolist(), key=lambda place: (place[1] > 0, not np.isinf(values[*place])))
     names = eqs.state_names
     by = ("", *names, *inputs)[column]
     what = f"{names[row]}' has no finite {f'derivative by {by}' if by else 'value'} here"
@@ -279,12 +281,24 @@ def _switches(eqs: EquationSet, nodes: Sequence[int]) -> Iterator[Switch]:
         if law.switches:
             yield f"the friction of joint {law.joint.name}", law.rate.index
     graph = eqs.formed.graph
-    for node in graph.reachable(nodes):
+    for node in _valued_nodes(graph, nodes):
         op, a, b = graph.ops[node], graph.left[node], graph.right[node]
         if op in (ABS, SIGN) and symbols_of(graph, [a]):
             yield NAMES[op], a
         elif op in (MIN, MAX, LT, LE, EQ) and symbols_of(graph, [a, b]):
             yield NAMES[op], sub(graph, a, b)
+
+
+def _valued_nodes(graph: Graph, nodes: Sequence[int]) -> list[int]:
+    """Return the nodes that others are computed from, without those that only conditions read."""
+    seen = set(nodes)
+    valued = list(seen)
+    for node in valued:  # it grows meanwhile
+        if graph.ops[node] not in (LT, LE, EQ):
+            new = set(graph.operands(node)) - seen
+            seen |= new
+            valued += new
+    return sorted(valued)
 
 
 def nonsmooth_notes(
@@ -301,7 +315,16 @@ def nonsmooth_notes(
     is_zero = np.abs(values) <= ASSEMBLED * np.where(np.isfinite(changes), changes, 1.0)
     here = [switch for switch, yes in zip(listed, is_zero, strict=True) if yes]
     return tuple(
-        f"{what} changes over at this state, where {to_text(eqs.formed.graph, node)} = 0: the matrices hold "
+        f"{what} changes over at this state, where {_text(eqs.formed.graph, node)} = 0: the matrices hold "
         "on one side of it at most; a smooth law, such as friction with v0, holds on both"
         for what, node in here
     )
+
+
+def _text(graph: Graph, node: int) -> str:
+    """Return a formula, as far as it can be read."""
+    try:
+        text = to_text(graph, node)
+    except ExpressionError:
+        return "a long formula"
+    return text if len(text) <= _READABLE else f"{text[:_READABLE]} ..."

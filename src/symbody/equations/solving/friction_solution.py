@@ -233,7 +233,7 @@ def _invalidate_doubtful(normals: list[Expr], margins: list[Expr], residuals: li
         for residual in residuals:
             doubt = minimum(doubt, UNSOLVED - residual)
     zero, one = number(doubt.graph, 0), number(doubt.graph, 1)
-    sound = zero.apply(LT, doubt).apply(SELECT, one, sqrt(doubt - 1))
+    sound = sqrt(zero.apply(LT, doubt).apply(SELECT, one, -one))
     return [normal * sound for normal in normals]
 
 

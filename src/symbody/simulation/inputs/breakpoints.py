@@ -89,7 +89,7 @@ class Breakpoints:
             at = self.times[min(max(k - 1, 0), self.times.size - 1)]
             notes.append(
                 f"what depends on time alone changes within {shortest:.3g} s near t = {at:.6g} s: steps of "
-                f"{step:.3g} s may miss it; give sb.FixedStep a shorter one"
+                f"{step:.3g} s may miss it; give a shorter one"
             )
         if not self.is_complete:
             notes.append(

@@ -130,7 +130,8 @@ class CompiledSteps:
         self._laws = CallbackFunction(self._function, problem.problem.laws) if problem.calls_python else None
         numbers.array[stepping.INPUTS] = 0.0 if problem.calls_python else numbers.inputs.size
         numbers.array[stepping.DERIVED] = 0.0
-        self._window = numbers.t
+        self._window = self._window_end = numbers.t
+        self._open_window(numbers.t)
         self._block = self._new_block()
         self._call = self._bind()
         self.go_on: Callable[[], int] = self._way()
@@ -145,22 +146,22 @@ class CompiledSteps:
     def restart(self, initial: Mapping[str, Value]) -> None:
         """Begin anew from time and state at present."""
         self.occurrences = ()
-        self._window = self._numbers.t
+        self._open_window(self._numbers.t)
         self._numbers.array[stepping.DERIVED] = 0.0
         self._use_block(self._new_block())
 
     def snapshot(self) -> Floats:
-        """Return the numbers of the block that change, its vectors, and where its window begins."""
+        """Return the numbers of the block that change, its vectors, and where its window begins and ends."""
         block = self._block
-        return np.concatenate([[self._window], block[_KEPT], *self._kept_vectors(block)])
+        return np.concatenate([[self._window, self._window_end], block[_KEPT], *self._kept_vectors(block)])
 
     def resume(self, kept: Floats) -> None:
         """Go on from numbers that `snapshot` returned."""
-        if kept[0] != self._window:
-            self._window = float(kept[0])
-            self._renew_block(self._new_block(), kept[1:])
+        if kept[0] != self._window or kept[1] != self._window_end:
+            self._window, self._window_end = float(kept[0]), float(kept[1])
+            self._renew_block(self._new_block(), kept[2:])
         else:
-            self._set_kept(self._block, kept[1:])
+            self._set_kept(self._block, kept[2:])
 
     def copy(self, problem: StepProblem, numbers: StepNumbers) -> CompiledSteps:
         """Return steps that go on from here with other numbers."""
@@ -199,8 +200,6 @@ class CompiledSteps:
     @property
     def _depends_on_time(self) -> bool:
         """Whether steps have to be bounded by what happens at certain times."""
-        if isinstance(self._problem.settings.method, FixedStep):
-            return False
         functions = function_of_time(self._function, self._problem.problem.laws.tables)
         return functions is not None and bool(functions.moves.any())
 
@@ -222,10 +221,11 @@ class CompiledSteps:
 
     def _look_ahead(self) -> None:
         array = self._numbers.array
-        if array[stepping.NOW] + array[stepping.DURATION] > self._window_end:
+        # Half a step more: a jump at the very end of what is looked at is none.
+        if array[stepping.NOW] + 1.5 * array[stepping.DURATION] > self._window_end:
             kept = self.snapshot()
-            self._window = self._numbers.t
-            self._renew_block(self._new_block(), kept[1:])
+            self._open_window(self._numbers.t)
+            self._renew_block(self._new_block(), kept[2:])
 
     def _go_on_with_laws(self) -> int:
         """Take a step whose inputs are computed by functions of Python."""
@@ -240,10 +240,10 @@ class CompiledSteps:
                 code = self._run_unlocked()
         return code
 
-    @property
-    def _window_end(self) -> float:
+    def _open_window(self, t: float) -> None:
+        """Set from when to when the next block looks at what depends on time."""
         step = max(self._problem.settings.dt, self._numbers.array.item(stepping.DURATION))
-        return self._window + WINDOW * step
+        self._window, self._window_end = t, t + WINDOW * step
 
     def _breakpoints(self) -> Breakpoints:
         settings = self._problem.settings

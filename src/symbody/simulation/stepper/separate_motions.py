@@ -87,6 +87,9 @@ class SeparateMotions:
         before = just_happened(settings.events, self.occurrences, start)
         others = tuple(event for place, event in enumerate(settings.events) if place not in before)
         integration = replace(integration, events=others)
+        if isinstance(settings.integrator, GeneralizedAlpha):  # to read jumps at the very end from before
+            watched = [str(event.expression) for event in others]
+            integration.problem.breakpoints((start, end + settings.dt), watched)
         plan = MotionPlan(integration, settings.integrator, settings.constraints)
         run = run_switching(plan) if switches(settings.moving.formed) else run_with_jumps(plan)
         self._last, self.occurrences = run, run.events
