@@ -90,9 +90,10 @@ def motion_section(setting: Setting) -> ReportSection:
 def _motion(run: Trajectory) -> Iterator[Block]:
     yield Paragraph(f"From t = {run.t[0]:g} s to {run.t[-1]:g} s, {run.t.size} samples: {run.status.value}.")
     names = run.coordinate_names
-    yield Figure(
-        "motion", "Coordinates over time", lambda kind: motion_picture(run, names[:_MOST_CURVES], kind)
-    )
+    if names:
+        yield Figure(
+            "motion", "Coordinates over time", lambda kind: motion_picture(run, names[:_MOST_CURVES], kind)
+        )
     if len(names) > _MOST_CURVES:
         yield Paragraph(f"Shown are the first {_MOST_CURVES} of {len(names)} coordinates.")
     energies = ("kinetic_energy", "potential_energy", "energy")

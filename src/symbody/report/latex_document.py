@@ -82,8 +82,8 @@ def _block(block: Block, folder: str) -> str:
 def _grid(block: TextTable) -> str:
     if not block.rows:
         return ""
-    width = 0.92 / len(block.heading)
-    columns = f"p{{{width:.3f}\\textwidth}}" * len(block.heading)
+    width = 1 / len(block.heading)
+    columns = f"p{{\\dimexpr {width:.4f}\\textwidth-2\\tabcolsep\\relax}}" * len(block.heading)
     top = " & ".join(f"\\textbf{{{latex_words(word)}}}" for word in block.heading)
     lines = "".join(" & ".join(map(_cell, row)) + " \\\\\n" for row in block.rows)
     return f"\\begin{{longtable}}{{{columns}}}\n{top} \\\\\n\\hline\n\\endhead\n{lines}\\end{{longtable}}\n"

@@ -6,6 +6,7 @@ from base64 import b64encode
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
+from urllib.parse import quote
 
 from symbody.errors import EnvironmentFault, Problem
 from symbody.expr.language.formula import Formula
@@ -32,7 +33,8 @@ Place = Callable[[Figure], str]
 def markdown_document(document: ReportContent, folder: str) -> str:
     """Return Markdown that reads its pictures from a folder."""
     parts = [
-        section_text(section, lambda figure: f"{folder}/{figure.name}.svg") for section in document.sections
+        section_text(section, lambda figure: f"{quote(folder)}/{figure.name}.svg")
+        for section in document.sections
     ]
     return "\n".join([f"# {_words(document.title)}\n", *parts])
 
