@@ -177,3 +177,12 @@ def test_odd_names_of_files(tmp_path: Path) -> None:
     (picture,) = re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", tex)
     assert not set(picture) & set("%#")
     assert (tmp_path / picture).is_file()
+
+
+@pytest.mark.parametrize("suffix", [".html", ".tex", ".md"])
+def test_modes_that_are_zero_and_inputs_that_are(suffix: str, tmp_path: Path) -> None:
+    body, rail = sb.Body("B", mass=1), sb.Prismatic("P", "ground", "B", force=sb.Drive(applied="F"))
+    eqs = sb.form_equations(sb.Model("driven", [body, rail], inputs=["F"]))
+    text = write(eqs, tmp_path / f"x{suffix}", sections=["equilibrium"])
+    assert "inputs without a value are 0" in text
+    assert not re.search(r"\b(nan|inf)\b", text)

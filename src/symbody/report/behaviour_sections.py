@@ -64,12 +64,15 @@ def _equilibrium(setting: Setting) -> Iterator[Block]:
         yield Paragraph(f"It has no linear equations: {reason(error)}")
         return
     yield Paragraph(f"Its small motions are {linear.verdict}.")
+    yield Notes(tuple(note for note in linear.notes if note not in balance.notes))
     modes = tuple(_mode_row(mode) for mode in linear.modes if mode.eigenvalue.imag >= 0.0)
     heading = ("eigenvalue [1/s]", "frequency [rad/s]", "damping ratio", "time constant [s]")
     yield TextTable(heading, modes)
 
 
 def _mode_row(mode: Mode) -> tuple[Cell, ...]:
+    if mode.frequency <= mode.tolerance:  # zero but for rounding
+        return ("0", 0.0, mode.damping_ratio, mode.time_constant)
     value = eigenvalue_on_axes(mode)
     pair = "\u00b1" if value.imag else ""
     shown = f"{value.real:.5g} {pair} {abs(value.imag):.5g} i" if pair else f"{value.real:.5g}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
@@ -98,7 +99,12 @@ def _cell(cell: Cell) -> str:
         return unit_formula(cell.text)
     if isinstance(cell, Formula):
         return latex_words(cell.text)
-    return latex_words(cell) if isinstance(cell, str) else f"{cell:.6g}"
+    return latex_words(cell) if isinstance(cell, str) else plain_number(cell)
+
+
+def plain_number(value: float) -> str:
+    """Return a number, and a dash where there is none or it is infinite."""
+    return f"{value:.6g}" if math.isfinite(value) else "--"
 
 
 def name_formula(name: str) -> str:

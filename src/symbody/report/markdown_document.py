@@ -25,7 +25,13 @@ from symbody.report.document import (
     TextTable,
     Unit,
 )
-from symbody.report.latex_document import equation_formulas, matrix_formulas, name_formula, unit_formula
+from symbody.report.latex_document import (
+    equation_formulas,
+    matrix_formulas,
+    name_formula,
+    plain_number,
+    unit_formula,
+)
 
 Place = Callable[[Figure], str]
 
@@ -112,7 +118,7 @@ def _cell(cell: Cell) -> str:
         return unit_formula(cell.text).replace("|", r"\|")
     if isinstance(cell, Formula):
         return f"`{cell.text}`".replace("|", r"\|")
-    return _words(cell) if isinstance(cell, str) else f"{cell:.6g}"
+    return _words(cell) if isinstance(cell, str) else plain_number(cell)
 
 
 def _words(text: str) -> str:
