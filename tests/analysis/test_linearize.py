@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eig
 
 import symbody as sb
+from symbody.analysis.linear.modes import spectrum
 from tests.problems.mechanisms import equations_of
 from tests.spectra import assert_same_spectrum
 
