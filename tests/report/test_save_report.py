@@ -186,3 +186,16 @@ def test_modes_that_are_zero_and_inputs_that_are(suffix: str, tmp_path: Path) ->
     text = write(eqs, tmp_path / f"x{suffix}", sections=["equilibrium"])
     assert "inputs without a value are 0" in text
     assert not re.search(r"\b(nan|inf)\b", text)
+
+
+def test_no_equilibrium_of_a_hundred_speeds_and_more(tmp_path: Path) -> None:
+    ends = {"P": sb.Frame(at=(-0.5, 0, 0)), "Q": sb.Frame(at=(0.5, 0, 0))}
+    parts: list[sb.Body | sb.Revolute] = []
+    for k in range(101):
+        start = f"B{k - 1}.Q" if k else "ground"
+        parts += [
+            sb.Body(f"B{k}", mass=1, inertia=(0, 0, 1), frames=ends),
+            sb.Revolute(f"J{k}", start, f"B{k}.P"),
+        ]
+    eqs = sb.form_equations(sb.Model("chain", parts, (0, -9.81, 0)))
+    assert "there are 101 speeds" in write(eqs, tmp_path / "x.html", sections=["equilibrium"])

@@ -33,6 +33,7 @@ from symbody.simulation.programs.generate_code import generate_code
 from symbody.simulation.results.trajectory import Trajectory
 
 _MOST_CURVES: Final = 8
+_MOST_SPEEDS: Final = 100  # of an equilibrium and its modes, whose time grows with the cube
 _MOST_OPERATIONS: Final = 20_000  # of code whose size is measured by writing it
 _LANGUAGES: Final = ("c", "python", "fortran", "matlab", "julia", "rust")
 
@@ -46,6 +47,11 @@ def _equilibrium(setting: Setting) -> Iterator[Block]:
     eqs = setting.eqs
     if isinstance(setting.start, str):
         yield Paragraph(f"None was looked for: {setting.start}")
+        return
+    if len(eqs.speed_names) > _MOST_SPEEDS:
+        yield Paragraph(
+            f"None was looked for: there are {len(eqs.speed_names)} speeds. find_equilibrium(eqs) does."
+        )
         return
     try:
         balance = find_equilibrium(eqs, parameters=setting.parameters)
