@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eig
 
 import symbody as sb
+from symbody.analysis.linear.modes import spectrum
 from tests.problems.mechanisms import equations_of
 from tests.spectra import assert_same_spectrum
 
@@ -378,3 +379,9 @@ def test_control_is_asked_for_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, missing)
     with pytest.raises(sb.EnvironmentFault, match=r"pip install symbody\[control\]"):
         lin.to_control()
+
+
+@pytest.mark.filterwarnings("error")
+def test_entries_of_very_different_size_give_no_warning() -> None:
+    modes = spectrum(np.array([[1.0, 1e30], [1e-30, 3.0]]), ("a", "b"), 1, 1.0).modes
+    assert [mode.eigenvalue.real for mode in modes] == pytest.approx([2 + math.sqrt(2), 2 - math.sqrt(2)])

@@ -6,6 +6,7 @@ import re
 from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
@@ -138,6 +139,7 @@ def test_large_mechanisms_are_counted(tmp_path: Path) -> None:
         ({"path": "x"}, "report.format"),
         ({"path": "x.html", "sections": ["dynamic"]}, "report.section"),
         ({"path": "x.html", "run": "other"}, "report.run"),
+        ({"path": "x.html", "parameters": {"no_such": 1}}, "parameters.unknown"),
     ],
 )
 def test_bad_arguments(words: dict[str, object], code: str, tmp_path: Path) -> None:
@@ -154,3 +156,46 @@ def test_bad_arguments(words: dict[str, object], code: str, tmp_path: Path) -> N
 def test_folder_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(sb.EnvironmentFault, match=r"report\.unwritable"):
         sb.save_report(load("slider_crank"), tmp_path / "none" / "x.html", sections=["parameters"])
+
+
+@pytest.mark.parametrize("suffix", [".html", ".tex", ".md", ".ipynb"])
+def test_mechanisms_without_speeds(suffix: str, tmp_path: Path) -> None:
+    parts = [sb.Body("B", mass=1), sb.Prismatic("P", "ground", "B", coordinate="x", motion="sin(t)")]
+    for name, elements in (("driven", parts), ("nothing", [])):
+        eqs = sb.form_equations(sb.Model(name, elements))
+        text = write(eqs, tmp_path / f"{name}{suffix}", run=sb.simulate(eqs, 0.1) if elements else None)
+        assert "There are no speeds" in text
+        assert "Equations of motion" in text
+
+
+def test_odd_names_of_files(tmp_path: Path) -> None:
+    eqs = load("slider_crank")
+    markdown = write(eqs, tmp_path / "my crank (50%).md", sections=["mechanism"])
+    (link,) = re.findall(r"!\[[^]]*\]\(([^ )]*)\)", markdown)
+    assert (tmp_path / unquote(link)).is_file()
+    tex = write(eqs, tmp_path / "crank_50%#1.tex", sections=["mechanism"])
+    (picture,) = re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", tex)
+    assert not set(picture) & set("%#")
+    assert (tmp_path / picture).is_file()
+
+
+@pytest.mark.parametrize("suffix", [".html", ".tex", ".md"])
+def test_modes_that_are_zero_and_inputs_that_are(suffix: str, tmp_path: Path) -> None:
+    body, rail = sb.Body("B", mass=1), sb.Prismatic("P", "ground", "B", force=sb.Drive(applied="F"))
+    eqs = sb.form_equations(sb.Model("driven", [body, rail], inputs=["F"]))
+    text = write(eqs, tmp_path / f"x{suffix}", sections=["equilibrium"])
+    assert "inputs without a value are 0" in text
+    assert not re.search(r"\b(nan|inf)\b", text)
+
+
+def test_no_equilibrium_of_a_hundred_speeds_and_more(tmp_path: Path) -> None:
+    ends = {"P": sb.Frame(at=(-0.5, 0, 0)), "Q": sb.Frame(at=(0.5, 0, 0))}
+    parts: list[sb.Body | sb.Revolute] = []
+    for k in range(101):
+        start = f"B{k - 1}.Q" if k else "ground"
+        parts += [
+            sb.Body(f"B{k}", mass=1, inertia=(0, 0, 1), frames=ends),
+            sb.Revolute(f"J{k}", start, f"B{k}.P"),
+        ]
+    eqs = sb.form_equations(sb.Model("chain", parts, (0, -9.81, 0)))
+    assert "there are 101 speeds" in write(eqs, tmp_path / "x.html", sections=["equilibrium"])

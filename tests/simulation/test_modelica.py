@@ -170,3 +170,10 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     out = tmp_path / "CartPole.mo"
     assert run(["code", file, "--language", "modelica", "--out", str(out)]) == 0
     assert out.read_text(encoding="utf-8") == sb.generate_code(equations_of("cart_pole"), [], "modelica")
+
+
+@pytest.mark.parametrize("name", ["real", "Boolean", "string"])
+def test_models_named_like_types(name: str) -> None:
+    body, rail = sb.Body("Block", mass=1), sb.Prismatic("rail", "ground", "Block", coordinate="x")
+    text = sb.generate_code(sb.form_equations(sb.Model(name, [body, rail])), [], "modelica")
+    assert simulate(text, {}, 0.1)

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
+import symbody as sb
 from symbody.errors import EnvironmentFault, UsageError
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.plotting.line_sampling import SMOOTH
@@ -365,3 +366,12 @@ def test_files_that_cannot_be_written_are_told(tmp_path: Path) -> None:
         save_plot(ax, tmp_path / "swing")
     with pytest.raises(EnvironmentFault, match="No such file or directory"):
         save_plot(ax, tmp_path / "missing" / "swing.png")
+
+
+def test_motion_without_coordinates_needs_a_name() -> None:
+    parts = [sb.Body("B", mass=1), sb.Prismatic("P", "ground", "B", coordinate="x", motion="sin(t)")]
+    run = sb.simulate(sb.form_equations(sb.Model("driven", parts)), 0.1)
+    for panels in (False, True):
+        with pytest.raises(UsageError, match=r"plot\.nothing"):
+            sb.plot(run, panels=panels)
+    assert sb.plot(run, "energy").get_lines()

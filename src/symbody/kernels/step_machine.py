@@ -140,8 +140,8 @@ def close(f: Function, g: Function, B: Reals) -> int:
     moved = project_new_state(g, B, t_new)
     if moved < 0.0:
         return 0
-    if moved > 0.0:
-        evaluate(f, B, t_new, STATE_NEW, end)
+    if moved > 0.0:  # a step that ends at a jump keeps the derivative before it
+        evaluate(f, B, B[TIME] + B[LENGTH], STATE_NEW, end)
     if B[KERNEL] != 0.0:
         return 0
     return all_finite(n, part(B, VECTORS + (VECTOR_ROWS + end) * n, n))

@@ -33,6 +33,7 @@ from symbody.simulation.programs.generate_code import generate_code
 from symbody.simulation.results.trajectory import Trajectory
 
 _MOST_CURVES: Final = 8
+_MOST_SPEEDS: Final = 100  # of an equilibrium and its modes, whose time grows with the cube
 _MOST_OPERATIONS: Final = 20_000  # of code whose size is measured by writing it
 _LANGUAGES: Final = ("c", "python", "fortran", "matlab", "julia", "rust")
 
@@ -46,6 +47,11 @@ def _equilibrium(setting: Setting) -> Iterator[Block]:
     eqs = setting.eqs
     if isinstance(setting.start, str):
         yield Paragraph(f"None was looked for: {setting.start}")
+        return
+    if len(eqs.speed_names) > _MOST_SPEEDS:
+        yield Paragraph(
+            f"None was looked for: there are {len(eqs.speed_names)} speeds. find_equilibrium(eqs) does."
+        )
         return
     try:
         balance = find_equilibrium(eqs, parameters=setting.parameters)
@@ -64,12 +70,15 @@ def _equilibrium(setting: Setting) -> Iterator[Block]:
         yield Paragraph(f"It has no linear equations: {reason(error)}")
         return
     yield Paragraph(f"Its small motions are {linear.verdict}.")
+    yield Notes(tuple(note for note in linear.notes if note not in balance.notes))
     modes = tuple(_mode_row(mode) for mode in linear.modes if mode.eigenvalue.imag >= 0.0)
     heading = ("eigenvalue [1/s]", "frequency [rad/s]", "damping ratio", "time constant [s]")
     yield TextTable(heading, modes)
 
 
 def _mode_row(mode: Mode) -> tuple[Cell, ...]:
+    if mode.frequency <= mode.tolerance:  # zero but for rounding
+        return ("0", 0.0, mode.damping_ratio, mode.time_constant)
     value = eigenvalue_on_axes(mode)
     pair = "\u00b1" if value.imag else ""
     shown = f"{value.real:.5g} {pair} {abs(value.imag):.5g} i" if pair else f"{value.real:.5g}"
@@ -90,9 +99,10 @@ def motion_section(setting: Setting) -> ReportSection:
 def _motion(run: Trajectory) -> Iterator[Block]:
     yield Paragraph(f"From t = {run.t[0]:g} s to {run.t[-1]:g} s, {run.t.size} samples: {run.status.value}.")
     names = run.coordinate_names
-    yield Figure(
-        "motion", "Coordinates over time", lambda kind: motion_picture(run, names[:_MOST_CURVES], kind)
-    )
+    if names:
+        yield Figure(
+            "motion", "Coordinates over time", lambda kind: motion_picture(run, names[:_MOST_CURVES], kind)
+        )
     if len(names) > _MOST_CURVES:
         yield Paragraph(f"Shown are the first {_MOST_CURVES} of {len(names)} coordinates.")
     energies = ("kinetic_energy", "potential_energy", "energy")

@@ -69,7 +69,7 @@ class TextTable:
 
 @dataclass(frozen=True, slots=True)
 class EquationBlock:
-    """EquationBlock ``left = right`` below each other.
+    """Equations ``left = right`` below each other.
 
     Attributes
     ----------

@@ -107,14 +107,17 @@ def _constraints(eqs: EquationSet) -> Iterator[Block]:
 def dynamics_section(setting: Setting) -> ReportSection:
     """Return M, F, J and gamma, and how many operations each output takes."""
     eqs = setting.eqs
+    first = "There are no speeds: nothing moves, or all that moves is prescribed."
     blocks: list[Block] = [
-        Paragraph(
+        Paragraph(first)
+        if not eqs.speed_names
+        else Paragraph(
             "The equations of motion are M u' = F + J^T lambda, J u' = gamma: speeds u, multipliers lambda."
         )
         if eqs.multiplier_names
         else Paragraph("The equations of motion are M u' = F, with speeds u.")
     ]
-    blocks += _matrices(eqs)
+    blocks += _matrices(eqs) if eqs.speed_names else ()
     counted: list[tuple[Cell, ...]] = []
     for name in _COUNTED:
         if name in ("jacobian", "gamma", "constraints") and not eqs.multiplier_names:
@@ -151,12 +154,14 @@ def equations_section(setting: Setting) -> ReportSection:
         graph, (*eqs.roots("mass_matrix").nodes, *eqs.roots("forcing").nodes)
     ):
         text = "too large to be read; eqs.text() prints them, sb.generate_code writes them"
-        return ReportSection("equations", "EquationBlock of motion", (Paragraph(text),))
+        return ReportSection("equations", "Equations of motion", (Paragraph(text),))
     blocks = [*_equations(graph, equation_sides(eqs.textbook))]
+    if not eqs.speed_names:
+        blocks = [Paragraph("There are none: there are no speeds.")]
     if eqs.textbook.signal_equations:
         blocks.append(Paragraph("Signals:"))
         blocks += _equations(graph, eqs.textbook.signal_equations)
-    return ReportSection("equations", "EquationBlock of motion", blocks)
+    return ReportSection("equations", "Equations of motion", blocks)
 
 
 def reactions_section(setting: Setting) -> ReportSection:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
@@ -82,8 +83,8 @@ def _block(block: Block, folder: str) -> str:
 def _grid(block: TextTable) -> str:
     if not block.rows:
         return ""
-    width = 0.92 / len(block.heading)
-    columns = f"p{{{width:.3f}\\textwidth}}" * len(block.heading)
+    width = 1 / len(block.heading)
+    columns = f"p{{\\dimexpr {width:.4f}\\textwidth-2\\tabcolsep\\relax}}" * len(block.heading)
     top = " & ".join(f"\\textbf{{{latex_words(word)}}}" for word in block.heading)
     lines = "".join(" & ".join(map(_cell, row)) + " \\\\\n" for row in block.rows)
     return f"\\begin{{longtable}}{{{columns}}}\n{top} \\\\\n\\hline\n\\endhead\n{lines}\\end{{longtable}}\n"
@@ -98,7 +99,12 @@ def _cell(cell: Cell) -> str:
         return unit_formula(cell.text)
     if isinstance(cell, Formula):
         return latex_words(cell.text)
-    return latex_words(cell) if isinstance(cell, str) else f"{cell:.6g}"
+    return latex_words(cell) if isinstance(cell, str) else plain_number(cell)
+
+
+def plain_number(value: float) -> str:
+    """Return a number, and a dash where there is none or it is infinite."""
+    return f"{value:.6g}" if math.isfinite(value) else "--"
 
 
 def name_formula(name: str) -> str:

@@ -6,6 +6,7 @@ from base64 import b64encode
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
+from urllib.parse import quote
 
 from symbody.errors import EnvironmentFault, Problem
 from symbody.expr.language.formula import Formula
@@ -24,7 +25,13 @@ from symbody.report.document import (
     TextTable,
     Unit,
 )
-from symbody.report.latex_document import equation_formulas, matrix_formulas, name_formula, unit_formula
+from symbody.report.latex_document import (
+    equation_formulas,
+    matrix_formulas,
+    name_formula,
+    plain_number,
+    unit_formula,
+)
 
 Place = Callable[[Figure], str]
 
@@ -32,7 +39,8 @@ Place = Callable[[Figure], str]
 def markdown_document(document: ReportContent, folder: str) -> str:
     """Return Markdown that reads its pictures from a folder."""
     parts = [
-        section_text(section, lambda figure: f"{folder}/{figure.name}.svg") for section in document.sections
+        section_text(section, lambda figure: f"{quote(folder)}/{figure.name}.svg")
+        for section in document.sections
     ]
     return "\n".join([f"# {_words(document.title)}\n", *parts])
 
@@ -110,7 +118,7 @@ def _cell(cell: Cell) -> str:
         return unit_formula(cell.text).replace("|", r"\|")
     if isinstance(cell, Formula):
         return f"`{cell.text}`".replace("|", r"\|")
-    return _words(cell) if isinstance(cell, str) else f"{cell:.6g}"
+    return _words(cell) if isinstance(cell, str) else plain_number(cell)
 
 
 def _words(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -56,6 +57,8 @@ SECTIONS: Final[Mapping[str, Callable[[Setting], ReportSection]]] = {
     "code": code_section,
     "origin": origin_section,
 }
+# What LaTeX reads otherwise in the name of a picture.
+_UNREADABLE: Final = re.compile(r"[%#~^&$\\{}\"]")
 _SUFFIXES: Final = (".html", ".tex", ".md", ".ipynb")
 
 
@@ -97,7 +100,7 @@ def save_report(
     Raises
     ------
     UsageError
-        A suffix or a section that does not exist; a motion of other equations.
+        A suffix, a section or a parameter that does not exist; a motion of other equations.
     EnvironmentFault
         If a file cannot be written, or nbformat is missing for a notebook.
 
@@ -107,7 +110,7 @@ def save_report(
     >>> sb.save_report(eqs, "slider_crank.html", run=sb.simulate(eqs, (0, 2)))  # doctest: +SKIP
     """
     target = Path(path)
-    _check(eqs, target, sections, run)
+    _check(eqs, target, sections, run, parameters or {})
     values = parameters if parameters is not None else run.parameters if run is not None else {}
     setting = Setting(eqs, run, values)
     chosen = tuple(SECTIONS if sections is None else sections)
@@ -121,7 +124,13 @@ def save_report(
         raise EnvironmentFault(Problem("report.unwritable", str(path), what, fix=fix)) from error
 
 
-def _check(eqs: EquationSet, path: Path, sections: Sequence[str] | None, run: Trajectory | None) -> None:
+def _check(
+    eqs: EquationSet,
+    path: Path,
+    sections: Sequence[str] | None,
+    run: Trajectory | None,
+    parameters: Mapping[str, Value],
+) -> None:
     problems = []
     if path.suffix.lower() not in _SUFFIXES:
         what = f"{path.suffix!r} is no kind of report" if path.suffix else "the name has no suffix"
@@ -142,6 +151,14 @@ def _check(eqs: EquationSet, path: Path, sections: Sequence[str] | None, run: Tr
             "these equations were put together by hand: there is no model with bodies and joints to report on"
         )
         problems.append(Problem("report.by_hand", "eqs", what, fix="eqs.text() and eqs.latex() print them"))
+    else:
+        values = eqs.model.parameters
+        problems += [
+            Problem(
+                "parameters.unknown", name, f"the model has no parameter {name!r}", "", nearest(name, values)
+            )
+            for name in parameters if name not in values
+        ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
 
@@ -153,7 +170,8 @@ def _write(document: ReportContent, path: Path) -> None:
     elif suffix == ".ipynb":
         text = notebook_document(document)
     else:
-        folder = path.with_name(f"{path.stem}_pictures")
+        stem = _UNREADABLE.sub("-", path.stem) if suffix == ".tex" else path.stem
+        folder = path.with_name(f"{stem}_pictures")
         _write_pictures(document, folder, "pdf" if suffix == ".tex" else "svg")
         text = (latex_document if suffix == ".tex" else markdown_document)(document, folder.name)
     path.write_text(text, encoding="utf-8", newline="\n")

@@ -47,4 +47,5 @@ def reason(error: SymbodyError) -> str:
     """Return the first problem of an error as a sentence."""
     problem = error.problems[0]
     text = f"{problem.where}: {problem.what}" if problem.where else problem.what
-    return f"{text}. {problem.fix[:1].upper()}{problem.fix[1:]}." if problem.fix else f"{text}."
+    fix = problem.fix.rstrip(".")
+    return f"{text}. {fix[:1].upper()}{fix[1:]}." if fix else f"{text}."

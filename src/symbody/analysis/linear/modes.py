@@ -96,7 +96,8 @@ def spectrum(A: Floats, names: Sequence[str], coordinates: int, noise: float) ->
     """
     if not A.size:
         return Spectrum(Modes(), "stable")
-    balanced, scaling = matrix_balance(A, permute=False)
+    with np.errstate(invalid="ignore"):  # SciPy casts scales to integers before it replaces them
+        balanced, scaling = matrix_balance(A, permute=False)
     values, left, right = eig(balanced, left=True, right=True)
     cosines = np.abs(np.sum(left.conj() * right, axis=0))
     level = len(A) * noise * _EPS

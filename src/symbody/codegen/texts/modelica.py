@@ -16,7 +16,7 @@ from typing import Final
 from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.lowering import constant_values, integer_exponent, refuse_user_functions
 from symbody.codegen.texts.choices import Path, find_choices
-from symbody.codegen.texts.modelica_names import quoted_names
+from symbody.codegen.texts.modelica_names import RESERVED, quoted_names
 from symbody.codegen.texts.text_dialect import operation_formats
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Output, Sequence
@@ -120,11 +120,12 @@ def model_text(sequence: Sequence, declared: ModelDeclarations) -> str:
 def model_name(name: str) -> str:
     """Return the name of a model as Modelica's users write it.
 
-    >>> model_name("slider crank"), model_name("3d")
-    ('SliderCrank', 'X3d')
+    >>> model_name("slider crank"), model_name("3d"), model_name("real")
+    ('SliderCrank', 'X3d', 'RealModel')
     """
     (word,) = assign_identifiers([name], lambda word: False)
-    return "".join(part[:1].upper() + part[1:] for part in word.split("_"))
+    written = "".join(part[:1].upper() + part[1:] for part in word.split("_"))
+    return f"{written}Model" if written in RESERVED else written
 
 
 class _ModelWriter:

@@ -88,7 +88,7 @@ def plot(
     if isinstance(run, Sweep):
         return plot_sweep(run, expressions, ax, title)
     _check_motion(run)
-    chosen = expressions or run.coordinate_names
+    chosen = expressions or _coordinates(run)
     curves = [item for item in chosen if isinstance(item, str)]
     if len(curves) == len(chosen):
         across, drawn = _pair_with_abscissa(run, curves, x)
@@ -106,6 +106,22 @@ def _check_motion(run: object) -> None:
         if isinstance(run, Linearization):
             fix += "; for a Bode diagram: control.bode_plot(run.to_control()), of python-control"
         raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
+
+
+def _coordinates(run: Trajectory) -> tuple[str, ...]:
+    """Return the coordinates, which are drawn where nothing is named.
+
+    Raises
+    ------
+    UsageError
+        If there are none, as where all motion is prescribed.
+    """
+    if not run.coordinate_names:
+        raise UsageError(
+            Problem("plot.nothing", "run", "the motion has no coordinates", "all of it is prescribed",
+                    'name what to draw: plot(run, "energy")')
+        )  # fmt: skip
+    return run.coordinate_names
 
 
 def _check_paths_alone(curves: Sequence[str], x: str) -> None:
