@@ -201,25 +201,25 @@ def test_parameters_of_a_stepper_change_between_samples(eqs: sb.EquationSet) -> 
 SAMPLED = "signal.sampled"
 
 
-@pytest.mark.parametrize(
-    ("attempt", "code"),
-    [
-        (lambda eqs, path: sb.linearize(eqs), SAMPLED),
-        (lambda eqs, path: sb.linearize(eqs, inputs={"servo": 0}), SAMPLED),
-        (lambda eqs, path: sb.find_equilibrium(eqs), SAMPLED),
-        (lambda eqs, path: sb.inverse_dynamics(eqs, {"x": "sin(t)"}, "F", np.linspace(0, 1, 5)), SAMPLED),
-        (lambda eqs, path: sb.generate_simulation(eqs, 1.0, "python"), SAMPLED),
-        (lambda eqs, path: sb.save_fmu(eqs, path / "cart.fmu"), SAMPLED),
-        (lambda eqs, path: sb.animate(eqs, path / "cart.html"), SAMPLED),
-        (lambda eqs, path: sb.simulate(eqs, 1.0, integrator=sb.Stiff()), "simulation.sampled"),
-        (lambda eqs, path: sb.simulate(eqs, (1.0, 0.0)), "signal.backwards"),
-        (lambda eqs, path: sb.simulate(eqs, 1.0, inputs={"servo": 1}), "signal.held_input"),
-        (lambda eqs, path: sb.simulate(eqs, 1.0, parameters={"dt": 0}), "signal.sample"),
-        (lambda eqs, path: sb.simulate(eqs, 1.0, parameters={"dt": 1e-18}), "signal.sample"),
-        (lambda eqs, path: sb.without_sampling(eqs.model), "signal.no_continuous"),
-        (lambda eqs, path: sb.Stepper(eqs, 0.1, inputs=["servo"]), "stepper.unknown_name"),
-    ],
-)
+ATTEMPTS = [
+    (lambda eqs, path: sb.linearize(eqs), SAMPLED),
+    (lambda eqs, path: sb.linearize(eqs, inputs={"servo": 0}), SAMPLED),
+    (lambda eqs, path: sb.find_equilibrium(eqs), SAMPLED),
+    (lambda eqs, path: sb.inverse_dynamics(eqs, {"x": "sin(t)"}, "F", np.linspace(0, 1, 5)), SAMPLED),
+    (lambda eqs, path: sb.generate_simulation(eqs, 1.0, "python"), SAMPLED),
+    (lambda eqs, path: sb.save_fmu(eqs, path / "cart.fmu"), SAMPLED),
+    (lambda eqs, path: sb.animate(eqs, path / "cart.html"), SAMPLED),
+    (lambda eqs, path: sb.simulate(eqs, 1.0, integrator=sb.Stiff()), "simulation.sampled"),
+    (lambda eqs, path: sb.simulate(eqs, (1.0, 0.0)), "signal.backwards"),
+    (lambda eqs, path: sb.simulate(eqs, 1.0, inputs={"servo": 1}), "signal.held_input"),
+    (lambda eqs, path: sb.simulate(eqs, 1.0, parameters={"dt": 0}), "signal.sample"),
+    (lambda eqs, path: sb.simulate(eqs, 1.0, parameters={"dt": 1e-18}), "signal.sample"),
+    (lambda eqs, path: sb.without_sampling(eqs.model), "signal.no_continuous"),
+    (lambda eqs, path: sb.Stepper(eqs, 0.1, inputs=["servo"]), "stepper.unknown_name"),
+]
+
+
+@pytest.mark.parametrize(("attempt", "code"), ATTEMPTS, ids=map(str, range(len(ATTEMPTS))))
 def test_what_takes_no_samples_says_so(
     eqs: sb.EquationSet, tmp_path: Path, attempt: Callable[[sb.EquationSet, Path], object], code: str
 ) -> None:
