@@ -203,7 +203,9 @@ def renew_derivatives(wide: Function, L: Reals) -> int:
     copy_lanes(n, part(V, STATE_OLD * size, size), x)
     take_marked(L, n, part(V, STATE_NEW * size, size), x)
     marks = take(L, TRIAL + MASK_ROW * LANES)
-    t = where(marks > 0.0, take(L, TRIAL + T_NEW_ROW * LANES), take(L, TRIAL + T_ROW * LANES))
+    start = take(L, TRIAL + T_ROW * LANES)
+    # a step that ends at a jump keeps the derivative before it
+    t = where(marks > 0.0, start + take(L, TRIAL + H_ROW * LANES), start)
     status = call_lanes(wide, L, t, x, slopes)
     if status != 0:
         return status
