@@ -48,6 +48,7 @@ for ax in (upper, middle, lower):
     ax.grid(alpha=0.3)
     ax.legend()
 fig.savefig("cart_pole_pid.png", dpi=120)
+sb.save_animation(run, "cart_pole_pid_poses.png", times=[0.0, 0.4, 0.8, 1.2], progress=None)
 
 # Slower samples: beyond some 80 ms the pole falls.
 steps = [0.01, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12]

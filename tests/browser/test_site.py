@@ -86,7 +86,9 @@ def results(page: Any, site: Path, words: str) -> list[str]:
 
 
 def test_search_finds_what_people_ask_for(chromium: Any, site: Path) -> None:
-    page = chromium.new_page()  # browsers read no summaries from a folder, and say so; titles and links are there
+    page = (
+        chromium.new_page()
+    )  # browsers read no summaries from a folder, and say so; titles and links are there
     missed = {}
     for words, target in WORDS.items():
         first = list(dict.fromkeys(results(page, site, words)))[:10]

@@ -1,9 +1,10 @@
 """Which elements a term of the equations comes from.
 
-The equations are formed once more without the inertia of each body, and without each force, spring or drive.
-All are multiplied out into products that are compared by their fingerprints, so that it does not matter how
-terms are grouped and written. A term comes from the elements without which one of its products has another
-factor in its equation; a term that elements share names them all.
+The equations are formed once more with twice the inertia of each body, since motions without mass leave the
+equations, and without each force, spring or drive. All are multiplied out into products that are compared by
+their fingerprints, so that it does not matter how terms are grouped and written. A term comes from the elements
+by whose change one of its products gets another factor in its equation; a term that elements share names them
+all.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ MOST_SPEEDS: Final = 8
 _SECONDS: Final = 3.0  # for the equations without one element
 _LOADS: Final = ("spring", "torsion_spring", "force", "torque")
 _EFFORTS: Final = ("force", "torque", "friction")
-_NO_INERTIA: Final = ("mass", "inertia", "products")
+_INERTIA: Final = ("mass", "inertia", "products")
 
 
 def term_sources(eqs: EquationSet, data: Data, folder: str) -> dict[Term, list[str]]:
@@ -87,10 +88,10 @@ def _rows(eqs: EquationSet) -> list[Monomials]:
 
 
 def _variants(data: Data) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Return the model without each element in turn, as far as elements add terms."""
+    """Return the model with each element changed in turn, as far as elements add terms."""
     for k, body in enumerate(data.get("body", [])):
-        without = {key: value for key, value in body.items() if key not in _NO_INERTIA}
-        yield body["name"], _replace_entry(data, "body", k, without)
+        heavier = {key: _double(value) if key in _INERTIA else value for key, value in body.items()}
+        yield body["name"], _replace_entry(data, "body", k, heavier)
     for kind in _LOADS:
         for k, entry in enumerate(data.get(kind, [])):
             yield entry["name"], {**data, kind: [each for j, each in enumerate(data[kind]) if j != k]}
@@ -100,6 +101,13 @@ def _variants(data: Data) -> Iterator[tuple[str, dict[str, Any]]]:
         elif set(joint) & {*_EFFORTS, "armature"}:
             without = {key: value for key, value in joint.items() if key not in (*_EFFORTS, "armature")}
             yield joint["name"], _replace_entry(data, "joint", k, without)
+
+
+def _double(value: object) -> object:
+    """Return twice a number or formula, or twice each entry of a list."""
+    if isinstance(value, list):
+        return [_double(entry) for entry in value]
+    return f"2*({value})"
 
 
 def _replace_entry(data: Data, kind: str, place: int, entry: Mapping[str, Any]) -> dict[str, Any]:

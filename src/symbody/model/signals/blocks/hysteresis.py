@@ -20,7 +20,7 @@ class Hysteresis(SignalBlock):
     Examples
     --------
     >>> str(Hysteresis("heater", "20 - T", lower=-1, upper=1, sample=0.1).signals[0].value)
-    'if(20 - T > 1, 1, if(20 - T < -1, 0, heater))'
+    'if(20 - T > 1, 1, if(20 - T < (-1), 0, heater))'
     """
 
     equation: ClassVar[str] = "y = high where input > upper, low where input < lower, else as before"
