@@ -2,9 +2,9 @@
 
 The equations are formed once more with twice the inertia of each body, since motions without mass leave the
 equations, and without each force, spring or drive. All are multiplied out into products that are compared by
-their fingerprints, so that it does not matter how terms are grouped and written. A term comes from the elements
-by whose change one of its products gets another factor in its equation; a term that elements share names them
-all.
+their fingerprints, so that it does not matter how terms are grouped and written. A term comes from the
+elements by whose change one of its products gets another factor in its equation; a term that elements share
+names them all.
 """
 
 from __future__ import annotations
