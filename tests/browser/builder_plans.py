@@ -77,8 +77,11 @@ def build(builder: BuilderPage, plan: Plan) -> None:
         builder.press_button("Add an initial value")
         row = builder.page.get_by_test_id("initial").locator(".table-row").nth(number).locator("input")
         row.nth(0).fill(name)
+        row.nth(0).press("Enter")
+        builder.wait(f"'{name}' in (s.data.initial ?? {{}})")  # the row is drawn anew under its name
         row.nth(1).fill(value)
         row.nth(1).press("Enter")
+        builder.wait(f"String(s.data.initial['{name}']) === '{value}'")
     builder.wait_checked()
 
 
