@@ -100,7 +100,7 @@ def spectrum(A: Floats, names: Sequence[str], coordinates: int, noise: float) ->
         balanced, scaling = matrix_balance(A, permute=False)
     values, left, right = eig(balanced, left=True, right=True)
     cosines = np.abs(np.sum(left.conj() * right, axis=0))
-    level = len(A) * noise * _EPS
+    level = min(len(A) * noise * _EPS, 1.0)  # A may be no more than noise: of a singular mass matrix
     # A double root is known to the square root of the error; s vanishes there.
     tolerances = level * np.linalg.norm(balanced) / np.maximum(cosines, math.sqrt(max(level, _EPS)))
     shapes = scaling @ right

@@ -15,9 +15,9 @@ from symbody.single_flight import SingleFlight
 
 def ropes(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the names of the ropes, in the order of the model."""
-    conditions = formed.topology.model.constraints
-    known = {row.element for row in (*formed.rows, *formed.slack)}
-    return tuple(c.name for c in conditions if isinstance(c, Distance) and c.rope and c.name in known)
+    conditions = [c for c in formed.topology.model.constraints if isinstance(c, Distance) and c.rope]
+    known = {row.element for row in (*formed.rows, *formed.slack)} if conditions else set()
+    return tuple(c.name for c in conditions if c.name in known)
 
 
 def rope_row(formed: EquationsOfMotion, name: str) -> ConstraintEquation:

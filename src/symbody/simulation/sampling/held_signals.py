@@ -31,6 +31,7 @@ Floats = NDArray[np.float64]
 
 # Sample times below this share of the times of a motion are lost in rounding.
 _SHORTEST: Final = 1e-13
+_NOTHING: Final = Sampler((), 0.0, 0)
 
 
 class HeldSignals:
@@ -58,7 +59,7 @@ class HeldSignals:
         self._fmus = tuple(fmus)
         self._start = start
         self._values = tuple(values)
-        self.active = self._make_sampler(self._values)
+        self.active = self._make_sampler(self._values) if values else _NOTHING
         self.passive: tuple[Sampler, ...] = ()
 
     def _make_sampler(self, values: Sequence[HeldValue]) -> Sampler:
