@@ -50,7 +50,11 @@ export function LiveInput({ value, change, list, disabled, ...rest }: TextProps)
 /** A name, which counts when the field is left or Enter is pressed. */
 export function NameInput({ value, change, list, disabled, ...rest }: TextProps): ReactElement {
   const [text, setText] = useState(value);
-  useEffect(() => { setText(value); }, [value]);
+  const [given, setGiven] = useState(value);
+  if (given !== value) { // while drawing: an effect after the first drawing would drop what was typed since
+    setGiven(value);
+    setText(value);
+  }
   const accept = (): void => {
     if (text.trim() !== value) change(text.trim());
     endGesture();
