@@ -100,6 +100,7 @@ class BuilderPage:
 
     def press_button(self, name: str) -> None:
         self.page.get_by_test_id("properties").get_by_role("button", name=name, exact=True).click()
+        self.wait("s.focusPointer === null")  # a new row takes the focus
 
     def rename(self, test_id: str, name: str) -> None:
         self.page.get_by_test_id(test_id).dblclick()

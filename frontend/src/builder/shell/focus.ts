@@ -15,17 +15,28 @@ export function controlOf(pointer: string): HTMLElement | null {
   return around.sort((a, b) => own(b).length - own(a).length)[0] ?? null;
 }
 
+/** Focus a control and bring it into view; its text is ready to be typed over. */
+function focus(control: HTMLElement | null): void {
+  control?.focus();
+  control?.scrollIntoView({ block: "center" });
+  if (control instanceof HTMLInputElement && control.type !== "checkbox") control.select();
+  useStore.setState({ focusPointer: null });
+}
+
 export function useFocusPointer(): void {
   const pointer = useStore((state) => state.focusPointer);
   useEffect(() => {
     if (pointer === null) return undefined;
-    const wait = setTimeout(() => {
-      const control = controlOf(pointer);
-      control?.focus();
-      control?.scrollIntoView({ block: "center" });
-      if (control instanceof HTMLInputElement && control.type !== "checkbox") control.select();
-      useStore.setState({ focusPointer: null });
-    }, 30); // its panel may just be opening
+    const control = controlOf(pointer);
+    if (control?.dataset["pointer"] === pointer) {
+      focus(control);
+      return undefined;
+    }
+    const before = document.activeElement;
+    const wait = setTimeout(() => { // its panel may just be opening
+      if (document.activeElement === before) focus(controlOf(pointer));
+      else useStore.setState({ focusPointer: null }); // the user has gone elsewhere
+    }, 30);
     return () => { clearTimeout(wait); };
   }, [pointer]);
 }
