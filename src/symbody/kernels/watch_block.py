@@ -58,7 +58,6 @@ CURRENT: Final = 31  # step that is looked at
 SEEN: Final = 32  # samples of the smooth motion
 NODE: Final = 33  # the next sample of the leaf
 LEAF_END: Final = 34
-LEAF_DEPTH: Final = 35
 STACKED: Final = 36
 PENDING_COUNT: Final = 37
 T_LAST: Final = 38  # the newest sample
