@@ -30,7 +30,7 @@ from symbody.formats.writing import write_text
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import KINDS, Model
-from symbody.model.parts.expansion import own_content, whole_content
+from symbody.model.parts.own_content import own_content, whole_content
 
 
 @checked_arguments
