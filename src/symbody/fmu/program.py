@@ -327,7 +327,7 @@ def _check_motion(
     eqs: EquationSet, integrator: object, constraints: object, events: tuple[Event, ...]
 ) -> None:
     reasons = {
-        f"{type(integrator).__name__} is not an explicit method": not isinstance(
+        f"{type(integrator).__name__} is no explicit method": not isinstance(
             integrator, Explicit | FixedStep | None
         ),
         f"{type(constraints).__name__} takes its steps in Python": not isinstance(

@@ -263,7 +263,7 @@ def _reader(problem: SimulationProblem, inputs: Mapping[str, FmuInput]) -> Compi
     Raises
     ------
     UsageError
-        If one is not a number.
+        If one is no number.
     """
     name, law = next(iter(inputs.items()))
     if not law.reads:
