@@ -51,7 +51,7 @@ from symbody.kernels.watch_block import (
 
 AWAY: Final = 1e-6  # of the largest value so far, and of time and states
 SLIGHT: Final = 3e-13  # a slope that is rounding of the one before an action
-LOWEST: Final = 2.0  # so many roundings of a value are no bounce
+LOWEST: Final = 2.0  # so many roundings of a value are not a bounce
 BOUNCES: Final = 1e4  # a slope so many times the least that shows is not lost in a bounce
 
 

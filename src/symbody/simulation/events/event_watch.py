@@ -69,7 +69,7 @@ class EventWatch:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Where values were no numbers, or passed a pole: nothing happened there."""
+        """Where values were not numbers, or passed a pole: nothing happened there."""
         labels = [event.label for event in self._functions.events]
         return value_notes(labels, event_rows(self._block)[:, at.NO_NUMBER : at.POLE_TIME + 1])
 
@@ -168,7 +168,7 @@ class EventWatch:
 
 
 def value_notes(labels: Sequence[str], seen: Floats) -> tuple[str, ...]:
-    """Return notes on values that were no numbers, or had poles.
+    """Return notes on values that were not numbers, or had poles.
 
     Parameters
     ----------

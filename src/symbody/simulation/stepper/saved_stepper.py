@@ -68,7 +68,7 @@ def read_saved(saved: object) -> SavedStepper:
     Raises
     ------
     UsageError
-        If these are no bytes that `Stepper.save` returned, or not all of them.
+        If these are not bytes that `Stepper.save` returned, or not all of them.
     """
     if not isinstance(saved, bytes):
         raise _refusal(f"{type(saved).__name__} is not what save() returns")
