@@ -114,7 +114,7 @@ POLE_TIME: Final = 24
 PEAK: Final = 25  # the largest value since the smooth motion began, and what is rounding there
 ROUNDING: Final = 26
 SIDE: Final = 27  # the sign of the value before the last sample of held values, 0 before it had one
-GOES_THROUGH: Final = 28  # 1 where a motion goes on from a sample on the side of zero where the value was
+GOES_THROUGH: Final = 28  # the side of zero on which the value was where a motion goes on, 0 if it begins
 EVENT_SIZE: Final = 29
 
 # What an event does.

@@ -57,6 +57,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
         notes=(*run.notes, *watched, *(note for _, note in passages), *((stop,) if stop else ())),
         name=eqs.model.name,
         events=(*occurrences, *(event for event, _ in passages)),
+        sides=() if run.watch is None else run.watch.sides_at(raw.reached),
     )
 
 

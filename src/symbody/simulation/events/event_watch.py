@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from symbody.kernels import block as run_at
 from symbody.kernels import watch_block as at
 from symbody.simulation.events.event_functions import EventFunctions
-from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.events.watch_arrays import event_rows, with_cut_fit
 from symbody.simulation.native.description import Record
 from symbody.simulation.native.machine import address, watched_motion
@@ -36,8 +36,8 @@ class EventWatch:
         The events.
     span : float
         Length of the run [s].
-    just_happened : sequence of int
-        Places of the events that happened at its start: their values have to leave zero first.
+    sides : sequence of EventSide
+        Where the values of the first events stood when the motion was interrupted that goes on here.
 
     Attributes
     ----------
@@ -45,11 +45,13 @@ class EventWatch:
         The event that happened again and again, empty if none did.
     """
 
-    def __init__(self, functions: EventFunctions, span: float, just_happened: Sequence[int] = ()) -> None:
+    def __init__(self, functions: EventFunctions, span: float, sides: Sequence[EventSide] = ()) -> None:
         self.chattering = ""
         self._functions = functions
         self._block = functions.make_block(span)
-        event_rows(self._block)[list(just_happened), at.JUST_HAPPENED] = 1.0
+        for row, given in zip(event_rows(self._block), sides, strict=False):
+            row[[at.GOES_THROUGH, at.SIDE]] = given.side
+            row[[at.JUST_HAPPENED, at.LARGEST]] = given.has_happened, given.largest
         self._happened = np.zeros((_FIRST_ROOM + at.ZEROS_PER_EVENT * len(functions.events), self._row))
 
     @property
@@ -72,6 +74,20 @@ class EventWatch:
         """Where values were no numbers, or passed a pole: nothing happened there."""
         labels = [event.label for event in self._functions.events]
         return value_notes(labels, event_rows(self._block)[:, at.NO_NUMBER : at.POLE_TIME + 1])
+
+    def sides_at(self, t: float) -> tuple[EventSide, ...]:
+        """Return where the values stand at the end of the run [s]: those of the last samples."""
+        own = self._block
+        seen = own[at.SEEN] != 0.0 and own[at.T_LAST] == t
+        now = {int(row[0]) for row in self._happened[: int(own[at.HAPPENED])] if row[1] == t}
+        sides = []
+        for place, row in enumerate(event_rows(own)):
+            is_left = seen and row[at.AT_ZERO] == 0.0
+            has_happened = place in now or (not is_left and row[at.JUST_HAPPENED] != 0.0)
+            stands = is_left and not has_happened and np.isfinite(row[at.G_LAST])
+            side = float(np.sign(row[at.G_LAST])) if stands else 0.0
+            sides.append(EventSide(side, float(has_happened), float(row[at.LARGEST])))
+        return tuple(sides)
 
     @property
     def most_steps(self) -> int:
