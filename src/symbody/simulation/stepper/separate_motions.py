@@ -85,9 +85,6 @@ class SeparateMotions:
         x = np.append(numbers.x[:-1], 0.0)
         integration = self._problem.integration(x, (start, end), self._pose())
         integration = replace(integration, sides=self._sides)
-        if isinstance(settings.integrator, GeneralizedAlpha):  # to read jumps at the very end from before
-            watched = [str(event.expression) for event in settings.events]
-            integration.problem.breakpoints((start, end + settings.dt), watched)
         plan = MotionPlan(integration, settings.integrator, settings.constraints)
         run = run_switching(plan) if switches(settings.moving.formed) else run_with_jumps(plan)
         self._last, self.occurrences = run, run.events

@@ -52,7 +52,7 @@ class WatchedSteps(CompiledSteps):
         self._functions = EventFunctions(problem.problem, problem.settings.events, closing)
         self._sides: tuple[EventSide, ...] = no_sides(problem)
         self._last: RawRun | None = None
-        self._chattering = ""
+        self._ending = ""
 
     def restart(self, initial: Mapping[str, Value]) -> None:
         """Begin anew from time and state at present."""
@@ -81,10 +81,9 @@ class WatchedSteps(CompiledSteps):
         status = self._last.status
         if status is Status.INTERRUPTED:
             raise KeyboardInterrupt
-        note = "" if status.success else self._last.stop_note(self._state_names)
-        if status is Status.CHATTERING:
-            note += f"; there event {self._chattering!r} happens again and again"
-        return Ending(status, note)
+        if self._ending:
+            return Ending(status, f"{self._last.reach}; there {self._ending}")
+        return Ending(status, "" if status.success else self._last.stop_note(self._state_names))
 
     def _way(self) -> Callable[[], int]:
         return self._go_on_watched
@@ -99,7 +98,7 @@ class WatchedSteps(CompiledSteps):
         watch = EventWatch(self._functions, end - start, self._sides)
         with python_laws(self._laws):
             raw = self._last = self._run(end, watch)
-        self.occurrences, self._chattering = watch.occurrences, watch.chattering
+        self.occurrences, self._ending = watch.occurrences, watch.ending
         self._sides = watch.sides_at(raw.reached)
         arrived = raw.status is Status.SUCCESS
         numbers.arrive(raw.reached, state_of(self._block), at_end=arrived)
