@@ -22,7 +22,6 @@ from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.input_values import missing_values
 from symbody.simulation.stepper.lane import Lane
-from symbody.simulation.stepper.side_by_side import LaneBlocks
 from symbody.simulation.stepper.lane_values import (
     LaneValue,
     chosen_lanes,
@@ -32,6 +31,7 @@ from symbody.simulation.stepper.lane_values import (
     values_by_lane,
 )
 from symbody.simulation.stepper.numbers import read_only
+from symbody.simulation.stepper.side_by_side import LaneBlocks
 from symbody.simulation.stepper.stepper import Stepper
 
 Floats = NDArray[np.float64]
