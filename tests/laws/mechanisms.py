@@ -74,9 +74,7 @@ def _turning(seed: int, draws: Draws) -> Mechanism:
     return _loaded(add_loops(draft, loops) if loops else draft.finished(), seed, "turning", draws)
 
 
-def _loaded(
-    found: Mechanism, seed: int, family: str, draws: Draws, *, coupled: bool = False
-) -> Mechanism:
+def _loaded(found: Mechanism, seed: int, family: str, draws: Draws, *, coupled: bool = False) -> Mechanism:
     """The mechanism under gravity, with drives, springs, loads and constraints."""
     x, y, z = (draws.number() * draws.units.acceleration if draws.chance(0.85) else 0.0 for _ in range(3))
     found = replace(found, seed=seed, family=family, gravity=(x, y, z), symbolic=draws.chance(0.5))

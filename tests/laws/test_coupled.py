@@ -5,19 +5,16 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 
-import numpy as np
-import pytest
-
 import symbody as sb
-from tests.formulations import FORMULATIONS, name_of as formulation_name
-from tests.laws.agreement import Outcome, acceleration_error, outcome, reaction_error
+from tests.formulations import FORMULATIONS
+from tests.laws.agreement import acceleration_error, outcome, reaction_error
 from tests.laws.building import build_model
-from tests.laws.consistent_states import State, consistent_state
+from tests.laws.consistent_states import consistent_state
 from tests.laws.evaluation import EPS, values_at
 from tests.laws.mechanisms import coupled_mechanism
 from tests.laws.parts import Mechanism
 from tests.laws.rotations import Array
-from tests.laws.tally import Tally, chunks, name_of
+from tests.laws.tally import Tally
 
 NUMBER = 200
 SCALARS = ("kinetic_energy", "potential_energy", "power")

@@ -212,7 +212,9 @@ class EquationsOfMotion(MultibodySystem):
             return names
         # On request: they take the wrenches of all joints.
         any_value = next(iter(self.coupled.values))
-        rules = {row.name: (any_value, partial(self._coupling_multiplier, row.name)) for row in self.coupled.rows}
+        rules = {
+            row.name: (any_value, partial(self._coupling_multiplier, row.name)) for row in self.coupled.rows
+        }
         return Names(names.graph, names.symbols, LazyMapping(names.values, rules))
 
     def _coupling_multiplier(self, name: str, _: Expr) -> Expr:

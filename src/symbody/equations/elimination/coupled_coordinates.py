@@ -1,4 +1,4 @@
-"""Couplings that give a coordinate outright: the coordinate is substituted, and the coupling is no constraint.
+"""Couplings that give a coordinate outright: it is substituted, and the coupling is no constraint.
 
 A coupling of first degree with constant factors, ``sum of c_j q_j + o = 0``, is solved for one of its
 coordinates, and those that follow from other couplings are put in (Gauss-Jordan). With all coordinates
@@ -37,6 +37,8 @@ class CoupledCoordinates:
         Each in independent coordinates and parameters.
     combinations : mapping of coordinate to mapping of multiplier to Expr
         How much of each coupling, as it is written, adds up to ``coordinate - value = 0``.
+    divisors : mapping of coordinate to Expr
+        Factors in parameters that were divided by.
     notes : tuple of str
         What was substituted, and which couplings stay constraints.
     rows : tuple of ConstraintEquation
@@ -45,6 +47,7 @@ class CoupledCoordinates:
 
     values: Mapping[str, Expr]
     combinations: Mapping[str, Mapping[str, Expr]]
+    divisors: Mapping[str, Expr] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     rows: tuple[ConstraintEquation, ...] = ()
 
@@ -115,32 +118,44 @@ def solve_couplings(model: Model, names: Names, roles: Sequence[JointRole]) -> C
         name for condition in model.constraints for name in condition.coordinates
     }
     solved: dict[str, _LinearForm] = {}
+    divisors: dict[str, Expr] = {}
     left: list[str] = []
     for condition in model.constraints:
         for label, value, read in _equations(names, condition):
             form, obstacle = _linear_form(names.graph, value, read, inside)
             if form is None:
-                left.append(f"{_place(condition, label)}: it stays a constraint, because {obstacle}")
+                left.append(f"{_place(condition, label)}, because {obstacle}")
                 continue
             written = form.factors
-            form = replace(form, sources={label: number(names.graph, 1)})
-            for name in [name for name in written if name in solved]:
-                form = form.subtract(solved[name], form.factors[name])
-            pivot = _pivot(form, written, free, may_divide=isinstance(condition, JointCoupling))
-            if pivot is None:
-                left.append(f"{_place(condition, label)}: it stays a constraint, because {_lack(form, free)}")
-                continue
-            form = form.divide(form.factors[pivot])
-            for name, other in solved.items():
-                if pivot in other.factors:
-                    solved[name] = other.subtract(form, other.factors[pivot])
-            solved[pivot] = form
-    return _coupled_coordinates(names, solved, left)
+            form = _reduce(replace(form, sources={label: number(names.graph, 1)}), solved)
+            pivot = _pivot(form, written, free)
+            if pivot is not None:
+                if form.factors[pivot].number is None:
+                    divisors[pivot] = form.factors[pivot]
+                _enter(solved, pivot, form.divide(form.factors[pivot]))
+            elif form.factors:
+                left.append(f"{_place(condition, label)}, because {_lack(form, free)}")
+    coupled = _coupled_coordinates(names, solved)
+    return replace(coupled, divisors=divisors, notes=(*coupled.notes, *left))
 
 
-def _coupled_coordinates(
-    names: Names, solved: Mapping[str, _LinearForm], left: Sequence[str]
-) -> CoupledCoordinates:
+def _reduce(form: _LinearForm, solved: Mapping[str, _LinearForm]) -> _LinearForm:
+    """Return a form in coordinates that are not solved for."""
+    for name in [name for name in form.factors if name in solved]:
+        form = form.subtract(solved[name], form.factors[name])
+    return form
+
+
+def _enter(solved: dict[str, _LinearForm], pivot: str, form: _LinearForm) -> None:
+    """Enter a form that is solved for a coordinate, and take this out of the others."""
+    for name, other in solved.items():
+        if pivot in other.factors:
+            solved[name] = other.subtract(form, other.factors[pivot])
+    solved[pivot] = form
+
+
+def _coupled_coordinates(names: Names, solved: Mapping[str, _LinearForm]) -> CoupledCoordinates:
+    """Return the values of coordinates and the combinations that give them."""
     values = {}
     for name, form in solved.items():
         value = -form.offset
@@ -149,18 +164,16 @@ def _coupled_coordinates(
                 value = value - factor * names.value(other)
         values[name] = value
     combinations = {name: form.sources for name, form in solved.items()}
-    notes = [
-        f"{name} = {to_text(names.graph, value.index)} is substituted: {name} is an output, and so is "
-        f"{', '.join(combinations[name])}"
+    notes = tuple(
+        f"{name} = {to_text(names.graph, value.index)} is substituted, from {', '.join(combinations[name])}; "
+        "all of them stay outputs"
         for name, value in values.items()
-    ]
-    return CoupledCoordinates(values, combinations, (*notes, *left))
+    )
+    return CoupledCoordinates(values, combinations, notes=notes)
 
 
-def _equations(
-    names: Names, condition: ConstraintElement
-) -> Iterator[tuple[str, Expr, tuple[str, ...]]]:
-    """Return the multipliers of couplings and written equations, their left-hand sides, and what they read."""
+def _equations(names: Names, condition: ConstraintElement) -> Iterator[tuple[str, Expr, tuple[str, ...]]]:
+    """Return multiplier, left-hand side and names read of couplings and written equations."""
     where = f"constraint {condition.name}"
     if isinstance(condition, JointCoupling):
         value = -names.expression(condition.offset, where)
@@ -182,8 +195,10 @@ def _linear_form(
     others = {s.kind for s in symbols if not _is_coordinate(s)}
     if SymbolKind.TIME in others:
         return None, "it depends on time"
-    if others - {SymbolKind.PARAMETER}:
+    if others & {SymbolKind.COORDINATE, SymbolKind.SPEED}:
         return None, "it constrains velocities"
+    if others - {SymbolKind.PARAMETER}:
+        return None, "it reads inputs or signals"
     cut = [name for name in coordinates if name not in inside]
     if cut:
         return None, f"the joint of {cut[0]} is cut"
@@ -214,28 +229,24 @@ def _substitutable(roles: Sequence[JointRole]) -> set[str]:
     return found
 
 
-def _pivot(
-    form: _LinearForm, written: Mapping[str, Expr], free: set[str], *, may_divide: bool
-) -> str | None:
+def _pivot(form: _LinearForm, written: Mapping[str, Expr], free: set[str]) -> str | None:
     """Return the coordinate that a form is solved for."""
     candidates = {name: form.factors[name] for name in form.factors if name in free}
     numbers = {name: x.number for name, x in candidates.items() if x.number is not None}
     units = [name for name, x in numbers.items() if abs(x) == 1]
-    as_written = [name for name, x in candidates.items() if may_divide and x == written.get(name)]
+    as_written = [name for name, x in candidates.items() if x == written.get(name)]
     return next(iter((*units, *numbers, *as_written)), None)
 
 
 def _lack(form: _LinearForm, free: set[str]) -> str:
     """Return why a form gives no coordinate."""
-    if not form.factors:
-        return "it says nothing of coordinates that the couplings before it leave"
     if free.isdisjoint(form.factors):
         return f"none of {', '.join(form.factors)} is an unknown of a joint in the tree whose rate is a speed"
-    return "the factors of its coordinates may vanish: divide the equation by one of them"
+    return "all factors of its coordinates are differences of parameters, which may vanish"
 
 
 def _place(condition: ConstraintElement, label: str) -> str:
-    return f"constraint {condition.name} ({label})"
+    return f"constraint {condition.name}: {label} stays a constraint"
 
 
 def _less(mine: Mapping[str, Expr], its: Mapping[str, Expr], share: Expr) -> dict[str, Expr]:
@@ -245,12 +256,13 @@ def _less(mine: Mapping[str, Expr], its: Mapping[str, Expr], share: Expr) -> dic
             total[name] = -(x * share)
         else:
             rest = total[name] - x * share
-            total[name] = rest * 0 if _is_rounding(rest.number, total[name].number) else rest
+            total[name] = rest * 0 if _is_rounding(rest, total[name]) else rest
     return total
 
 
-def _is_rounding(rest: float | None, whole: float | None) -> bool:
-    return rest is not None and whole is not None and abs(rest) <= _ROUNDING * abs(whole)
+def _is_rounding(rest: Expr, whole: Expr) -> bool:
+    a, b = rest.number, whole.number
+    return a is not None and b is not None and abs(float(a)) <= _ROUNDING * abs(float(b))
 
 
 def _clear(factors: Mapping[str, Expr]) -> dict[str, Expr]:

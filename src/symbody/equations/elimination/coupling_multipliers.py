@@ -1,8 +1,8 @@
 """Multipliers of couplings that are substituted, from the equations of the coordinates that they give.
 
 Along a substituted coordinate the wrench of its joint, less drives, friction and other constraints, is what
-the couplings add: ``C^T lambda = residual``, C their factors of the substituted coordinates. Its inverse is at
-hand, because the rows of ``C^-1`` are the combinations of couplings that give each coordinate.
+the couplings add: ``C^T lambda = residual``, C their factors of the substituted coordinates. Its inverse is
+at hand, because the rows of ``C^-1`` are the combinations of couplings that give each coordinate.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ everything outward of it contributes ``dv . force + dw . moment``, so no body is
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches

@@ -82,7 +82,7 @@ def second_rates(kinematics: Kinematics, variables: Variables) -> dict[str, Expr
 
 def rates_of_values(names: Names, kinematics: Kinematics, coordinates: Iterable[str]) -> dict[str, Expr]:
     """Return first and second rates of coordinates that stand for expressions in others."""
-    rates = {}
+    rates: dict[str, Expr] = {}
     for name in coordinates:
         first = kinematics.rate(names.value(name))
         rates |= {f"{name}_dot": first, f"{name}_ddot": kinematics.rate(first)}

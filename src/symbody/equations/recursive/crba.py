@@ -22,8 +22,8 @@ def row_numbers(tree: KinematicTree, speeds: Iterable[int]) -> dict[int, int]:
 def mass_rows(tree: KinematicTree, row: Mapping[int, int], rotors: Mapping[tuple[int, int], Expr]) -> Rows:
     """Return the lower half of the mass matrix, ``M_ij = S_i . I_j S_j`` (table 6.2).
 
-    I_j is the inertia of all that joint j carries; joint i is j or one on the way from j to ground. Entries of
-    coupled joints add up in the row of the speed they share, ``W^T M W``.
+    I_j is the inertia of all that joint j carries; joint i is j or one on the way from j to ground. Entries
+    of coupled joints add up in the row of the speed they share, ``W^T M W``.
 
     Parameters
     ----------
