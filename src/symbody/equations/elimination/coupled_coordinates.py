@@ -37,6 +37,8 @@ class CoupledCoordinates:
         Each in independent coordinates and parameters.
     combinations : mapping of coordinate to mapping of multiplier to Expr
         How much of each coupling, as it is written, adds up to ``coordinate - value = 0``.
+    leaders : mapping of coordinate to (coordinate, Expr, Expr)
+        Of each that follows from one other, this coordinate, the factor of it and the rest.
     divisors : mapping of coordinate to Expr
         Factors in parameters that were divided by.
     notes : tuple of str
@@ -47,6 +49,7 @@ class CoupledCoordinates:
 
     values: Mapping[str, Expr]
     combinations: Mapping[str, Mapping[str, Expr]]
+    leaders: Mapping[str, tuple[str, Expr, Expr]] = field(default_factory=dict)
     divisors: Mapping[str, Expr] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     rows: tuple[ConstraintEquation, ...] = ()
@@ -156,20 +159,23 @@ def _enter(solved: dict[str, _LinearForm], pivot: str, form: _LinearForm) -> Non
 
 def _coupled_coordinates(names: Names, solved: Mapping[str, _LinearForm]) -> CoupledCoordinates:
     """Return the values of coordinates and the combinations that give them."""
-    values = {}
+    values, leaders = {}, {}
     for name, form in solved.items():
         value = -form.offset
-        for other, factor in form.factors.items():
-            if other != name:
-                value = value - factor * names.value(other)
+        others = {other: -factor for other, factor in form.factors.items() if other != name}
+        for other, factor in others.items():
+            value = value + factor * names.value(other)
         values[name] = value
+        if len(others) == 1:
+            ((leader, factor),) = others.items()
+            leaders[name] = (leader, factor, -form.offset)
     combinations = {name: form.sources for name, form in solved.items()}
     notes = tuple(
         f"{name} = {to_text(names.graph, value.index)} is substituted, from {', '.join(combinations[name])}; "
         "all of them stay outputs"
         for name, value in values.items()
     )
-    return CoupledCoordinates(values, combinations, notes=notes)
+    return CoupledCoordinates(values, combinations, leaders, notes=notes)
 
 
 def _equations(names: Names, condition: ConstraintElement) -> Iterator[tuple[str, Expr, tuple[str, ...]]]:
