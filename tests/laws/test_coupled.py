@@ -5,6 +5,8 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 
+import pytest
+
 import symbody as sb
 from tests.formulations import FORMULATIONS
 from tests.laws.agreement import acceleration_error, outcome, reaction_error
@@ -14,7 +16,7 @@ from tests.laws.evaluation import EPS, values_at
 from tests.laws.mechanisms import coupled_mechanism
 from tests.laws.parts import Mechanism
 from tests.laws.rotations import Array
-from tests.laws.tally import Tally
+from tests.laws.tally import Tally, chunks, name_of
 
 NUMBER = 200
 SCALARS = ("kinetic_energy", "potential_energy", "power")
@@ -67,3 +69,13 @@ def _effort_unit(mechanism: Mechanism, name: str) -> float:
 
 def _gap(one: Array, two: Array, unit: float) -> float:
     return float(abs(one - two) / max(abs(float(one)), unit))
+
+
+def test_substituted_couplings_change_nothing() -> None:
+    compare((73, 98, 110, 143, 151, 164, 183, 194))
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seeds", chunks(NUMBER), ids=name_of)
+def test_substituted_couplings_change_nothing_often(seeds: range) -> None:
+    compare(seeds)

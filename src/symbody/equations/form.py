@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 from symbody.arguments import checked_arguments
 from symbody.equations.cache_key import DeferredEquations, identity, load_notes
@@ -82,10 +82,26 @@ def form_equations(
     if not isinstance(model, Model):
         raise UsageError(_no_model(model))
     check_limit(time_limit)
-    choices = (model, formulation, tree, dependent_speeds, substitute)
+    choices = _Choices(model, formulation, tree, dependent_speeds, substitute)
+    return _equation_set(choices, time_limit)
+
+
+class _Choices(NamedTuple):
+    """What equations follow from."""
+
+    model: Model
+    formulation: Formulation | None
+    tree: TreeChoice
+    dependent_speeds: Sequence[str] | Literal["auto"] | None
+    substitute: bool
+
+
+def _equation_set(choices: _Choices, time_limit: float | None) -> EquationSet:
+    """Return the equations; those that an earlier process formed without an error are formed on first use."""
+    model, formulation, tree, dependent_speeds, substitute = choices
     equations = identity(*choices)
     notes = load_notes(equations)
-    form = partial(in_time, time_limit, "forming the equations", _LESS, partial(_form, *choices))
+    form = partial(in_time, time_limit, "forming the equations", _LESS, partial(_form, choices))
     given: EquationsOfMotion | DeferredEquations
     if notes is None:
         given = form()
@@ -125,14 +141,9 @@ def _no_model(given: object) -> Problem:
     return Problem("equations.not_a_model", "model", f"{given!r} is not a model", fix=cure)
 
 
-def _form(
-    model: Model,
-    formulation: Formulation | None,
-    tree: TreeChoice,
-    dependent_speeds: Sequence[str] | Literal["auto"] | None,
-    substitute: bool,
-) -> EquationsOfMotion:
+def _form(choices: _Choices) -> EquationsOfMotion:
     """Return the equations with all notes: trees first, then dependent speeds, then the derivation."""
+    model, formulation, tree, dependent_speeds, substitute = choices
     begin("trees")
     topology = choose_topology(model, tree)
     notes = model.notes + topology.notes

@@ -154,19 +154,23 @@ def trace_positions(
     q = q if closer is None else closer
     check_driven(driven, 0.0, q, notes)
     loose = _SlackRopes(driven, constraint_evaluator(held, values_given, {}, t, mechanism) if notes else None)
-    count = len(next(iter(values.values())))
+    positions = _lead(driven, loose, values, q, notes)
+    return replace(positions, followers=_followers(eqs, positions.q, values_given))
+
+
+def _lead(
+    driven: Continuation, loose: _SlackRopes, values: Mapping[str, Floats], q: Floats, notes: tuple[str, ...]
+) -> Positions:
+    """Return the positions from q on, each found from the one before."""
     columns, reached = [q], 0.0
-    for k in range(1, count):
+    for k in range(1, len(next(iter(values.values())))):
         before = q
         reached, q = driven.follow(float(k - 1), q, float(k))
         rope, place, at = loose.first_taut(float(k - 1), before, reached, q)
         if rope or reached != k:
-            positions = _stop_at_limit(driven, values, np.array(columns).T, place, at, rope, notes)
-            return replace(positions, followers=_followers(eqs, positions.q, values_given))
+            return _stop_at_limit(driven, values, np.array(columns).T, place, at, rope, notes)
         columns.append(q)
-    columns_of_q = np.array(columns).T
-    followers = _followers(eqs, columns_of_q, values_given)
-    return Positions(eqs.coordinate_names, columns_of_q, values, {}, notes=notes, followers=followers)
+    return Positions(driven.eqs.coordinate_names, np.array(columns).T, values, {}, notes=notes)
 
 
 def _followers(eqs: EquationSet, q: Floats, parameters: Mapping[str, Value]) -> dict[str, Floats]:

@@ -9,10 +9,11 @@ equations of that speed by projection (Featherstone 2008, section 3.2; Jain 2011
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Any, Final
 
+from symbody.equations.constraints.couplings import coupling_value
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import fold_zeros
@@ -23,7 +24,14 @@ from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.model.constraint import ConstraintElement
-from symbody.model.constraints.couplings import Constraint, JointCoupling
+from symbody.model.constraints.couplings import (
+    Belt,
+    Constraint,
+    Differential,
+    Gear,
+    JointCoupling,
+    RackPinion,
+)
 from symbody.model.model import Model
 
 
@@ -116,15 +124,14 @@ def solve_couplings(model: Model, names: Names, roles: Sequence[JointRole]) -> C
     names : Names
         With prescribed motions, before any rates.
     """
-    free = _substitutable(roles)
-    inside = {name for role in roles for name in role.coordinates} | {
-        name for condition in model.constraints for name in condition.coordinates
-    }
+    free, inside = _substitutable(roles), {name for role in roles for name in role.coordinates}
+    inside.update(name for condition in model.constraints for name in condition.coordinates)
     solved: dict[str, _LinearForm] = {}
     divisors: dict[str, Expr] = {}
     left: list[str] = []
     for condition in model.constraints:
-        for label, value, read in _equations(names, condition):
+        equations = _EQUATIONS.get(type(condition))
+        for label, value, read in () if equations is None else equations(names, condition):
             form, obstacle = _linear_form(names.graph, value, read, inside)
             if form is None:
                 left.append(f"{_place(condition, label)}, because {obstacle}")
@@ -178,17 +185,27 @@ def _coupled_coordinates(names: Names, solved: Mapping[str, _LinearForm]) -> Cou
     return CoupledCoordinates(values, combinations, leaders, notes=notes)
 
 
-def _equations(names: Names, condition: ConstraintElement) -> Iterator[tuple[str, Expr, tuple[str, ...]]]:
-    """Return multiplier, left-hand side and names read of couplings and written equations."""
-    where = f"constraint {condition.name}"
-    if isinstance(condition, JointCoupling):
-        value = -names.expression(condition.offset, where)
-        for factor, name in zip(condition.factors, condition.coupled, strict=True):
-            value = value + names.expression(factor, where) * names.value(name)
-        yield f"lambda_{condition.name}_1", value, condition.coupled
-    elif isinstance(condition, Constraint):
-        for k, formula in enumerate(condition.equations, start=1):
-            yield f"lambda_{condition.name}_{k}", names.expression(formula, where), tuple(formula.names)
+def _coupling_equation(names: Names, coupling: JointCoupling) -> Iterator[_Equation]:
+    yield f"lambda_{coupling.name}_1", coupling_value(names, coupling), coupling.coupled
+
+
+def _written_equations(names: Names, constraint: Constraint) -> Iterator[_Equation]:
+    for k, formula in enumerate(constraint.equations, start=1):
+        value = names.expression(formula, f"constraint {constraint.name}")
+        yield f"lambda_{constraint.name}_{k}", value, formula.names
+
+
+# Multiplier, left-hand side and names read, in their order, of equations in coordinates.
+_Equation = tuple[str, Expr, tuple[str, ...]]
+
+# Each function takes the class it stands beside.
+_EQUATIONS: Final[Mapping[type[ConstraintElement], Callable[[Names, Any], Iterator[_Equation]]]] = {
+    Gear: _coupling_equation,
+    RackPinion: _coupling_equation,
+    Belt: _coupling_equation,
+    Differential: _coupling_equation,
+    Constraint: _written_equations,
+}
 
 
 def _linear_form(

@@ -17,7 +17,7 @@ from symbody.expr.expression import Expr
 
 
 @dataclass(frozen=True, slots=True)
-class SeparateMotions:
+class UncoupledMotions:
     """A tree whose free motions have a speed each.
 
     Attributes
@@ -57,7 +57,7 @@ class SeparateMotions:
         }
 
 
-def can_separate(tree: KinematicTree) -> bool:
+def can_uncouple(tree: KinematicTree) -> bool:
     """Return whether every free motion that shares a speed is the only one of its joint."""
     shared = set(tree.followers.values())
     return all(
@@ -66,7 +66,7 @@ def can_separate(tree: KinematicTree) -> bool:
     )
 
 
-def separate_motions(tree: KinematicTree, rotors: Mapping[int, Expr]) -> SeparateMotions:
+def uncouple_motions(tree: KinematicTree, rotors: Mapping[int, Expr]) -> UncoupledMotions:
     """Return a tree with its free motions apart; arguments as of `articulated_inertias`."""
     leaders = {}
     links = list(tree.links)
@@ -82,7 +82,7 @@ def separate_motions(tree: KinematicTree, rotors: Mapping[int, Expr]) -> Separat
         {j: passes[one][two] - passes[one][leaders[two]] for j, two in enumerate(list(leaders)[: i + 1])}
         for i, one in enumerate(leaders)
     ]
-    return SeparateMotions(apart, leaders, joints, passes, factor(rows))
+    return UncoupledMotions(apart, leaders, joints, passes, factor(rows))
 
 
 def _passes(

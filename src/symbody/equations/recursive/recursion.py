@@ -10,7 +10,7 @@ from symbody.equations.dynamics.inertia import Rotor
 from symbody.equations.dynamics.linear_solve import LinearSolution, Rows, TreeFactors, factor, solve_factored
 from symbody.equations.dynamics.load import GeneralizedForce, Load
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.recursive.coupled_aba import SeparateMotions, can_separate, separate_motions
+from symbody.equations.recursive.coupled_aba import UncoupledMotions, can_uncouple, uncouple_motions
 from symbody.equations.recursive.crba import mass_rows, row_numbers
 from symbody.equations.recursive.link_loads import link_loads
 from symbody.equations.recursive.links import KinematicTree, LinkWrench
@@ -59,7 +59,7 @@ class Recursion:
     # Made on first request; pure functions of the fields above, so they cannot go stale.
     _rows: SingleFlight[None, Rows] = field(default_factory=SingleFlight, repr=False)
     _factors: SingleFlight[None, TreeFactors] = field(default_factory=SingleFlight, repr=False)
-    _motions: SingleFlight[None, SeparateMotions] = field(default_factory=SingleFlight, repr=False)
+    _motions: SingleFlight[None, UncoupledMotions] = field(default_factory=SingleFlight, repr=False)
     _joined: SingleFlight[None, bool] = field(default_factory=SingleFlight, repr=False)
     _forcing: SingleFlight[None, tuple[Expr, ...]] = field(default_factory=SingleFlight, repr=False)
     _chosen: SingleFlight[None, str] = field(default_factory=SingleFlight, repr=False)
@@ -180,7 +180,7 @@ class Recursion:
     def _solve_with(self, method: str, forces: Sequence[Expr]) -> LinearSolution:
         speeds = self.kinematics.speeds
         if method == "articulated" and not self._needs_mass_matrix:
-            motions = self._motions.get(None, self._separate_motions)
+            motions = self._motions.get(None, self._uncouple_motions)
             udot, pivots = motions.accelerations(dict(zip(speeds, forces, strict=True))), motions.pivots
             return LinearSolution([udot[u] for u in speeds], [pivots[u] for u in speeds])
         factors, row = self._factors.get(None, lambda: factor(self._mass_rows())), self._row_numbers
@@ -190,9 +190,9 @@ class Recursion:
         x = solve_factored(factors, right)
         return LinearSolution([x[row[u]] for u in speeds], [factors.pivots[row[u]] for u in speeds])
 
-    def _separate_motions(self) -> SeparateMotions:
+    def _uncouple_motions(self) -> UncoupledMotions:
         rotors = {one: inertia for (one, _), inertia in self.rotor_entries().items()}
-        return separate_motions(self.base_tree, rotors)
+        return uncouple_motions(self.base_tree, rotors)
 
     @property
     def _needs_mass_matrix(self) -> bool:
@@ -204,11 +204,11 @@ class Recursion:
         return self._joined.get(None, self._find_joined)
 
     def _find_joined(self) -> bool:
-        if any(one != two for one, two in self.rotor_entries()) or not can_separate(self.base_tree):
+        if any(one != two for one, two in self.rotor_entries()) or not can_uncouple(self.base_tree):
             return True
         if not self.base_tree.followers:
             return False
-        pivots = self._motions.get(None, self._separate_motions).pivots.values()
+        pivots = self._motions.get(None, self._uncouple_motions).pivots.values()
         return any(pivot.is_zero for pivot in pivots)
 
     def rotor_entries(self) -> dict[tuple[int, int], Expr]:

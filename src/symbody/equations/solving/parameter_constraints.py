@@ -42,7 +42,7 @@ def check_parameter_constraints(formed: EquationsOfMotion, parameters: Mapping[s
         problems.append(
             Problem("equations.never_closed", f"constraint {row.element}",
                     f"its equation {row.name}, {to_text(graph, row.value.index)} = 0, has the left-hand "
-                    f"side {value:g} with {_listed(known)}", "there is nothing in it that could move",
+                    f"side {value:g} with {_list_values(known)}", "there is nothing in it that could move",
                     "give other values, or leave the constraint out")
         )  # fmt: skip
     if problems:
@@ -57,7 +57,8 @@ def _pivot_problems(formed: EquationsOfMotion, parameters: Mapping[str, float]) 
             listed = ", ".join(formed.coupled.combinations[coordinate])
             yield Problem(
                 "equations.vanishing_factor", f"coordinate {coordinate}",
-                f"its factor {to_text(formed.graph, factor.index)} in {listed} is 0 with {_listed(known)}",
+                f"its factor {to_text(formed.graph, factor.index)} in {listed} is 0 "
+                f"with {_list_values(known)}",
                 f"the coupling was solved for {coordinate}, which it does not give then",
                 "give other values, or form the equations without substitute=True",
             )  # fmt: skip
@@ -76,5 +77,5 @@ def _evaluate(formed: EquationsOfMotion, expression: Expr, known: Mapping[str, f
     return float(evaluate_sequence(program, {"p": list(known.values())})[0][0])
 
 
-def _listed(known: Mapping[str, float]) -> str:
+def _list_values(known: Mapping[str, float]) -> str:
     return ", ".join(f"{name} = {x:g}" for name, x in known.items())
