@@ -91,6 +91,8 @@ def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], S
     measured = formed.loads.measures.get(name.replace('"', ""))
     if measured is not None:
         return (), [measured]
+    if any(name == row.name for row in formed.coupled.rows):
+        return (), substitute_shares(formed, [formed.coupling_multipliers[name]])
     first, _, rest = name.partition(" ")
     if first in OUTPUTS_BY_NAME and rest:
         shape, values = _named_output(formed, name)
@@ -209,7 +211,8 @@ def output_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     efforts = (f"effort {name}" for name in effort_names(formed))
     friction = (f"friction {name}" for name in friction_names(formed))
     tensions = (f"rope_tension {name}" for name in ropes(formed))
-    return (*OUTPUTS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures)
+    couplings = (row.name for row in formed.coupled.rows)
+    return (*OUTPUTS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures, *couplings)
 
 
 def _udot(formed: EquationsOfMotion) -> list[Expr]:

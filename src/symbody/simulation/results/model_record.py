@@ -47,6 +47,7 @@ def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
         },
         "tables": {name: (table.kind, table.outside) for name, table in provenance.tables.items()},
         "switches": provenance.switches,
+        "substitutes": provenance.substitutes,
     }
     held = provenance.held
     if held is not None:
@@ -84,6 +85,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
         tables,
         given["switches"],
         _held_record(given.get("held", []), arrays),
+        given.get("substitutes", False) is True,
     )
 
 
