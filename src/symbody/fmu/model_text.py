@@ -16,7 +16,7 @@ from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import assembly as assembly_block
-from symbody.kernels import block
+from symbody.kernels import block, sample_block
 from symbody.simulation.methods.fixed_step import FixedStep
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
@@ -30,6 +30,7 @@ _KERNELS: Final = (
     ("assembly", ("assemble",)),
     ("runge_kutta", ("call",)),
     ("solve_saddle", ("solve_saddle",)),
+    ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
 )
 _BLOCK_PLACES: Final = (
     "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",
@@ -37,13 +38,15 @@ _BLOCK_PLACES: Final = (
     "VECTORS", "STATE_OLD", "KERNEL", "STEPS", "SAMPLES", "AFTER_REJECTION", "STIFF_VOTES", "OTHER_VOTES",
     "UNJUDGED", "NEXT_BREAK", "FIRST_BREAK", "BREAK_TIME", "BREAK_JUMPS", "BREAK_MARGIN", "BREAK_SIZE",
     "PROJECTOR", "P_FUNCTION", "P_OUT", "P_OUT_SIZE", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED",
-    "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY",
+    "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "LENGTH",
 )  # fmt: skip
+_SAMPLER_PLACES: Final = ("START", "NEXT", "RECORDED", "VALUES", "STEPS", "TAKEN", "GROUPS")
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
     "motion": "SB_MOTION", "slope": "SB_SLOPE", "output": "SB_OUTPUT", "derivatives": "SB_DERIVATIVES",
     "sensitivities": "SB_SENSITIVITIES", "indicators": "SB_INDICATORS", "action": "SB_ACTION",
     "parameters": "SB_PARAMETERS", "sides": "SB_SIDES",
+    "samples": "SB_SAMPLING", "periods": "SB_PERIODS",
     "measures": "SB_MEASURES", "mass": "SB_MASS", "projection": "SB_PROJECTING", "assembly": "SB_ASSEMBLING",
 }  # fmt: skip
 _FUNCTION: Final = """
@@ -94,8 +97,10 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
 def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     """Return the numbers of an instance at first, and where those of each function begin."""
     motion, assembly = program.block(), program.assembly()
-    parts, places = [motion, assembly], {"motion": int(motion[block.FUNCTION])}
-    size = motion.size + assembly.size
+    sampler = program.samples.block(len(program.eqs.speed_names))
+    parts, places = [motion, assembly, sampler], {"motion": int(motion[block.FUNCTION])}
+    places["sampler"] = motion.size + assembly.size
+    size = motion.size + assembly.size + sampler.size
     for name, function in program.functions.items():
         if name == "projection":
             projector = int(motion[block.PROJECTOR])
@@ -118,7 +123,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     dense = int(program.block()[block.METHOD + block.DENSE_ROWS])
     numbers = {
         "SB_X": n, "SB_U": len(eqs.speed_names), "SB_Q": len(eqs.coordinate_names),
-        "SB_R": n_r, "SB_P": len(program.parameters.arguments),
+        "SB_R": n_r, "SB_SAMPLED": len(program.samples.values), "SB_SAMPLER": places["sampler"],
+        "SB_P": len(program.parameters.arguments),
         "SB_CALCULATED": len(program.parameters.calculated), "SB_CONSTRAINTS": output.sizes[0],
         "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
         "SB_EVENTS": len(program.events), "SB_CONDITIONS": len(program.conditions),
@@ -136,11 +142,13 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     }
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
+    numbers |= {f"SB_Z_{name}": getattr(sample_block, name) for name in _SAMPLER_PLACES}
     texts = {
         "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
         "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),
         "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
+        "SB_SAMPLE_FUNCTION": f"{FUNCTION}{'samples' if program.samples.values else 'motion'}",
         "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip
     return {name: str(value) for name, value in numbers.items()} | texts

@@ -20,6 +20,7 @@ from symbody.fmu.freezing import Branches
 from symbody.fmu.functions import Floats, ModelFunction, dependencies, make_function
 from symbody.fmu.modes import ModalEquations, modal_equations
 from symbody.fmu.parameters import FmuParameters
+from symbody.fmu.samples import FmuSamples, fmu_samples
 from symbody.kernels import assembly as at
 from symbody.kernels import block
 from symbody.simulation.events.events import Event
@@ -38,6 +39,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector
 from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
+from symbody.simulation.sampling.sampled_loop import check_numbers
 
 ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
 MOST_TRIALS: Final = 2**52
@@ -65,11 +67,13 @@ class FmuProgram:
         What is watched.
     functions : mapping of str to ModelFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
-        sensitivities, indicators, action, parameters, sides.
+        sensitivities, indicators, action, parameters, sides, measures, mass, samples, periods.
     conditions : tuple of Condition
         What decides the branches that are frozen between events of model exchange.
     modal : ModalEquations
         The same equations with the modes of joints and ropes as arguments.
+    samples : FmuSamples
+        What is held between samples.
     """
 
     eqs: EquationSet
@@ -80,6 +84,12 @@ class FmuProgram:
     functions: Mapping[str, ModelFunction]
     conditions: tuple[Condition, ...]
     modal: ModalEquations
+    samples: FmuSamples
+
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """Inputs that an importer sets."""
+        return tuple(name for name in self.eqs.input_names if name not in self.samples.names)
 
     @property
     def x0(self) -> Floats:
@@ -216,11 +226,12 @@ def make_program(
         If the motion needs Python.
     """
     _check_motion(eqs, integrator, constraints, events)
+    samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
     request = MotionRequest(
-        initial=initial, parameters=parameters.given, tunable=parameters.arguments,
-        free_inputs=eqs.input_names, integrator=integrator,
-        constraints=constraints if isinstance(constraints, Projection) else None, rtol=RTOL,
-        span=(0.0, SPAN), is_pulled=False,
+        initial={name: value for name, value in initial.items() if name not in samples.names},
+        parameters=parameters.given, tunable=parameters.arguments, free_inputs=eqs.input_names,
+        integrator=integrator, rtol=RTOL, span=(0.0, SPAN), is_pulled=False,
+        constraints=constraints if isinstance(constraints, Projection) else None,
     )  # fmt: skip
     motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
     modal = modal_equations(eqs)
@@ -257,11 +268,16 @@ def make_program(
     actions = [str(value) for event in events for value in event.mapping.values()]
     if actions:
         made["action"] = functions.make(eqs, "action", actions)
+    if samples.values:
+        made["samples"] = functions.make(eqs, "samples", modal.outputs(samples.formulas))
+        check_numbers(samples.values, made["samples"].sequence.outputs)
+        made["periods"] = functions.make(eqs, "periods", [f"({period})" for period in samples.periods])
+        parameters = parameters.with_fixed(made["periods"].sequence)
     if parameters.calculated:
         made["parameters"] = functions.make(
             eqs, "parameters", [f"({name})" for name in parameters.calculated]
         )
-    return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made, conditions, modal)
+    return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples)
 
 
 @dataclass(frozen=True, slots=True)
