@@ -16,8 +16,7 @@ from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import assembly as assembly_block
-from symbody.kernels import block, sample_block
-from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.kernels import block, implicit_block, sample_block
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
 OPEN: Final = 2e-7
@@ -32,6 +31,7 @@ _KERNELS: Final = (
     ("solve_saddle", ("solve_saddle",)),
     ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
 )
+_IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
 _BLOCK_PLACES: Final = (
     "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",
     "RTOL",
@@ -41,6 +41,10 @@ _BLOCK_PLACES: Final = (
     "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "LENGTH",
 )  # fmt: skip
 _SAMPLER_PLACES: Final = ("START", "NEXT", "RECORDED", "VALUES", "STEPS", "TAKEN", "GROUPS")
+_IMPLICIT_FUNCTIONS: Final = {
+    "turn": implicit_block.RATE_FUNCTION,
+    "jacobian": implicit_block.DERIVATIVE_FUNCTION,
+}
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
     "motion": "SB_MOTION", "slope": "SB_SLOPE", "output": "SB_OUTPUT", "derivatives": "SB_DERIVATIVES",
@@ -60,7 +64,7 @@ typedef struct {
 def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str) -> str:
     """Return the header of a mechanism."""
     kernels: dict[str, KernelTree] = {}
-    for file, roots in _KERNELS:
+    for file, roots in (*_KERNELS, *(_IMPLICIT_KERNELS if program.is_implicit else ())):
         kernels |= read_kernels(file, *roots)
     pool, places = _pool(program)
     filled = np.flatnonzero(pool)
@@ -98,15 +102,19 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     """Return the numbers of an instance at first, and where those of each function begin."""
     motion, assembly = program.block(), program.assembly()
     sampler = program.samples.block(len(program.eqs.speed_names))
-    parts, places = [motion, assembly, sampler], {"motion": int(motion[block.FUNCTION])}
+    implicit = program.implicit()
+    parts, places = [motion, assembly, sampler, implicit], {"motion": int(motion[block.FUNCTION])}
     places["sampler"] = motion.size + assembly.size
-    size = motion.size + assembly.size + sampler.size
+    places["implicit"] = places["sampler"] + sampler.size
+    size = places["implicit"] + implicit.size
     for name, function in program.functions.items():
         if name == "projection":
             projector = int(motion[block.PROJECTOR])
             places[name] = projector + int(motion[projector + block.P_FUNCTION])
         elif name == "assembly":
             places[name] = motion.size + int(assembly[assembly_block.NUMBERS])
+        elif name in _IMPLICIT_FUNCTIONS:
+            places[name] = places["implicit"] + int(implicit[_IMPLICIT_FUNCTIONS[name]])
         elif name != "motion":
             places[name] = size
             parts.append(function.numbers)
@@ -134,7 +142,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
         "SB_HELD": assembly_block.HELD, "SB_IS_CLOSED": int("assembly" in functions),
-        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(isinstance(program.method, FixedStep)),
+        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
+        "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
         "SB_DENSE_ROWS": dense, "SB_PIECES": dense * n, "SB_LOOKS": _LOOKS, "SB_MOST_EVENTS": _MOST_EVENTS,
     }  # fmt: skip
     indices = {

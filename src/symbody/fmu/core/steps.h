@@ -30,7 +30,12 @@ static void begin_steps(Motion *m)
     B[SB_NEXT_BREAK] = B[SB_FIRST_BREAK];
     m->from = m->to = m->time;
     m->is_fresh = 0;
+#if SB_IS_IMPLICIT
+    m->code = symbody_begin_implicit(
+        mechanism_motion, B, m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->ends);
+#else
     m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->ends);
+#endif
     B[SB_FIRST_STEP] = SB_IS_FIXED ? B[SB_MAX_STEP] : fabs(B[SB_STEP]);
 }
 
@@ -39,8 +44,13 @@ static void take_step(Motion *m)
     double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_TIME];
     double end = B[SB_T_END], planned = B[SB_STEP], stop = SB_SAMPLED ? symbody_piece_end(B, sampler_of(m), end) : end;
     B[SB_T_END] = stop;
+#if SB_IS_IMPLICIT
+    m->code = symbody_advance_implicit(mechanism_motion, mechanism_turn, mechanism_jacobian, SB_PROJECTION, B,
+        m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->ends, m->pieces, 1);
+#else
     m->code = symbody_advance(
         mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
+#endif
     B[SB_T_END] = end;
     /* a step that only the sample cut short says nothing of the next */
     if (stop != end && B[SB_TIME] == stop && fabs(B[SB_LENGTH]) < fabs(planned) && fabs(B[SB_STEP]) < fabs(planned))
