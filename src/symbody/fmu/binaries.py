@@ -22,7 +22,7 @@ FLAGS: Final = (
     "-fvisibility=hidden",
     "-Werror=implicit-function-declaration",
 )
-# Above this size of the text [bytes] compilers take minutes for what -O2 adds to -O1: the same numbers, sooner
+# Above this size of the text [bytes] compilers take minutes for what -O2 adds to -O1: the same numbers sooner
 _LARGE: Final = 1_000_000
 _OLDEST_GLIBC: Final = "2.17"
 INSTALL: Final = 'pip install "symbody[fmu]"'
