@@ -146,13 +146,13 @@ def _scale_row(row: ConstraintEquation, share: Expr) -> ConstraintEquation:
     zero = number(share.graph, 0)
     holds = zero.apply(LT, share)
 
-    def chosen(value: Expr) -> Expr:
+    def choose(value: Expr) -> Expr:
         return holds.apply(SELECT, value, zero)
 
     return replace(
-        row, value=chosen(row.value), drift=chosen(row.drift), gamma=chosen(row.gamma),
-        jacobian={u: chosen(slope) for u, slope in row.jacobian.items()},
-        force=row.force.map(chosen), moment=row.moment.map(chosen),
+        row, value=choose(row.value), drift=choose(row.drift), gamma=choose(row.gamma),
+        jacobian={u: choose(slope) for u, slope in row.jacobian.items()},
+        force=row.force.map(choose), moment=row.moment.map(choose),
     )  # fmt: skip
 
 

@@ -62,7 +62,7 @@ class StepperSettings:
     fmus: Mapping[str, FmuInput] = field(default_factory=dict)
 
     @property
-    def given(self) -> tuple[str, ...]:
+    def inputs_of_steps(self) -> tuple[str, ...]:
         """Inputs that steps give."""
         return tuple(name for name in self.held if name not in self.fmus)
 

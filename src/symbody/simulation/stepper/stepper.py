@@ -273,7 +273,7 @@ class Stepper:
         others = {**(initial or {}), **values}
         first = first_state(self._settings, self._problem.parameters, others)
         self._numbers.begin(self._settings.t_start, self.dt, state_values(first))
-        self._missing = set(self._settings.given)
+        self._missing = set(self._settings.inputs_of_steps)
         self._steps.restart(others)
         self._take(self._problem, self._steps, self._slow, Status.SUCCESS)
         return self
@@ -340,7 +340,7 @@ class Stepper:
         places = {name: stepping.STATE_AT + names.index(name) for name in names}  # the first of equal ones
         self._state_places = places | {"t": stepping.NOW}
         first = stepping.STATE_AT + len(names)
-        self._missing = set(self._settings.given)
+        self._missing = set(self._settings.inputs_of_steps)
         self._places = {name: first + k for k, name in enumerate(self._names) if name in self._missing}
 
     def _use(self, parameters: Mapping[str, Value], sizes: Sizes | None, moved: State | None = None) -> None:
