@@ -134,5 +134,6 @@ def _mark_changes(
         parameters = tuple(
             replace(p, is_changed=p.type == Type.ARRAY and p.name in changed) for p in tree.parameters
         )
-        marked[name] = replace(tree, parameters=parameters)
+        arrays = {local for local, kind in tree.variables.items() if kind == Type.ARRAY}
+        marked[name] = replace(tree, parameters=parameters, read_only=frozenset(arrays - changed))
     return marked

@@ -184,6 +184,8 @@ class KernelTree:
     body : sequence of statements
     summary : str
         First line of the docstring.
+    read_only : set of str
+        Local variables that are arrays into which nothing is stored.
     """
 
     name: str
@@ -192,6 +194,7 @@ class KernelTree:
     variables: Mapping[str, Type]
     body: tuple[Statement, ...]
     summary: str
+    read_only: frozenset[str] = frozenset()
 
 
 # Contents
