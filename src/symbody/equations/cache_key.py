@@ -23,7 +23,7 @@ from symbody.storage import folder, load_stored, store
 
 # The folders whose code forms equations and sequences, and the packages that change their results.
 _ROOMS: Final = ("expr", "spatial", "manifold", "kernels", "model", "graph", "equations")
-_PACKAGES: Final = ("networkx", "sympy")
+_PACKAGES: Final = ("sympy",)
 
 
 @dataclass(frozen=True, slots=True)

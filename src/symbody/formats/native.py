@@ -9,7 +9,6 @@ from typing import Any
 from symbody.arguments import checked_arguments
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.formats.checking import check_structure
 from symbody.formats.entries import (
     Node,
     ground_frames,
@@ -23,7 +22,7 @@ from symbody.formats.includes import include_entry, read_includes
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
-from symbody.formats.schema import NEWER_SECTIONS, VERSION
+from symbody.formats.structure import NEWER_SECTIONS, VERSION, check_structure
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.toml_text import write_layout, write_toml
 from symbody.formats.writing import write_text
