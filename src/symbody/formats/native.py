@@ -22,7 +22,7 @@ from symbody.formats.includes import include_entry, read_includes
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
-from symbody.formats.structure import NEWER_SECTIONS, VERSION, check_structure
+from symbody.formats.schema_fit import NEWER_SECTIONS, VERSION, check_structure
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.toml_text import write_layout, write_toml
 from symbody.formats.writing import write_text

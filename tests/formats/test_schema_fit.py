@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from symbody.formats import structure
+from symbody.formats import schema_fit
 from symbody.formats.schema import ModelFile
-from symbody.formats.structure import fits, published_schema
+from symbody.formats.schema_fit import fits, published_schema
 from symbody.formats.toml_syntax import parse_toml
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/*.toml"))
@@ -87,7 +87,7 @@ def test_every_keyword_of_the_schema_is_looked_at_or_silent() -> None:
                 for entry in inner if isinstance(inner, list) else [inner]:
                     yield from keywords(entry)
 
-    assert set(keywords(published_schema())) <= SILENT | set(structure._CHECKS)
+    assert set(keywords(published_schema())) <= SILENT | set(schema_fit._CHECKS)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
