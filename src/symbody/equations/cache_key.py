@@ -78,9 +78,9 @@ def _sources() -> bytes:
     sympy = find_spec(_VERSION[0])
     if sympy is None or not sympy.origin:
         return b""
-    found = sha256(sys.version.encode())
+    digest = sha256(sys.version.encode())
     with open(os.path.join(os.path.dirname(sympy.origin), _VERSION[1]), "rb") as file:
-        found.update(file.read())
+        digest.update(file.read())
     count = 0
     for room in _ROOMS:
         for place, folders, files in os.walk(os.path.join(package, room)):
@@ -88,6 +88,6 @@ def _sources() -> bytes:
             for name in sorted(files):
                 if name.endswith(".py"):
                     with open(os.path.join(place, name), "rb") as file:
-                        found.update(sha256(file.read()).digest())
+                        digest.update(sha256(file.read()).digest())
                     count += 1
-    return found.digest() if count else b""
+    return digest.digest() if count else b""
