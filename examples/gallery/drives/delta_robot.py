@@ -19,8 +19,8 @@ LOOK = {"times": (0.1, 0.4), "traces": ["Plate"], "view": (1.0, -1.4, 0.5)}
 WAY = ("0.2*cos(2*pi*t)", "0.15*sin(2*pi*t)", "-0.6 + 0.08*cos(4*pi*t)")  # of the plate
 
 
-def motion():
-    """Return the arms while the plate goes around."""
+def model():
+    """Return the mechanism."""
     joints = {f"j{k}": sb.Frame(rotate=[("z", f"2*pi*{k}/3")]) for k in range(3)}
     mounts = {
         f"m{k}": sb.Frame((f"{PLATE}*cos(2*pi*{k}/3)", f"{PLATE}*sin(2*pi*{k}/3)", 0)) for k in range(3)
@@ -43,11 +43,15 @@ def motion():
             sb.Distance(f"rod{k}", f"Arm{k}.elbow", f"Plate.m{k}", ROD),
         ]
     box = sb.Cylinder(BASE, 0.02, at=(0, 0, 0.02), opacity=0.4)
-    model = sb.Model(
+    return sb.Model(
         "delta robot", parts, gravity=(0, 0, -9.81), ground=posts, ground_shapes=[box],
         initial={"q0": 0.3, "q1": 0.3, "q2": 0.3},
     )  # fmt: skip
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+
+
+def motion():
+    """Return the arms while the plate goes around."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -16,8 +16,8 @@ TOLERANCE = 1e-7  # rad/s
 LOOK = {"times": (0.0,), "view": (0.35, 0.5, 1.0)}
 
 
-def motion():
-    """Return two seconds under torques on sun and ring, the carrier against a brake."""
+def model():
+    """Return the mechanism."""
     module = 0.004  # m
     axis = module * (SUN + PLANET) / 2
     frames = {
@@ -41,9 +41,12 @@ def motion():
             sb.Revolute(f"axle{k}", f"Carrier.axle{k}", planet, coordinate=f"planet{k}"),
             sb.Gear(f"outer{k}", [f"planet{k}", "sun"], f"-{SUN}/{PLANET}", offset=f"pi/{PLANET}"),
         ]
-    return sb.simulate(
-        sb.form_equations(sb.Model("planetary gear", parts)), 2.0, times=np.linspace(0, 2, 201)
-    )
+    return sb.Model("planetary gear", parts)
+
+
+def motion():
+    """Return two seconds under torques on sun and ring, the carrier against a brake."""
+    return sb.simulate(sb.form_equations(model()), 2.0, times=np.linspace(0, 2, 201))
 
 
 def comparison(run):

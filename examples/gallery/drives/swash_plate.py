@@ -16,8 +16,8 @@ TOLERANCE = 1e-9
 LOOK = {"times": (0.13,), "view": (0.8, -1.2, 0.45)}
 
 
-def motion():
-    """Return one turn of the shaft."""
+def model():
+    """Return the mechanism."""
     plate = sb.Body(
         "Plate", 1.0, (0.001, 0.001, 0.002), frames={"face": sb.Frame(rotate=[("y", TILT)])},
         shapes=[sb.Cylinder(0.09, 0.01, rotate=[("y", TILT)], color="steelblue"),
@@ -35,8 +35,12 @@ def motion():
             sb.Prismatic(f"guide{k}", f"ground.bore{k}", piston, "z", f"s{k}"),
             sb.PointOnPlane(f"shoe{k}", "Plate.face", piston, axis="z"),
         ]
-    model = sb.Model("swash plate", parts, ground=posts)
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("swash plate", parts, ground=posts)
+
+
+def motion():
+    """Return one turn of the shaft."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -26,8 +26,8 @@ def bar(name, length, **points):
     )
 
 
-def motion():
-    """Return one turn of the crank."""
+def model():
+    """Return the mechanism."""
     parts = [
         *(
             bar("Crank", CRANK),
@@ -39,11 +39,15 @@ def motion():
         sb.Revolute("C", "Coupler.pin", "Rocker.b"),
         sb.Revolute("D", "ground.D", "Rocker.a", coordinate="phi"),
     ]
-    model = sb.Model(
+    return sb.Model(
         "lambda linkage", parts, gravity=(0, -9.81, 0), ground={"D": sb.Frame((POSTS, 0, 0))},
         initial={"beta": "78 deg", "phi": "102 deg"},
     )  # fmt: skip
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+
+
+def motion():
+    """Return one turn of the crank."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -24,8 +24,8 @@ def bar(name, length, **points):
     )
 
 
-def motion():
-    """Return two turns of the crank."""
+def model():
+    """Return the mechanism."""
     parts = [
         *(bar("Crank", CRANK), bar("Coupler", COUPLER, P=(0, 0.25, 0)), bar("Rocker", ROCKER)),
         sb.Revolute("A", "ground", "Crank.a", coordinate="theta", motion="2*pi*t"),
@@ -33,11 +33,15 @@ def motion():
         sb.Revolute("C", "Coupler.b", "Rocker.b"),
         sb.Revolute("D", "ground.D", "Rocker.a", coordinate="phi"),
     ]
-    model = sb.Model(
+    return sb.Model(
         "four-bar", parts, gravity=(0, -9.81, 0), ground={"D": sb.Frame((POSTS, 0, 0))},
         initial={"beta": "60 deg", "phi": "120 deg"},
     )  # fmt: skip
-    return sb.simulate(sb.form_equations(model), 2.0, times=np.linspace(0, 2, 201))
+
+
+def motion():
+    """Return two turns of the crank."""
+    return sb.simulate(sb.form_equations(model()), 2.0, times=np.linspace(0, 2, 201))
 
 
 def comparison(run):

@@ -24,8 +24,8 @@ def bar(name, length, **points):
     return sb.Body(name, 1.0, (0, 0, length**2 / 12), frames=frames)
 
 
-def motion():
-    """Return a figure that tracer and pen draw."""
+def model():
+    """Return the mechanism."""
     parts = [
         bar("Inner", LONG, joint=SHORT),  # from the fixed point to the elbow
         bar("Outer", LONG, joint=SHORT),  # from the elbow to the pen
@@ -37,8 +37,12 @@ def motion():
         sb.Revolute("F", "Outer.joint", "Far.a", coordinate="far"),
         sb.Revolute("tracer", "Near.b", "Far.b"),
     ]
-    model = sb.Model("pantograph", parts, initial={"near": -1.6, "far": -1.54})
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("pantograph", parts, initial={"near": -1.6, "far": -1.54})
+
+
+def motion():
+    """Return a figure that tracer and pen draw."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -32,8 +32,8 @@ def first_positions():
             "c_b": half - inner, "c_d": half - outer}  # fmt: skip
 
 
-def motion():
-    """Return one swing of the crank."""
+def model():
+    """Return the mechanism."""
     bars = {"Crank": CRANK, "ArmA": ARM, "ArmC": ARM, "AB": SIDE, "Upper": SIDE, "CB": SIDE, "Lower": SIDE}
     parts = [
         *(bar(name, length) for name, length in bars.items()),
@@ -49,8 +49,12 @@ def motion():
         sb.Revolute("D", "Upper.b", "Lower.b"),
     ]
     posts = {"Q": sb.Frame((CRANK, 0, 0))}
-    model = sb.Model("Peaucellier's inversor", parts, ground=posts, initial=first_positions())
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("Peaucellier's inversor", parts, ground=posts, initial=first_positions())
+
+
+def motion():
+    """Return one swing of the crank."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

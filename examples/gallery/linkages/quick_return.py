@@ -17,8 +17,8 @@ TOLERANCE = 1e-6
 LOOK = {"times": (0.0, 0.2, 0.4), "traces": ["Arm.tip"]}
 
 
-def motion():
-    """Return two turns of the crank at one turn a second."""
+def model():
+    """Return the mechanism."""
     parts = [
         sb.Body("Crank", 1.0, (0, 0, 0.01), frames={"pin": sb.Frame((RADIUS, 0, 0))}),
         sb.Body(
@@ -28,12 +28,16 @@ def motion():
         sb.Revolute("B", "ground.B", "Arm.foot", coordinate="phi"),
         sb.PinSlot("slot", "Arm.foot", "Crank.pin", axes=("z", "x"), coordinates=["turn", "along"]),
     ]
-    model = sb.Model(
+    return sb.Model(
         "quick return", parts, gravity=(0, -9.81, 0), ground={"B": sb.Frame((0, -POSTS, 0))},
         initial={"phi": "68 deg"},
     )  # fmt: skip
+
+
+def motion():
+    """Return two turns of the crank at one turn a second."""
     turning = sb.Event("phi_dot", name="turns back")
-    return sb.simulate(sb.form_equations(model), 2.0, times=np.linspace(0, 2, 401), events=[turning])
+    return sb.simulate(sb.form_equations(model()), 2.0, times=np.linspace(0, 2, 401), events=[turning])
 
 
 def comparison(run):

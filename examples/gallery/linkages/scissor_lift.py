@@ -23,8 +23,8 @@ def bar(name, length):
     return sb.Body(name, 1.0, (0, 0, length**2 / 12), frames=frames)
 
 
-def motion():
-    """Return the lift going up by an actuator that moves evenly."""
+def model():
+    """Return the mechanism."""
     platform = sb.Body("Platform", 20.0, (1, 1, 1), shapes=[sb.Box((1.2, 0.05, 0.4), at=(0.45, 0.025, 0))])
     parts = [
         *(bar(name, LENGTH) for name in ("Rise1", "Fall1", "Rise2", "Fall2")),
@@ -40,8 +40,12 @@ def motion():
     ]
     low = float(np.arccos(0.95))
     first = {"rise": low, "fall": -low, "second_rise": 2 * low, "second_fall": -2 * low, "h": 2 * np.sin(low)}
-    model = sb.Model("scissor lift", parts, gravity=(0, -9.81, 0), initial=first)
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 101))
+    return sb.Model("scissor lift", parts, gravity=(0, -9.81, 0), initial=first)
+
+
+def motion():
+    """Return the lift going up by an actuator that moves evenly."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 101))
 
 
 def comparison(run):

@@ -23,8 +23,8 @@ def bar(name, length):
     return sb.Body(name, 1.0, (0, 0, length**2 / 12), frames=frames)
 
 
-def motion():
-    """Return the way from a bent knee through the dead point."""
+def model():
+    """Return the mechanism."""
     parts = [
         *(bar("Upper", LENGTH), bar("Lower", LENGTH), sb.Body("Ram", 2.0, (0.01, 0.01, 0.01))),
         sb.Revolute("post", "ground", "Upper.a", coordinate="alpha", motion="0.9 - 0.95*t"),
@@ -32,8 +32,12 @@ def motion():
         sb.Prismatic("guide", "ground", "Ram", axis="x", coordinate="s"),
         sb.Revolute("wrist", "Ram", "Lower.b"),
     ]
-    model = sb.Model("toggle press", parts, initial={"bend": -1.8, "s": 0.37})
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("toggle press", parts, initial={"bend": -1.8, "s": 0.37})
+
+
+def motion():
+    """Return the way from a bent knee through the dead point."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

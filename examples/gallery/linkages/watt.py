@@ -24,8 +24,8 @@ def bar(name, length):
     return sb.Body(name, 1.0, (0, 0, length**2 / 12), frames=frames)
 
 
-def motion():
-    """Return one swing of the left arm, to and fro."""
+def model():
+    """Return the mechanism."""
     lean = float(np.arctan2(HALF_BAR, ARM))
     parts = [
         *(bar("Left", ARM), bar("Right", ARM), bar("Bar", 2 * HALF_BAR)),
@@ -36,8 +36,12 @@ def motion():
     ]
     posts = {"A": sb.Frame((-HALF_POSTS, 0, 0)), "D": sb.Frame((HALF_POSTS, 0, 0))}
     first = {"turn": -np.pi / 2, "right": np.pi + lean}
-    model = sb.Model("Watt's linkage", parts, ground=posts, initial=first)
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("Watt's linkage", parts, ground=posts, initial=first)
+
+
+def motion():
+    """Return one swing of the left arm, to and fro."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

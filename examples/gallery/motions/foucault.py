@@ -15,8 +15,8 @@ LATITUDE, OMEGA, LENGTH = float(np.radians(48.85)), 0.00729, 10.0  # Paris; rad/
 TOLERANCE = 1e-3  # rad; the formula leaves out (Omega/omega)^2 and the turn of a large ellipse by itself
 
 
-def motion():
-    """Return five minutes of the swing, the ground being at rest among the stars."""
+def model():
+    """Return the mechanism."""
     up = (
         float(np.cos(LATITUDE)),
         0.0,
@@ -36,8 +36,12 @@ def motion():
         sb.Universal("hook", "Earth.site", "Bob.eye", axes=("x", "y"), coordinates=["a", "b"]),
         sb.Force("weight", "Bob", (0, 0, -9.81), resolved_in="Earth.site"),
     ]
-    eqs = sb.form_equations(sb.Model("Foucault's pendulum", parts))
-    return sb.simulate(eqs, 300.0, {"b": -0.02, "a": 0.0}, times=np.linspace(0, 300, 30001))
+    return sb.Model("Foucault's pendulum", parts, initial={"b": -0.02})
+
+
+def motion():
+    """Return five minutes of the swing, the ground being at rest among the stars."""
+    return sb.simulate(sb.form_equations(model()), 300.0, times=np.linspace(0, 300, 30001))
 
 
 def comparison(run):

@@ -19,8 +19,8 @@ TOLERANCE = 1e-5  # rad/s
 LOOK = {"times": (0.0, 1.5, 3.0, 4.5, 6.0, 7.5), "view": "front"}
 
 
-def motion():
-    """Return eight seconds from a first speed; axes x down the slope, y away from it."""
+def model():
+    """Return the mechanism."""
     spokes = [
         sb.Capsule(0.025, LENGTH, at=(float(LENGTH / 2 * np.sin(a)), float(LENGTH / 2 * np.cos(a)), 0),
                    rotate=[("z", float(-a)), ("x", "pi/2")], color="steelblue")
@@ -35,15 +35,19 @@ def motion():
     ]
     gravity = (9.81 * np.sin(SLOPE), -9.81 * np.cos(SLOPE), 0)
     floor = [sb.Box((13.5, 0.1, 1.0), at=(5.2, -0.05, 0), opacity=0.4)]
-    model = sb.Model("rimless wheel", parts, gravity=gravity, ground_shapes=floor)
+    first = {"theta": -ALPHA, "theta_dot": 2.5}
+    return sb.Model("rimless wheel", parts, gravity=gravity, ground_shapes=floor, initial=first)
+
+
+def motion():
+    """Return eight seconds from a first speed; axes x down the slope, y away from it."""
     landing = sb.Event(
         f"theta - {ALPHA}", 1, name="lands",
         action={
             "theta": -ALPHA, "theta_dot": f"cos(2*{ALPHA})*theta_dot", "x": f"x + 2*{LENGTH}*sin({ALPHA})",
         },
     )  # fmt: skip
-    first = {"theta": -ALPHA, "theta_dot": 2.5}
-    return sb.simulate(sb.form_equations(model), 8.0, first, events=[landing], rtol=1e-10)
+    return sb.simulate(sb.form_equations(model()), 8.0, events=[landing], rtol=1e-10)
 
 
 def comparison(run):
