@@ -1,7 +1,7 @@
 """Cardan's gears.
 
-A gear rolls inside a ring twice its size: each point of its rim goes to and fro on a straight line through the
-middle, each point within on an ellipse. Presses and engines have used it instead of crank and rod; before
+A gear rolls inside a ring twice its size: each point of its rim goes to and fro on a straight line through
+the middle, each point within on an ellipse. Presses and engines have used it instead of crank and rod; before
 Cardano, Nasir al-Din al-Tusi moved planets so.
 
 Check: with the arm at phi the gear has turned by -phi, so a point a distance c from its centre is at r exp(i
@@ -19,16 +19,17 @@ LOOK = {"times": (0.0, 0.12, 0.3), "traces": ["Gear.rim", "Gear.inside"]}
 
 def model():
     """Return the mechanism."""
+    ends = {"hub": sb.Frame((-RADIUS / 2, 0, 0)), "pin": sb.Frame((RADIUS / 2, 0, 0))}
     points = {"rim": sb.Frame((RADIUS, 0, 0)), "inside": sb.Frame((INNER, 0, 0))}
     parts = [
-        sb.Body("Arm", 0.2, (0, 0, 0.001), frames={"hub": sb.Frame((-RADIUS / 2, 0, 0)), "pin": sb.Frame((RADIUS / 2, 0, 0))}),
-        sb.Body("Gear", 0.5, (0, 0, "0.5*0.5*r^2"), frames=points),
+        sb.Body("Arm", 0.2, (0, 0, 0.001), frames=ends),
+        sb.Body("Gear", "m", (0, 0, "m*r^2/2"), frames=points),
         sb.Revolute("hub", "ground", "Arm.hub", coordinate="phi", torque=sb.Drive(applied="T")),
         sb.Revolute("pin", "Arm.pin", "Gear", coordinate="psi"),
         sb.Gear("ring", ["psi", "phi"], -2),
     ]  # fmt: skip
     return sb.Model(
-        "Cardan's gears", parts, parameters={"r": RADIUS, "T": 0.02}, initial={"phi_dot": 4.0},
+        "Cardan's gears", parts, parameters={"r": RADIUS, "m": 0.5, "T": 0.02}, initial={"phi_dot": 4.0},
     )  # fmt: skip
 
 

@@ -1,12 +1,12 @@
 """Cycloid drive.
 
-An eccentric pushes a lobed disc around inside a ring of pins; the disc has one lobe less than there are pins, so
-with each turn of the eccentric it turns back by one lobe. Pins in larger holes pass its turning on. Robots'
-joints have such gears: a large ratio, many teeth in contact, no play.
+An eccentric pushes a lobed disc around inside a ring of pins; the disc has one lobe less than there are pins,
+so with each turn of the eccentric it turns back by one lobe. Pins in larger holes pass its turning on.
+Robots' joints have such gears: a large ratio, many teeth in contact, no play.
 
 Check: a pin at R, seen from a disc with its centre at e exp(i phi) and turned by -phi/(N - 1), goes along R
-exp(i s) - e exp(i N s), s = phi/(N - 1): an epitrochoid of N - 1 lobes, with which the disc is cut. The motion
-holds two pins on that curve; turning of the disc and the places of all other pins are the check.
+exp(i s) - e exp(i N s), s = phi/(N - 1): an epitrochoid of N - 1 lobes, with which the disc is cut. The
+motion holds two pins on that curve; turning of the disc and the places of all other pins are the check.
 """
 
 import numpy as np
@@ -24,6 +24,11 @@ def outline(s):
     return RADIUS * np.exp(1j * s) - OFFSET * np.exp(1j * PINS * s)
 
 
+def curve(s):
+    """Return the same curve in the parameter s for the model."""
+    return (f"R*cos({s}) - e*cos({PINS}*{s})", f"R*sin({s}) - e*sin({PINS}*{s})", 0)
+
+
 def model():
     """Return the mechanism."""
     holes = 0.055 * np.exp(2j * np.pi * np.arange(6) / 6)
@@ -34,16 +39,17 @@ def model():
         for z in RADIUS * np.exp(2j * np.pi * np.arange(PINS) / PINS)
     ]
     parts = [
-        sb.Body("Eccentric", 0.1, (0, 0, 1e-5), frames={"centre": sb.Frame((OFFSET, 0, 0))},
+        sb.Body("Eccentric", 0.1, (0, 0, 1e-5), frames={"centre": sb.Frame(("e", 0, 0))},
                 shapes=[sb.Cylinder(0.01, 0.02, color="black")]),
         sb.Body("Disc", 0.5, (0, 0, 2e-3), shapes=disc),
         sb.Body("Output", 0.3, (0, 0, 1e-3), shapes=studs),
         sb.Revolute("input", "ground", "Eccentric", coordinate="phi", motion="2*pi*t"),
         sb.Revolute("bearing", "Eccentric.centre", "Disc", coordinate="turn"),
         sb.Revolute("output", "ground", "Output", coordinate="psi"),
-        *(sb.PointOnCurve(f"pin{k}", "Disc", f"ground.pin{k}", parameter=f"s{k}", curve=(
-            f"{RADIUS}*cos(s{k}) - {OFFSET}*cos({PINS}*s{k})", f"{RADIUS}*sin(s{k}) - {OFFSET}*sin({PINS}*s{k})", 0))
-          for k in HELD),
+        *(
+            sb.PointOnCurve(f"pin{k}", "Disc", f"ground.pin{k}", parameter=f"s{k}", curve=curve(f"s{k}"))
+            for k in HELD
+        ),
         sb.Constraint("studs", "psi - phi - turn"),  # pins in holes keep both parallel
     ]  # fmt: skip
     angles = {k: 2 * np.pi * k / PINS for k in HELD}
@@ -51,8 +57,11 @@ def model():
         f"pin{k}": sb.Frame((float(RADIUS * np.cos(a)), float(RADIUS * np.sin(a)), 0))
         for k, a in angles.items()
     }
+    sizes = {"R": RADIUS, "e": OFFSET}
     first = {f"s{k}": a for k, a in angles.items()}
-    return sb.Model("cycloid drive", parts, ground=ground, ground_shapes=pins, initial=first)
+    return sb.Model(
+        "cycloid drive", parts, ground=ground, ground_shapes=pins, initial=first, parameters=sizes
+    )
 
 
 def motion():

@@ -3,10 +3,10 @@
 A bevel gear on the carrier meshes with one on each half shaft: the wheels of a car may turn at different
 speeds, and get the same torque.
 
-Check: the carrier turns at the mean of the half shafts and its torque goes to both in equal parts, so the
-motion against two unequal brakes is that of two linear equations, solved by the matrix exponential; at its
-end each wheel turns at half of the torque over its brake. R. L. Norton, Design of Machinery, McGraw-Hill,
-section on differentials.
+Check: the carrier turns at the mean of the half shafts and, as power in is power out at any speeds, its
+torque goes to both in equal parts, so the motion against two unequal brakes is that of two linear equations,
+solved by the matrix exponential; at its end each wheel turns at half of the torque over its brake. Derived
+here.
 """
 
 import numpy as np

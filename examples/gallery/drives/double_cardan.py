@@ -1,13 +1,13 @@
 """Double Cardan joint, forks right and wrong.
 
-A drive shaft between two universal joints at equal angles: with the forks of the middle shaft in one plane the
-unevenness of the second joint undoes that of the first, and parallel shafts turn alike; with one fork a
+A drive shaft between two universal joints at equal angles: with the forks of the middle shaft in one plane
+the unevenness of the second joint undoes that of the first, and parallel shafts turn alike; with one fork a
 quarter turn off (behind) the two add up. Cardan shafts are marked so that nobody joins them wrongly.
 
 Check: each joint obeys tan(driven) = tan(driving) cos(beta), angles from where the arm of the cross in the
-driving fork stands across the plane of the shafts; it follows from the arms, which stay at right angles. Right:
-the second joint is the first one reversed, so the last angle is the first. Wrong: the joints repeat, and
-tan(last) = tan(first) cos(beta)^2.
+driving fork stands across the plane of the shafts; it follows from the arms, which stay at right angles.
+Right: the second joint is the first one reversed, so the last angle is the first. Wrong: the joints repeat,
+and tan(last) = tan(first) cos(beta)^2.
 """
 
 import numpy as np
@@ -25,7 +25,8 @@ def chain(name, second, y):
     ends = {"tail": sb.Frame((-0.2, 0, 0)), "fork": sb.Frame((0.2, 0, 0))}
     parts = [sb.Body(f"{name}{k}", 1.0, (0.001, 0.01, 0.01), frames=ends) for k in range(3)]
     parts += [
-        sb.Revolute(f"{name} input", f"ground.{name}_in", f"{name}0.tail", "x", f"{name}_first", motion="2*pi*t"),
+        sb.Revolute(f"{name} input", f"ground.{name}_in", f"{name}0.tail", "x", f"{name}_first",
+                    motion="2*pi*t"),
         sb.Universal(f"{name} front", f"{name}0.fork", f"{name}1.tail", axes=("y", "z"),
                      coordinates=[f"{name}_a", f"{name}_b"]),
         sb.Cylindrical(f"{name} output", f"ground.{name}_out", f"{name}2.fork", axis="x",

@@ -1,10 +1,10 @@
 """Swash plate with five pistons.
 
-A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there
-is no crank, and the stroke follows the tilt.
+A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there is
+no crank, and the stroke follows the tilt.
 
-Check: the piston at an angle p moves by -R tan(alpha) cos(phi - p), a pure sine; stroke 2 R tan(alpha). J.
-Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, Akademia 2001, kinematics of axial pistons.
+Check: the shoe at (R cos(p), R sin(p)) is in the plane across (sin(a) cos(phi), sin(a) sin(phi), cos(a)), a
+the tilt, so that the piston is at -R tan(a) cos(phi - p), a pure sine; stroke 2 R tan(a). Derived here.
 """
 
 import numpy as np

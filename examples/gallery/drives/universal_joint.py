@@ -1,10 +1,10 @@
 """Universal joint between two shafts.
 
-Cardan's or Hooke's joint: two forks and a cross. The second shaft turns as often as the first, but
-unevenly, the more so the larger the angle between the shafts.
+Cardan's or Hooke's joint: two forks and a cross. The second shaft turns as often as the first, but unevenly,
+the more so the larger the angle between the shafts.
 
-Check: tan(phi2) = tan(phi1)/cos(beta) with phi1 from the position where the first fork lies across the
-plane of the shafts; R. L. Norton, Design of Machinery, McGraw-Hill, section on universal joints.
+Check: the two arms of the cross stay at right angles, which is tan(phi2) = tan(phi1)/cos(beta), with phi1
+from the position where the arm in the first fork lies in the plane of the shafts. Derived here.
 """
 
 import numpy as np

@@ -1,12 +1,12 @@
 """Double wishbone suspension.
 
-Two arms guide the upright of a front wheel up and down, a rod holds it against steering. As the wheel rises it
-leans (camber) and steers a little by itself (bump steer); the lengths are chosen for just that.
+Two arms guide the upright of a front wheel up and down, a rod holds it against steering. As the wheel rises
+it leans (camber) and steers a little by itself (bump steer); the lengths are chosen for just that.
 
-Check: both ball joints stay in planes across the hinges of the arms, so that seen along these the upright is the
-coupler of a four-bar, whose places follow from where two circles meet. The end of the steering arm then goes
-round the axis through both ball joints, and a rod's length from the rack: E cos(h) + F sin(h) + G = 0 for its
-angle. Derived here.
+Check: both ball joints stay in planes across the hinges of the arms, so that seen along these the upright is
+the coupler of a four-bar, whose places follow from where two circles meet. The end of the steering arm then
+goes round the axis through both ball joints, and a rod's length from the rack: E cos(h) + F sin(h) + G = 0
+for its angle. Derived here.
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ def frame(place):
 
 
 def arm(name, hinge, end):
-    """Return an arm with its axes those of the ground in the middle position, from a hinge to a ball joint."""
+    """Return an arm from a hinge to a ball joint; its axes are those of the ground in the middle."""
     half = (end - hinge) / 2
     front, back = (frame(np.array([x, 0, 0]) - half) for x in (0.1, -0.1))
     return sb.Body(
@@ -47,9 +47,10 @@ def model():
     wheel = [
         sb.Cylinder(0.31, 0.19, rotate=[("x", "pi/2")], color="black", opacity=0.25),
         sb.Cylinder(0.2, 0.12, rotate=[("x", "pi/2")], color="lightgray", opacity=0.4),
-        *(sb.Sphere(0.022, at=[float(each) for each in end - WHEEL], color="crimson") for end in ends.values()),
-        rod(TOP - WHEEL, BALL - WHEEL), rod(STEER - WHEEL, (TOP + BALL) / 2 - WHEEL), rod(0 * WHEEL, (TOP + BALL) / 2 - WHEEL),
-    ]  # fmt: skip
+        sb.Sphere(0.022, at=[float(each) for each in STEER - WHEEL], color="crimson"),
+        rod(TOP - WHEEL, BALL - WHEEL),
+        *(rod(end - WHEEL, (TOP + BALL) / 2 - WHEEL) for end in (STEER, WHEEL)),
+    ]
     frames = {name: frame(place - WHEEL) for name, place in ends.items()}
     parts = [
         arm("Lower", LOW, BALL),

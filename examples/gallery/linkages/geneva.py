@@ -6,8 +6,8 @@ the next slot a disc on the crank locks the cross. Film projectors pull the film
 Check: with the pin in a slot the cross has turned by atan2(a sin(phi), d - a cos(phi)) from where the slot
 meets the crank, a the crank's radius and d the distance of the axes; it rests at multiples of a quarter turn
 between. Engaged for cos(phi) > a/d, d = a sqrt(2): a quarter of the crank's turn, and the pin enters along
-the slot, without a shock. The model has no such formula: its pin stays in one of the two crossed slots, (x y)' = 0
-in the axes of the cross, or the cross stands, psi' = 0.
+the slot, without a shock. The model has no such formula: its pin stays in one of the two crossed slots, (x
+y)' = 0 in the axes of the cross, or the cross stands, psi' = 0.
 """
 
 import numpy as np
@@ -66,6 +66,7 @@ def comparison(run):
     """Return the angle of the cross, and the formula."""
     phi = 2 * np.pi * run.t
     turns = np.floor(run.t + 0.5)
-    local = np.where(np.cos(phi) > CRANK / POSTS, -np.arctan2(CRANK * np.sin(phi), POSTS - CRANK * np.cos(phi)),
-                     np.where(run.t - turns > 0, -np.pi / 4, np.pi / 4))  # fmt: skip
-    return run["psi"], local - turns * np.pi / 2
+    moving = -np.arctan2(CRANK * np.sin(phi), POSTS - CRANK * np.cos(phi))
+    standing = np.where(run.t - turns > 0, -np.pi / 4, np.pi / 4)
+    angle = np.where(np.cos(phi) > CRANK / POSTS, moving, standing)
+    return run["psi"], angle - turns * np.pi / 2

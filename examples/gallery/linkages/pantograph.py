@@ -3,8 +3,9 @@
 A parallelogram of four bars on one fixed point: what the tracer draws, the pen draws larger. It copied
 drawings, engraved letters, and carries the current collectors of trains.
 
-Check: fixed point, tracer and pen lie on a line, and the pen is k times as far as the tracer; C. Scheiner,
-Pantographice, Rome 1631.
+Check: the bars from the tracer are parallel to the others, so that the triangles fixed point - elbow - pen
+and fixed point - joint - tracer are similar: the pen is in the direction of the tracer, k times as far. C.
+Scheiner, Pantographice, Rome 1631.
 """
 
 import numpy as np

@@ -3,9 +3,9 @@
 The pin of a crank of radius r slides in the slot of an arm, pivoted a distance d below: the arm goes forth
 slowly and back quickly. Shaping machines cut on the slow way.
 
-Check: tan(arm) = (d + r sin(t))/(r cos(t)), and the times of the two strokes are as 180 + 2 asin(r/d) to
-180 - 2 asin(r/d) degrees of the crank, R. L. Norton, Design of Machinery, McGraw-Hill, section on
-quick-return.
+Check: the pin is at (r cos(t), d + r sin(t)) from the arm's pivot, so tan(arm) = (d + r sin(t))/(r cos(t)).
+The arm turns back where it touches the circle of the pin, and the times of the two strokes are as 180 + 2
+asin(r/d) to 180 - 2 asin(r/d) degrees of the crank. Derived here.
 """
 
 import numpy as np

@@ -3,9 +3,9 @@
 Two equal bars form a knee; as it is pushed straight, the ram at the end of the second goes ever more slowly
 and presses ever harder. Stone crushers, locking pliers and moulding machines end their strokes so.
 
-Check: power in is power out, so ram speed over knee speed is 2 tan(a), a the angle of the bars from the
-line of the ram; the force ratio, its inverse, has no bound at the dead point a = 0. R. L. Norton, Design of
-Machinery, McGraw-Hill, section on mechanical advantage and toggles.
+Check: the ram is at 2 l cos(a) and the knee at l sin(a) from its line, so ram speed over knee speed is 2
+tan(a), and the force ratio, its inverse because power in is power out, has no bound at the dead point a = 0.
+Derived here.
 """
 
 import numpy as np

@@ -3,10 +3,10 @@
 A coin that leans rolls around in a circle: the faster it goes, the less it leans. Near the floor its centre
 hardly moves while the point of contact runs around ever faster.
 
-Check: with W the rate around, h the angle of the axle from the vertical and w the turning about the axle, (C + m
-a^2) w W sin(h) - A W^2 sin(h) cos(h) + m g a cos(h) = 0, C = 2 A = m a^2/2: the moment of weight and contact
-about the centre turns the angular momentum. The centre goes round with radius a w/W. For w = 0 this is W^2 =
-4 g/(a sin(h)), H. K. Moffatt, Euler's disk and its finite-time singularity, Nature 404 (2000), 833-834.
+Check: with W the rate around, h the angle of the axle from the vertical and w the turning about the axle, (C
++ m a^2) w W sin(h) - A W^2 sin(h) cos(h) + m g a cos(h) = 0, C = 2 A = m a^2/2: the moment of weight and
+contact about the centre turns the angular momentum. The centre goes round with radius a w/W. For w = 0 this
+is W^2 = 4 g/(a sin(h)), H. K. Moffatt, Euler's disk and its finite-time singularity, Nature 404 (2000).
 """
 
 import numpy as np
@@ -50,14 +50,12 @@ def model():
         "spin_dot": w - RATE * np.cos(LEAN),
         "x_dot": -path,
     }
-    table = [sb.Box((0.5, 0.5, 0.01), at=(0, -0.09, -0.005), opacity=0.35)]
     return sb.Model(
         "rolling coin",
         parts,
         gravity=(0, 0, -9.81),
         parameters={"a": RADIUS, "m": MASS},
         initial=first,
-        ground_shapes=table,
     )
 
 

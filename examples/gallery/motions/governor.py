@@ -3,11 +3,11 @@
 Two balls on arms turn with a shaft, swing out as it turns faster, and lift a sleeve, which shuts the valve of
 the engine: the first controller of industry.
 
-Check: with four equal arms, balls m and a sleeve M, the joints on the axis, the balls swing steadily at a height
-(m + M) g/(m w^2) below the upper joint, and no other: at that angle the moments of weight and centrifugal force
-balance, m w^2 l^2 sin(a) cos(a) = (m + M) g l sin(a), derived here by virtual work, the sleeve going down twice
-as far as the balls. Small swings about it have the frequency w sin(a) sqrt(m/(m + 2 M sin(a)^2)), the arms
-without mass.
+Check: with four equal arms, balls m and a sleeve M, the joints on the axis, the balls swing steadily at a
+height (m + M) g/(m w^2) below the upper joint, and no other: at that angle the moments of weight and
+centrifugal force balance, m w^2 l^2 sin(a) cos(a) = (m + M) g l sin(a), derived here by virtual work, the
+sleeve going down twice as far as the balls. Small swings about it have the frequency w sin(a) sqrt(m/(m + 2 M
+sin(a)^2)), the arms without mass.
 """
 
 import numpy as np

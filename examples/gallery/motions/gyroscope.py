@@ -3,8 +3,9 @@
 A wheel that spins fast does not fall when one end of its axle is held: it goes around the post. From the
 right first speed it does so evenly.
 
-Check: with a level axle the rate is m g l/(C w), exactly, w the spin; H. Goldstein, C. Poole and J. Safko,
-Classical Mechanics, 3rd edition, section 5.7.
+Check: the weight's moment m g l about the post turns the angular momentum C w of the spin, which is level, at
+the rate m g l/(C w); exactly, because of the angular momentum of the precession itself, which is upright,
+nothing turns with a level axle. Derived here.
 """
 
 import numpy as np

@@ -1,13 +1,13 @@
 """Rattleback.
 
-Half an ellipsoid, whose axes of inertia are turned a little against those of its shape: spun one way it goes on
-turning, spun the other way it begins to rattle, stops, and turns back. Celts are such stones.
+Half an ellipsoid, whose axes of inertia are turned a little against those of its shape: spun one way it goes
+on turning, spun the other way it begins to rattle, stops, and turns back. Celts are such stones.
 
-Check: the equations of the turning alone, derived here: with n the upward normal in the axes of the body and r =
--A n/sqrt(n.A n) + h the point of contact, A the squared half-axes, rolling gives the velocity of the centre of
-mass, v = r x w, and with L = I w the moment about it gives L' + w x L = r x m (v' + w x v + g n), n' = n x w:
-integrated on its own, without joints, angles or multipliers. Sizes as in T. R. Kane and D. A. Levinson,
-Realistic mathematical modeling of the rattleback, Int. J. Non-Linear Mechanics 17 (1982), 175-186.
+Check: the equations of the turning alone, derived here: with n the upward normal in the axes of the body and
+r = -A n/sqrt(n.A n) + h the point of contact, A the squared half-axes, rolling gives the velocity of the
+centre of mass, v = r x w, and with L = I w the moment about it gives L' + w x L = r x m (v' + w x v + g n),
+n' = n x w: integrated on its own, without joints, angles or multipliers. Sizes as in T. R. Kane and D. A.
+Levinson, Realistic mathematical modeling of the rattleback, Int. J. Non-Linear Mechanics 17 (1982).
 """
 
 import numpy as np

@@ -1,12 +1,13 @@
 """Rimless wheel.
 
-A hub with eight spokes rolls down a slope, spoke after spoke, and comes to one speed whatever it began
-with: the simplest of the passive walkers. A landing is an event, whose loss of speed is that of the angular
+A hub with eight spokes rolls down a slope, spoke after spoke, and comes to one speed whatever it began with:
+the simplest of the passive walkers. A landing is an event, whose loss of speed is that of the angular
 momentum about the new foot.
 
-Check: each landing leaves cos(2 alpha) of the speed, and the speed after landing tends to sqrt(4 g/l
-sin(alpha) sin(slope)) cot(2 alpha), 2 alpha the angle between spokes, all mass in the hub: T. McGeer,
-Passive dynamic walking, Int. J. Robotics Research 9(2) (1990), 62-82.
+Check: at a landing the angular momentum about the new foot leaves cos(2 a) of the speed, 2 a the angle
+between spokes, all mass in the hub; over a step the weight adds 4 g/l sin(a) sin(slope) to the square of it.
+So each square follows from the one before, and the speed after landing tends to sqrt(4 g/l sin(a) sin(slope))
+cot(2 a): T. McGeer, Passive dynamic walking, Int. J. Robotics Research 9(2) (1990), from page 62.
 """
 
 import numpy as np
