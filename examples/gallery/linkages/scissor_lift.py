@@ -31,7 +31,9 @@ def model():
         *(bar(name, LENGTH) for name in ("Rise1", "Fall1", "Rise2", "Fall2")),
         platform,
         sb.Revolute("foot", "ground", "Rise1.a", coordinate="rise"),
-        sb.PinSlot("roller", "ground", "Fall1.b", coordinates=["fall", "x"], motion={"x": "0.95 - 0.35*t"}),
+        sb.PinSlot(
+            "roller", "ground", "Fall1.b", coordinates=["fall", "x"], motion={"x": "0.775 + 0.175*cos(pi*t)"}
+        ),
         sb.Revolute("cross1", "Rise1.m", "Fall1.m"),
         sb.Revolute("left", "Fall1.a", "Rise2.a", coordinate="second_rise"),
         sb.Revolute("right", "Rise1.b", "Fall2.b", coordinate="second_fall"),
@@ -45,10 +47,10 @@ def model():
 
 
 def motion():
-    """Return the lift going up by an actuator that moves evenly."""
+    """Return the lift going up by an actuator that starts and stops gently."""
     return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 101))
 
 
 def comparison(run):
     """Return the speed of the platform, and n/tan(a) times that of the actuator."""
-    return run["h_dot"], STAGES * 0.35 / np.tan(run["rise"])
+    return run["h_dot"], STAGES * 0.175 * np.pi * np.sin(np.pi * run.t) / np.tan(run["rise"])

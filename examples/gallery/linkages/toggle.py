@@ -27,7 +27,7 @@ def model():
     """Return the mechanism."""
     parts = [
         *(bar("Upper", LENGTH), bar("Lower", LENGTH), sb.Body("Ram", 2.0, (0.01, 0.01, 0.01))),
-        sb.Revolute("post", "ground", "Upper.a", coordinate="alpha", motion="0.9 - 0.95*t"),
+        sb.Revolute("post", "ground", "Upper.a", coordinate="alpha", motion="0.4 + 0.5*cos(pi*t)"),
         sb.Revolute("knee", "Upper.b", "Lower.a", coordinate="bend"),
         sb.Prismatic("guide", "ground", "Ram", axis="x", coordinate="s"),
         sb.Revolute("wrist", "Ram", "Lower.b"),

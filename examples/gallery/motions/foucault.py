@@ -14,6 +14,7 @@ import symbody as sb
 
 LATITUDE, OMEGA, LENGTH = float(np.radians(48.85)), 0.00729, 10.0  # Paris; rad/s; m
 TOLERANCE = 1e-3  # rad; the formula leaves out (Omega/omega)^2 and the turn of a large ellipse by itself
+LOOK = {}
 
 
 def model():

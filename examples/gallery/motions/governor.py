@@ -3,11 +3,10 @@
 Two balls on arms turn with a shaft, swing out as it turns faster, and lift a sleeve, which shuts the valve of
 the engine: the first controller of industry.
 
-Check: with four equal arms, balls m and a sleeve M, the joints on the axis, the balls swing steadily at a
-height (m + M) g/(m w^2) below the upper joint, and no other: at that angle the moments of weight and
-centrifugal force balance, m w^2 l^2 sin(a) cos(a) = (m + M) g l sin(a), derived here by virtual work, the
-sleeve going down twice as far as the balls. Small swings about it have the frequency w sin(a) sqrt(m/(m + 2 M
-sin(a)^2)), the arms without mass.
+Check: with four equal arms l without mass, jointed on the axis, two balls m and a sleeve M, which moves twice
+as far as the balls, Jacobi's integral gives the speed of the swing at any angle a of the arms: (m + 2 M
+sin(a)^2) a'^2 = m w^2 (sin(a)^2 - sin(a_0)^2) + 2 (m + M) g/l (cos(a) - cos(a_0)) from rest at a_0. Where its
+right side has no slope the balls stay: (m + M) g/(m w^2) below the upper joint. Derived here.
 """
 
 import numpy as np
@@ -15,20 +14,19 @@ import numpy as np
 import symbody as sb
 
 BALL, SLEEVE, ARM, SPEED = 1.0, 3.0, 0.3, 15.0  # kg, kg, m, rad/s
-TOLERANCE = 2e-8  # rad
+START = 0.2  # rad, beyond the balance
+TOLERANCE = 1e-6
 LOOK = {"times": (0.1,), "view": (0.35, -1.0, 0.25)}
 
 
 def balance():
-    """Return the angle of the arms from the axis, and the frequency of small swings about it [rad/s]."""
-    angle = float(np.arccos((BALL + SLEEVE) * 9.81 / (BALL * SPEED**2 * ARM)))
-    sine = np.sin(angle)
-    return angle, SPEED * sine * np.sqrt(BALL / (BALL + 2 * SLEEVE * sine**2))
+    """Return the angle of the arms from the axis at which the balls stay."""
+    return float(np.arccos((BALL + SLEEVE) * 9.81 / (BALL * SPEED**2 * ARM)))
 
 
 def model():
-    """Return the mechanism: swings of a hundredth of a degree about the balance."""
-    angle, _ = balance()
+    """Return the mechanism, which starts farther out than where it would stay."""
+    angle = balance() + START
     top = {"hinge": sb.Frame((0, 0, "l"))}
     ball = [sb.Sphere(0.055, color="goldenrod"), sb.Capsule(0.008, "l", at=(0, 0, "l/2"), color="gray")]
     shaft = [
@@ -48,7 +46,7 @@ def model():
             sb.Revolute(f"{name} hinge", "Shaft", f"{name}.hinge", axis=axis, coordinate=name.lower()),
             sb.Distance(f"{name} link", "Sleeve", name, "l"),
         ]
-    first = {"left": angle + 2e-4, "right": angle + 2e-4, "h": -2 * ARM * np.cos(angle)}
+    first = {"left": angle, "right": angle, "h": -2 * ARM * np.cos(angle)}
     sizes = {"m": BALL, "M": SLEEVE, "l": ARM, "w": SPEED}
     return sb.Model("governor", parts, gravity=(0, 0, -9.81), parameters=sizes, initial=first)
 
@@ -59,7 +57,9 @@ def motion():
 
 
 def comparison(run):
-    """Return the swing of both arms about the balance over its first value, and that of the formula."""
-    angle, frequency = balance()
-    swing = run["left"][0] - angle
-    return np.array([run["left"], run["right"]]) - angle, np.tile(swing * np.cos(frequency * run.t), (2, 1))
+    """Return what the swing has of its energy, and the formula, for both arms."""
+    first = balance() + START
+    angle, rate = (np.array([run[f"{side}{order}"] for side in ("left", "right")]) for order in ("", "_dot"))
+    spin = BALL * SPEED**2 * (np.sin(angle) ** 2 - np.sin(first) ** 2)
+    weight = 2 * (BALL + SLEEVE) * 9.81 / ARM * (np.cos(angle) - np.cos(first))
+    return (BALL + 2 * SLEEVE * np.sin(angle) ** 2) * rate**2, spin + weight

@@ -4,8 +4,8 @@ A wheel that spins fast does not fall when one end of its axle is held: it goes 
 right first speed it does so evenly.
 
 Check: the weight's moment m g l about the post turns the angular momentum C w of the spin, which is level, at
-the rate m g l/(C w); exactly, because of the angular momentum of the precession itself, which is upright,
-nothing turns with a level axle. Derived here.
+the rate m g l/(C w); exactly, since with a level axle the angular momentum of the precession is upright and
+does not turn. Derived here.
 """
 
 import numpy as np

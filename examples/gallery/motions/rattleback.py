@@ -88,8 +88,8 @@ def turning(run):
         slope = squares * (n * (n @ (squares * change)) / size**3 - change / size)  # of r
         turn = -np.cross(np.eye(3), r)  # turn @ w = r x w
         matrix = inertia + MASS * turn.T @ turn
-        rest = np.cross(slope, w) + np.cross(w, np.cross(r, w)) + 9.81 * n
-        moment = np.cross(r, MASS * rest) - np.cross(w, inertia @ w)
+        inertial = np.cross(slope, w) + np.cross(w, np.cross(r, w)) + 9.81 * n
+        moment = np.cross(r, MASS * inertial) - np.cross(w, inertia @ w)
         return [*change, *np.linalg.solve(matrix, moment)]
 
     first = [*normal(run)[:, 0], *run["frame w Stone ground Stone"][:, 0]]

@@ -17,6 +17,7 @@ import symbody as sb
 MASS, STIFFNESS, SPEED = 1.5, 40.0, 0.3
 STATIC, SLIDING = 0.3, 0.2
 TOLERANCE = 1e-6  # s
+LOOK = {}
 
 
 def model():
