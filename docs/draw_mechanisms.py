@@ -2,8 +2,7 @@
 
 Each script of examples/gallery gives a mechanism, its motion, a comparison with a closed form, and how it
 looks. Its picture is docs/pictures/gallery/NAME.png, its model file lies beside it, and docs/mechanisms.md is
-made of the first lines of all scripts. Names of scripts as arguments draw these alone, then the page of all. No
-browser is needed.
+made of the first lines of all scripts. Names of scripts as arguments draw these alone, then the page of all.
 """
 
 from __future__ import annotations
@@ -39,9 +38,9 @@ PLAYED: Final[Mapping[str, str]] = {
 }
 HEAD: Final = """# Mechanisms with a check
 
-{count} mechanisms, each a script of one screen that builds it, moves it, and compares the motion with a closed
-form, from a publication or derived beside it. One command shows each, prints how close the two are, and writes
-its page:
+{count} mechanisms, each a script of one screen that builds it, moves it, and compares the motion with a
+closed form, from a publication or derived beside it. One command shows each, prints how close the two are,
+and writes its page:
 
 ```sh
 python examples/gallery/show.py watt         # plays the motion

@@ -1,7 +1,7 @@
 """Show a mechanism of the gallery: `python examples/gallery/show.py watt`.
 
-Prints how far its motion is from the closed form, and writes watt.html, which plays the motion in any browser.
-With `--live` the page simulates, and bodies can be pulled in it. Without a name all mechanisms are listed.
+Prints how far its motion is from the closed form, and writes watt.html, which plays the motion in any
+browser. With `--live` the page simulates, and bodies can be pulled in it. Without a name all are listed.
 """
 
 import argparse
