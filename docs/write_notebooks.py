@@ -25,7 +25,8 @@ PART = re.compile(
     re.MULTILINE | re.DOTALL,
 )
 LINK = re.compile(r"\[(?P<text>[^\]]+)\]\((?P<page>[^)#\s]+)\.md(?P<place>#[^)]*)?\)")
-HEAD = 'import matplotlib\n\nmatplotlib.use("agg")  # pictures are files, shown below\nfrom IPython.display import SVG'
+# Pictures are files, shown from there.
+HEAD = 'import matplotlib\n\nmatplotlib.use("agg")\nfrom IPython.display import SVG'
 
 
 def cells(page: str) -> Iterator[Any]:
