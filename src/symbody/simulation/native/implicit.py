@@ -124,9 +124,7 @@ class ImplicitRun(NamedTuple):
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:  # noqa: ARG002
         """Try up to so many steps; return a code of `symbody.kernels.block`. Nothing is watched."""
         show_room(self.block, record)
-        places = (
-            self.block, self.array, record.wanted, record.t, record.x, record.breaks, record.pieces
-        )  # fmt: skip
+        places = (self.block, self.array, *record.arrays)
         slopes, turns, derivatives = (function.address for function in self.functions)
         return implicit_machine().advance_implicit(
             slopes, turns, derivatives, self.projector, *map(address, places), trials
