@@ -1,4 +1,4 @@
-"""`EventWatch`: finds the events of a run, and where it has to be cut, by `symbody.kernels.event_watch`."""
+"""`EventWatch`: finds the events of a run, and where it has to be cut, by `kernels.events.event_watch`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.kernels import block as run_at
-from symbody.kernels import watch_block as at
+from symbody.kernels.events import watch_block as at
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import Event, EventSide, Occurrence
 from symbody.simulation.events.watch_arrays import event_rows, with_cut_fit

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from symbody.codegen.native_call import check_status
 from symbody.errors import Problem, UsageError
-from symbody.expr.sequence import Output
+from symbody.expr.sequences.sequence import Output
 from symbody.kernels import block as run_at
-from symbody.kernels import sample_block as at
-from symbody.kernels import watch_block as watch_at
+from symbody.kernels.events import watch_block as watch_at
+from symbody.kernels.samples import sample_block as at
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import LoopCall, RightHandSide
@@ -108,7 +108,7 @@ class SampledLoop:
         functions : (3,) int
             Those of `kernels.event_watch.look`.
         watch : array
-            See `symbody.kernels.watch_block`.
+            See `symbody.kernels.events.watch_block`.
         """
         self._show_watch(watch)
         code = run_at.NO_SAMPLE_ROOM
