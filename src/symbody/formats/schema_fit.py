@@ -20,10 +20,6 @@ from symbody.formats.places import Locate
 
 Node: TypeAlias = Mapping[str, Any]
 
-VERSION: Final = 2
-# What version 2 brought; a file without any of them is written without a version, as those of version 1.
-NEWER_SECTIONS: Final = ("table", "signal", "block", "include")
-
 _TEXT: Final = MappingProxyType({"type": "string"})
 _HALF_CHARACTER: Final = re.compile("[\ud800-\udfff]")
 _CLASSES: Final[Mapping[str, frozenset[type]]] = MappingProxyType(
