@@ -12,15 +12,11 @@ from decimal import Decimal
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Any, cast
 
 import jsonschema_rs
 
 from symbody.formats.places import Locate
-
-VERSION: Final = 2
-# What version 2 brought; a file without any of them is written without a version, as those of version 1.
-NEWER_SECTIONS: Final = ("table", "signal", "block", "include")
 
 
 def check_structure(data: object, locate: Locate) -> Mapping[str, Any]:
