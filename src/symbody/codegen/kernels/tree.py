@@ -196,7 +196,7 @@ class KernelTree:
 
 # Contents
 
-# Names of fields by class, None for what is no node: finding them takes longer than all the rest.
+# Names of fields by class, None for what is not a node: finding them takes longer than all the rest.
 _FIELDS: Final[dict[type, tuple[str, ...] | None]] = {}
 
 

@@ -163,7 +163,8 @@ def _quoted_output(formed: EquationsOfMotion, formula: Formula, where: str, name
     if roots.shape:
         raise ExpressionError(
             formula.problem(
-                "equations.quoted_output", column, f"{name!r} is no number: its shape is {roots.shape}", "",
+                "equations.quoted_output", column,
+                f"{name!r} is not a number: its shape is {roots.shape}", "",
                 "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'", where,
             )
         )  # fmt: skip

@@ -42,7 +42,7 @@ class Component(NamedTuple):
     Attributes
     ----------
     name : str
-        Its output; "lambda_C_1 theta" is the effort of a coupling along a coordinate, which is no output.
+        Its output; "lambda_C_1 theta" is the effort of a coupling along a coordinate, which is not an output.
     is_moment : bool
     """
 

@@ -36,6 +36,24 @@ class Occurrence(NamedTuple):
     state: Mapping[str, float]
 
 
+class EventSide(NamedTuple):
+    """Where the value of an event stands when a motion is interrupted.
+
+    Attributes
+    ----------
+    side : float
+        Its sign, 0 where it is zero or not known.
+    has_happened : float
+        1 if the event has happened there and its value has not left zero yet.
+    largest : float
+        The largest value so far.
+    """
+
+    side: float = 0.0
+    has_happened: float = 0.0
+    largest: float = 0.0
+
+
 @checked_fields
 @dataclass(frozen=True, slots=True)
 class Event:

@@ -63,7 +63,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
     Raises
     ------
     FormatError, ModelError, ExpressionError
-        If the text is no model, or a formula is none, in file `where`.
+        If the text is not a model, or a formula is none, in file `where`.
     UsageError
         If points make no table.
     KeyError, TypeError, ValueError
