@@ -60,7 +60,7 @@ def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable
     Raises
     ------
     UsageError
-        If a name in `fixed` is no parameter that can be set.
+        If a name in `fixed` is not a parameter that can be set.
     ModelError
         If a parameter has no value.
     """
@@ -74,7 +74,7 @@ def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable
     )  # fmt: skip
     arguments = tuple(name for name in eqs.parameter_names if name not in calculated)
     problems = [
-        Problem("fmu.fixed", "fixed", f"{name!r} is no parameter that an importer sets",
+        Problem("fmu.fixed", "fixed", f"{name!r} is not a parameter that an importer sets",
                 "it follows from others" if name in calculated else "", nearest(name, arguments))
         for name in fixed if name not in arguments
     ]  # fmt: skip

@@ -36,7 +36,7 @@ def open_unit(inputs: Mapping[str, FmuInput], start: float, values: Sequence[flo
     Raises
     ------
     UsageError
-        If FMPy is missing, the file is no FMU for co-simulation on this machine, or it has no such variables.
+        If FMPy or variables are missing, or the file is not an FMU for co-simulation on this machine.
     SimulationError
         If the FMU does not initialize.
     """
@@ -235,7 +235,7 @@ def _read_description(fmpy: Any, law: FmuInput, where: str) -> Any:
         ) from error  # fmt: skip
     except Exception as error:  # FMPy's own words for a description against the schema
         raise UsageError(
-            Problem("fmu_input.description", where, f"the description in {law.path} is no FMU's",
+            Problem("fmu_input.description", where, f"the description in {law.path} is not an FMU's",
                     str(error).split("\n")[0], "export it anew; `fmpy validate` lists the faults")
         ) from error  # fmt: skip
     if description.coSimulation is None or not description.fmiVersion.startswith(("2.", "3.")):
@@ -262,7 +262,7 @@ def variable_places(description: Any, law: FmuInput, outputs: Sequence[str], whe
     Raises
     ------
     UsageError
-        With every variable that is not there, or is no real number.
+        With every variable that is not there, or is not a real number.
     """
     variables = {variable.name: variable for variable in description.modelVariables}
     reals = {
@@ -276,7 +276,7 @@ def variable_places(description: Any, law: FmuInput, outputs: Sequence[str], whe
         for name in names:
             if name in reals:
                 continue
-            what = f"{name} is no real number of {law.path}" if name in variables else f"no variable {name}"
+            what = f"{name} is not a real number" if name in variables else f"no variable {name}"
             problems.append(
                 Problem("fmu_input.variable", f"{where}, {purpose}", f"{what}", _hint(law, name, reals),
                         nearest(name, likely))

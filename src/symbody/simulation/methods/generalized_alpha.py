@@ -85,7 +85,7 @@ class GeneralizedAlpha:
         for name, step in (("step", self.step), ("max_step", self.max_step)):
             if step is not None and not (step > 0.0 and math.isfinite(step)):
                 problems.append(
-                    Problem("simulation.implicit_step", name, f"{name} = {step!r} is no length of steps", "",
+                    Problem("simulation.implicit_step", name, f"{name} = {step!r} is not a time", "",
                             f"leave {name} out, or give seconds, such as {name}=1e-3")
                 )  # fmt: skip
         if problems:
