@@ -222,6 +222,7 @@ def test_integrators_in_python_are_refused(tmp_path: Path) -> None:
     assert caught.value.problems[0].code in ("fmu.motion", "call.wrong_argument", "call.type")
 
 
+@pytest.mark.exhaustive
 def test_steps_of_generalized_alpha_are_those_of_simulate(tmp_path: Path) -> None:
     method = sb.GeneralizedAlpha(rho=0.8, step=0.01)
     run = sb.simulate(pendulum(), 1.0, times=np.linspace(0.0, 1.0, 21), rtol=1e-6, integrator=method)
