@@ -66,6 +66,7 @@ CARD: Final = """:::{{grid-item-card}} {title}
 :img-top: pictures/gallery/{name}.png
 :link: gallery-{name}
 :link-type: ref
+:class-title: sd-fs-6
 :::
 """
 

@@ -58,7 +58,7 @@ def model():
 
 def hull():
     """Return thin slices of the half ellipsoid."""
-    for z in np.linspace(0.002, 0.018, 5):
+    for z in np.linspace(0.006, 0.018, 5):
         scale = float(np.sqrt(1 - (z / AXES[2]) ** 2))
         yield sb.Box(
             (1.7 * AXES[0] * scale, 1.4 * AXES[1] * scale, 0.004),
