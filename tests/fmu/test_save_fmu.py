@@ -194,6 +194,21 @@ def test_integrators_in_python_are_refused(tmp_path: Path) -> None:
     assert caught.value.problems[0].code in ("fmu.motion", "call.wrong_argument", "call.type")
 
 
+def test_steps_of_generalized_alpha_are_those_of_simulate(tmp_path: Path) -> None:
+    method = sb.GeneralizedAlpha(rho=0.8, step=0.01)
+    run = sb.simulate(pendulum(), 1.0, times=np.linspace(0.0, 1.0, 21), rtol=1e-6, integrator=method)
+    made = sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu", integrator=method)
+    assert b'tolerance="1e-05"' in zipfile.ZipFile(made.path).read("modelDescription.xml")
+    seen = simulate(made.path, "CoSimulation", 1.0, ["theta_dot", "theta"], 1e-6)
+    np.testing.assert_allclose(seen, states(run), rtol=1e-12, atol=1e-13)
+
+
+def test_implicit_steps_take_no_samples(tmp_path: Path) -> None:
+    with pytest.raises(sb.UsageError, match="GeneralizedAlpha does not sample lean") as caught:
+        sb.save_fmu(example("cart_pole_pid"), tmp_path / "cart.fmu", integrator=sb.GeneralizedAlpha())
+    assert caught.value.problems[0].code == "fmu.motion"
+
+
 def test_folder_that_is_not_there_is_a_fault(tmp_path: Path) -> None:
     with pytest.raises(sb.FormatError) as caught:
         sb.save_fmu(pendulum(), tmp_path / "none" / "pendulum.fmu", platforms=())

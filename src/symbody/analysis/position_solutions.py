@@ -30,8 +30,8 @@ from symbody.expr.sympy_bridge import (
 from symbody.model.model import Model, resolve_parameters
 from symbody.tolerances import ROOT
 
-# Open by more, of what rows change by in moves as large as the mechanism, is no assembly: a root of a squared
-# equation.
+# Open by more, of what rows change by in moves as large as the mechanism, is not an
+# assembly: a root of a squared equation.
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,14 +12,11 @@ Sources: [H] Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 from symbody.kernels.language import Reals
-from symbody.kernels.null_vector import find_null_vector
 from symbody.kernels.saddle_factors import CUT_FACTOR, EPSILON
 from symbody.kernels.solve_saddle import solve_saddle_cut, work_size
-
-NEGLIGIBLE: Final = 1e-8  # entries of a null vector below this share of the largest are zero
 
 
 class SaddleSolution(NamedTuple):
@@ -86,20 +83,3 @@ def solve_saddle(
     status = solve_saddle_cut(n, m, Reals(M), Reals(J), Reals(F), Reals(gamma), cut, result, work)
     values = [result[k] for k in range(n + m)]
     return SaddleSolution(values[:n], values[n:], int(result[n + m]), ok=status == 0)
-
-
-def null_vector(
-    M: Sequence[float], J: Sequence[float], n: int, m: int, *, rank_cut: float | None = None
-) -> list[float] | None:
-    """Return speeds u != 0 with ``M u = 0`` and ``J u = 0``, or None if there are none.
-
-    The largest entry is 1 and entries negligible beside it are exactly 0, so the coordinates that move
-    without mass are those with ``u[j] != 0``. None is also returned if J is not finite.
-    """
-    cut = default_rank_cut(m) if rank_cut is None else rank_cut
-    speeds, work = Reals.zeros(n), Reals.zeros(work_size(n, m))
-    if find_null_vector(n, m, Reals(M), Reals(J), cut, NEGLIGIBLE, speeds, work) == 0:
-        return None
-    u = [speeds[j] for j in range(n)]
-    largest = max(u, key=abs)
-    return [entry / largest if entry != 0.0 else 0.0 for entry in u]

@@ -12,6 +12,7 @@ from symbody.kernels.event_slopes import (
     take_rates_of_step,
 )
 from symbody.kernels.language import Function, Reals, part
+from symbody.kernels.step_bounds import EPSILON
 from symbody.kernels.watch_block import (
     AT_ZERO,
     BAND,
@@ -47,18 +48,22 @@ from symbody.kernels.watch_block import (
     T_BEFORE,
     T_LAST,
     TABLE,
+    WRAPS,
 )
 
 AWAY: Final = 1e-6  # of the largest value so far, and of time and states
 SLIGHT: Final = 3e-13  # a slope that is rounding of the one before an action
-LOWEST: Final = 2.0  # so many roundings of a value are no bounce
+LOWEST: Final = 2.0  # so many roundings of a value are not a bounce
 BOUNCES: Final = 1e4  # a slope so many times the least that shows is not lost in a bounce
+ROUNDED_TIMES: Final = 8.0  # so many roundings of a time
+BESIDE_ZERO: Final = 2.2250738585072014e-308  # a value that stands on one side of zero alone
 
 
 def settle_start(e: Function, W: Reals) -> None:
     """Mark the events whose value is zero at the start of a smooth motion, up to rounding.
 
-    A value that a sample alone interrupted just before its zero is on its way there.
+    A value whose motion was interrupted just before its zero, by a sample or the end of a step, is on its way
+    there.
     """
     m = int(W[EVENTS])
     n = int(W[STATES])
@@ -79,13 +84,28 @@ def settle_start(e: Function, W: Reals) -> None:
             W[row + ROUNDING] = ROUNDED * error
             W[row + BAND] = max(ROUNDED * error, 2.0 * abs(first))
             W[row + AT_ZERO] = 1.0 - was_moved_away(first, max(largest, W[row + LARGEST]), error)
+        elif W[row + GOES_THROUGH] != 0.0:
+            settle_side(e, W, i, leaf[0], first, state)
         elif first == 0.0:  # steps may begin so short that only rounding changes the value
             W[row + BAND] = ROUNDED * rounding_error(e, W, i, leaf[0], first, state)
             W[row + AT_ZERO] = 1.0
-        elif abs(first) <= TOUCHING * largest and W[row + GOES_THROUGH] == 0.0:
+        elif abs(first) <= TOUCHING * largest:
             if abs(first) <= rounding_error(e, W, i, leaf[0], first, state):
                 W[row + BAND] = 2.0 * abs(first)
                 W[row + AT_ZERO] = 1.0
+
+
+def settle_side(e: Function, W: Reals, place: int, t: float, first: float, state: Reals) -> None:
+    """Keep a value on the side of zero where it was, unless it has jumped through: then it has a zero there.
+
+    A value that differs by rounding alone has not jumped. Angles jump by whole turns.
+    """
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    if W[row + GOES_THROUGH] * first < 0.0:
+        if abs(first) > rounding_error(e, W, place, t, first, state):
+            W[row + GOES_THROUGH] = 0.0
+            if W[row + WRAPS] == 0.0:
+                add_zero(W, t, place, sign(first))
 
 
 def was_moved_away(first: float, largest: float, error: float) -> float:
@@ -111,6 +131,8 @@ def begin_samples(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
         row = int(W[TABLE]) + EVENT_SIZE * i
         W[row + G_LAST] = leaf[LEAF_VALUES + i * STEP_NODES]
         note_value(W, i, leaf[0], W[row + G_LAST])
+        if W[row + GOES_THROUGH] != 0.0 and W[row + GOES_THROUGH] * W[row + G_LAST] <= 0.0:
+            W[row + G_LAST] = W[row + GOES_THROUGH] * BESIDE_ZERO
         if W[row + AT_ZERO] != 0.0:
             W[row + G_LAST] = 0.0
             W[row + LEAVES] = find_way_out(e, W, i, leaf[0], breaks[int(W[CURRENT]) + 1])
@@ -129,12 +151,14 @@ def note_value(W: Reals, place: int, t: float, value: float) -> None:
 def find_way_out(e: Function, W: Reals, place: int, t: float, end: float) -> float:
     """Return the direction in which a value leaves zero, 0 if it has none of first order.
 
+    Before it has left, it may change by what times are rounded.
     A slope that an action has made zero may be rounding of the one before. Where bounces are so low that
     slopes do not show any more, the value is to go back where it came from.
     """
     n = int(W[STATES])
     row = int(W[TABLE]) + EVENT_SIZE * place
     slope = slope_along(e, W, place, t, part(W, int(W[SCRATCH]) + 2 * n, n), abs(end - t))
+    W[row + BAND] = max(W[row + BAND], ROUNDED_TIMES * EPSILON * abs(t) * abs(slope))
     if W[row + JUST_HAPPENED] == 0.0 or W[RATE_KNOWN] == 0.0:
         return sign(slope)
     before = abs(W[row + SLOPE_BEFORE])

@@ -13,33 +13,22 @@ from symbody.kernels.block import (
     ACCEPTED,
     AFTER_REJECTION,
     DIRECTION,
-    EVERY_STEP,
     EXPONENT,
-    FINISHED,
-    FULL,
     GROWTH,
-    KEEP_DENSE,
     KERNEL,
     LENGTH,
     MAX_STEP,
-    MAX_TRIALS,
     METHOD,
     PROJECTOR,
     REJECTED,
     RUNNING,
-    SAMPLE_ROOM,
-    SAMPLES,
     SHRINK,
     STAGE,
     STATE_NEW,
     STATE_OLD,
     STEP,
-    STEP_ROOM,
-    STEPS,
-    T_END,
     T_NEW,
     TIME,
-    TOO_MANY,
     VECTOR_ROWS,
     VECTORS,
     N,
@@ -63,7 +52,7 @@ from symbody.kernels.power import power
 from symbody.kernels.projection import project_new_state
 from symbody.kernels.runge_kutta import all_finite, copy, evaluate
 from symbody.kernels.step_bounds import behind_jump, plan_trial
-from symbody.kernels.step_machine import begin, failure, keep_step
+from symbody.kernels.step_machine import begin, failure, keep_step, reached_limit
 
 # The share of the first step over which the change of the slopes is measured.
 PROBE: Final = 1e-3
@@ -212,15 +201,9 @@ def advance_implicit(
 ) -> int:  # fmt: skip
     """Try up to so many steps; return one of the codes of `block`, as `step_machine.advance` does."""
     for _trial in range(trials):
-        if B[TIME] == B[T_END]:
-            return FINISHED
-        if B[EVERY_STEP] != 0.0 and B[SAMPLES] == B[SAMPLE_ROOM]:
-            return FULL
-        if B[KEEP_DENSE] != 0.0 and B[STEPS] == B[STEP_ROOM]:
-            return FULL
-        if B[ACCEPTED] + B[REJECTED] >= B[MAX_TRIALS]:
-            return TOO_MANY
-        code = try_implicit(f, k, d, g, B, A, times, t, x, breaks, pieces)
+        code = reached_limit(B)
+        if code == RUNNING:
+            code = try_implicit(f, k, d, g, B, A, times, t, x, breaks, pieces)
         if code != RUNNING:
             return code
     return RUNNING

@@ -16,18 +16,17 @@ LANE_BLOCKS: Final = 1
 LANE_SIZE: Final = 2
 SCRATCH: Final = 3
 
-# The steps that are tried, one row for each quantity: beginning, length, end and error, the evaluations they
+# The steps that are tried, one row for each quantity: beginning, length and error, the evaluations they
 # took, numbers on the way, which lanes are meant, ones.
 TRIAL: Final = VECTORS
 T_ROW: Final = 0
 H_ROW: Final = 1
-T_NEW_ROW: Final = 2
-ERROR_ROW: Final = 3
-CALLS_ROW: Final = 4
-FIRST_ROW: Final = 5
-SECOND_ROW: Final = 6
-MASK_ROW: Final = 7
-ONE_ROW: Final = 8
+ERROR_ROW: Final = 2
+CALLS_ROW: Final = 3
+FIRST_ROW: Final = 4
+SECOND_ROW: Final = 5
+MASK_ROW: Final = 6
+ONE_ROW: Final = 7
 TRIAL_ROWS: Final = 16
 
 # Vectors, derivatives and dense output, as in the block of one motion; registers have at most 8 lanes.

@@ -8,7 +8,6 @@ one motion, which also try its step where the function fails.
 from __future__ import annotations
 
 from symbody.kernels.block import (
-    ACCEPTED,
     CASE,
     CASES_ENDED,
     CODE,
@@ -19,12 +18,10 @@ from symbody.kernels.block import (
     KERNEL,
     LANE_CODE,
     LENGTH,
-    MAX_TRIALS,
     METHOD,
     NOT_ENDED,
     P_PLACE,
     PROJECTOR,
-    REJECTED,
     RUNNING,
     STAGE_ROWS,
     STAGES,
@@ -38,7 +35,6 @@ from symbody.kernels.block import (
     T_NEW,
     TIME,
     TIMES,
-    TOO_MANY,
     UNJUDGED,
     VECTOR_ROWS,
     VECTORS,
@@ -56,7 +52,6 @@ from symbody.kernels.lane_block import (
     LANE_VECTORS,
     MASK_ROW,
     SCRATCH,
-    T_NEW_ROW,
     T_ROW,
     TRIAL,
 )
@@ -73,7 +68,15 @@ from symbody.kernels.many_motions import conclude, prepare
 from symbody.kernels.projection import project_new_state
 from symbody.kernels.runge_kutta import accept, count_stiff_votes, reject
 from symbody.kernels.step_bounds import behind_jump, plan_trial
-from symbody.kernels.step_machine import begin, failure, is_sampled, pass_jump, store_samples, try_step
+from symbody.kernels.step_machine import (
+    begin,
+    failure,
+    is_sampled,
+    pass_jump,
+    reached_limit,
+    store_samples,
+    try_step,
+)
 
 
 def gather(L: Reals, lane: int, first: int, size: int) -> None:
@@ -128,16 +131,13 @@ def plan_lane(L: Reals, lane: int) -> int:
     """Set the next trial of a lane; return why there is none, as `step_machine.advance` does."""
     B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
     code = int(B[LANE_CODE])
+    if code == RUNNING:
+        code = reached_limit(B)
     if code != RUNNING:
         return code
-    if B[TIME] == B[T_END]:
-        return FINISHED
-    if B[ACCEPTED] + B[REJECTED] >= B[MAX_TRIALS]:
-        return TOO_MANY
     plan_trial(B, B[TIME], B[STEP])
     L[TRIAL + T_ROW * LANES + lane] = B[TIME]
     L[TRIAL + H_ROW * LANES + lane] = B[LENGTH]
-    L[TRIAL + T_NEW_ROW * LANES + lane] = B[T_NEW]
     if B[LENGTH] != 0.0:
         return RUNNING
     gather(L, lane, 0, state_size(L))

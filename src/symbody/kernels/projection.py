@@ -144,7 +144,7 @@ def squares(rtol: float, atol: Reals, first: int, size: int, x: Reals, moves: Re
 def project_new_state(g: Function, B: Reals, t_new: float) -> float:
     """Project the new state; return how far it moved, negative if that was too far.
 
-    What the state before the step would need if rounded otherwise is no fault of the step, and a shorter one
+    What the state before the step would need if rounded otherwise is not the fault of the step; a shorter one
     mends nothing.
     """
     n = int(B[N])

@@ -36,6 +36,7 @@ from symbody.kernels.watch_block import (
     EVENTS,
     GOES_ON,
     GOES_THROUGH,
+    HAPPENED,
     JUST_HAPPENED,
     MOST_RECENT,
     NO_ROOM,
@@ -102,12 +103,16 @@ def advance_sampled(
 
 
 def values_before(e: Function, B: Reals, W: Reals) -> None:
-    """Note on which side of zero the values of events are just before a sample; zero itself is none."""
+    """Note on which side of zero the values of events are just before a sample; zero itself is none.
+
+    Where a motion goes on, the sides are those on which it was interrupted.
+    """
     compute_values(e, W, B[TIME], part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])))
     for k in range(int(W[EVENTS])):
         side = sign(W[int(W[VALUES]) + k])
-        if side != 0.0:
-            W[int(W[TABLE]) + EVENT_SIZE * k + SIDE] = side
+        row = int(W[TABLE]) + EVENT_SIZE * k
+        if side != 0.0 and (B[STEPS] != 0.0 or W[row + SIDE] == 0.0):
+            W[row + SIDE] = side
 
 
 def watch_sample(e: Function, B: Reals, W: Reals, Z: Reals) -> None:
@@ -120,10 +125,11 @@ def watch_sample(e: Function, B: Reals, W: Reals, Z: Reals) -> None:
     compute_values(e, W, t, part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])))
     for k in range(int(W[EVENTS])):
         row = int(W[TABLE]) + EVENT_SIZE * k
-        W[row + JUST_HAPPENED] = has_just_happened(W, Z, k, t)
+        if B[STEPS] != 0.0 or W[HAPPENED] != 0.0:
+            W[row + JUST_HAPPENED] = has_just_happened(W, Z, k, t)
         side = sign(W[int(W[VALUES]) + k])
         if W[row + SIDE] * side > 0.0 and W[row + JUST_HAPPENED] == 0.0:
-            W[row + GOES_THROUGH] = 1.0
+            W[row + GOES_THROUGH] = side
         if W[row + SIDE] * side < 0.0 and W[row + JUST_HAPPENED] == 0.0:
             add_zero(W, t, k, side)
 

@@ -15,6 +15,7 @@ ENDS: Final = 2
 CHATTERS: Final = 3
 NO_ROOM: Final = 4  # for what happened
 FAILS: Final = 5  # a function has a fault, `FAULT`
+SPOILS: Final = 6  # an action sets a state to what is not finite, `BAD_VALUE`
 
 # Sizes.
 STATES: Final = 0
@@ -58,7 +59,6 @@ CURRENT: Final = 31  # step that is looked at
 SEEN: Final = 32  # samples of the smooth motion
 NODE: Final = 33  # the next sample of the leaf
 LEAF_END: Final = 34
-LEAF_DEPTH: Final = 35
 STACKED: Final = 36
 PENDING_COUNT: Final = 37
 T_LAST: Final = 38  # the newest sample
@@ -66,7 +66,7 @@ T_BEFORE: Final = 39  # the two before it
 T_OLDER: Final = 40
 HAPPENED: Final = 41  # how often something has happened
 CUT: Final = 42  # when the motion is cut [s]
-CULPRIT: Final = 43  # the event that happens again and again, from 1
+CULPRIT: Final = 43  # the event that happens again and again, or spoils a state, from 1
 FAULT: Final = 44
 RESUMED: Final = 45  # one more than what the run returned before there was no room for what happened
 CUT_FIT: Final = 46
@@ -74,7 +74,9 @@ RATE: Final = 47  # rates of the states, the work left out
 RATE_KNOWN: Final = 48  # whether those after an action are
 RESOLUTION: Final = 49  # the least slope that shows above rounding
 FIRST_LENGTH: Final = 50  # of many motions: what the first step of each is to be, 0 where that follows
-HEADER: Final = 52
+BAD_VALUE: Final = 51  # that an action sets, and which of its values, from 1; 0 if all are finite
+BAD_PLACE: Final = 52
+HEADER: Final = 54
 
 # The fit of a cut: for each row of a piece a share of a step, the matrix from states there to the rows, and
 # these states.
@@ -107,14 +109,14 @@ LEAVES: Final = 17  # the direction in which it leaves, 0 if that is not known
 SLOPE_BEFORE: Final = 18  # of the value, before the last action
 REPEATS: Final = 19  # whether the event acted when the smooth motion began
 CAME: Final = 20  # direction of the last zero that was the event
-NO_NUMBER: Final = 21  # whether the value was no number, and when first
+NO_NUMBER: Final = 21  # whether the value was not a number, and when first
 NO_NUMBER_TIME: Final = 22
 POLE: Final = 23  # whether it passed a pole, and where first
 POLE_TIME: Final = 24
 PEAK: Final = 25  # the largest value since the smooth motion began, and what is rounding there
 ROUNDING: Final = 26
 SIDE: Final = 27  # the sign of the value before the last sample of held values, 0 before it had one
-GOES_THROUGH: Final = 28  # 1 where a motion goes on from a sample on the side of zero where the value was
+GOES_THROUGH: Final = 28  # the side of zero on which the value was where a motion goes on, 0 if it begins
 EVENT_SIZE: Final = 29
 
 # What an event does.

@@ -3,7 +3,7 @@
 `cases` and `verdicts` are those of `many_motions`; behind what a row holds there follow, from `first` on, p
 and c of the functions of events, of actions and of what closes states, and the tolerances of constraints.
 `looks` holds a row for each case: what had happened when it ended, all cases before it included, which event
-chattered, and of each event where its value was no number or had a pole.
+chattered, and of each event where its value was not a number or had a pole.
 """
 
 from __future__ import annotations

@@ -21,6 +21,7 @@ from symbody.kernels.block import (
     RUNNING,
     SAMPLE_ROOM,
     SAMPLES,
+    SPOILED,
     STATE_OLD,
     STEPS,
     STIFF_VOTES,
@@ -47,6 +48,7 @@ from symbody.kernels.watch_block import (
     NO_ROOM,
     NOTHING_YET,
     RESUMED,
+    SPOILS,
 )
 from symbody.kernels.zeros_in_order import steps_before
 
@@ -153,6 +155,8 @@ def end_at_event(B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals, pieces: 
     cut_back(B, W, t, x, breaks, pieces, 0)
     if happened == CHATTERS:
         return CHATTERING
+    if happened == SPOILS:
+        return SPOILED
     return STOPPED
 
 

@@ -10,7 +10,7 @@ from typing import Final
 from symbody.kernels.event_location import BESIDE, state_at, value_at
 from symbody.kernels.event_slopes import slope_along, take_rates
 from symbody.kernels.event_starts import LOWEST
-from symbody.kernels.language import Function, Reals, part
+from symbody.kernels.language import Function, Reals, is_finite, part
 from symbody.kernels.runge_kutta import call, copy
 from symbody.kernels.watch_block import (
     ACTED,
@@ -18,6 +18,8 @@ from symbody.kernels.watch_block import (
     ACTION_VALUES,
     ACTIONS,
     AFTER,
+    BAD_PLACE,
+    BAD_VALUE,
     BEFORE,
     CAME,
     CHATTERS,
@@ -58,6 +60,7 @@ from symbody.kernels.watch_block import (
     SLOPE_BEFORE,
     SPAN,
     SPEEDS,
+    SPOILS,
     STATES,
     STOPS,
     T_BEFORE,
@@ -253,6 +256,9 @@ def let_happen(a: Function, c: Function, W: Reals, H: Reals, place: int, t: floa
         return ENDS
     if W[row + ACTION] != RECORDS:
         act(a, c, W, place, W[CUT])
+        if W[BAD_PLACE] != 0.0:
+            W[CULPRIT] = float(place + 1)
+            return SPOILS
         take_rates(W)
         W[RATE_KNOWN] = 1.0
     return NOTHING_YET
@@ -290,7 +296,7 @@ def chatters(W: Reals, place: int, t: float) -> int:
 
 
 def act(a: Function, c: Function, W: Reals, place: int, t: float) -> None:
-    """Set the state after an event's action; energy that comes or goes counts as work."""
+    """Set the state after an event's action, unless it is not finite; a change of energy counts as work."""
     n = int(W[STATES])
     row = int(W[TABLE]) + EVENT_SIZE * place
     x = part(W, int(W[AFTER]), n)
@@ -299,7 +305,12 @@ def act(a: Function, c: Function, W: Reals, place: int, t: float) -> None:
     energy = values[0]
     first = int(W[row + SET_FIRST])
     for k in range(int(W[row + SET_COUNT])):
-        x[int(W[int(W[TARGETS]) + first + k])] = values[1 + first + k]
+        value = values[1 + first + k]
+        if not is_finite(value):
+            W[BAD_VALUE] = value
+            W[BAD_PLACE] = float(k + 1)
+            return
+        x[int(W[int(W[TARGETS]) + first + k])] = value
     close_state(c, W, t, x)
     compute_action(a, W, t, x, values)
     x[n - 1] = x[n - 1] + (values[0] - energy)

@@ -113,7 +113,7 @@ def read_objects(given: object, where: str) -> list[OBJECT]:
         raise UsageError(
             *(
                 Problem("mbsymba.not_an_object", where,
-                        f"{_kind(item)} is no body, force, torque or constraint",
+                        f"{_kind(item)} is not a body, force, torque or constraint",
                         "only these enter the equations of motion",
                         "put equations into make_CONSTRAINT(Phi, lambdas), vectors into make_FORCE")
                 for item in wrong

@@ -115,7 +115,7 @@ def lagrange_equations(
     Raises
     ------
     ModelError
-        If a coordinate does not occur, something moves that is no coordinate, or the objects do not fit.
+        If a coordinate does not occur, something moves that is not a coordinate, or the objects do not fit.
     """
     mechanism = _mechanism(objects, "lagrange_equations")
     names = function_names(variables, "lagrange_equations")
@@ -154,7 +154,7 @@ def equation_set(
     Raises
     ------
     ModelError, FormulationError
-        If coordinates, reactions or parameters do not occur, something moves that is no coordinate, or the
+        If coordinates, reactions or parameters do not occur, something moves that is not a coordinate, or the
         objects do not fit.
     """
     mechanism = _mechanism(objects, "equation_set")

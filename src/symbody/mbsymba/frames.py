@@ -54,7 +54,7 @@ def _axis(axis: str | VECTOR) -> Triple:
         return triple(*_AXES[axis.upper()])
     if not isinstance(axis, VECTOR):
         raise FrameError(
-            Problem("mbsymba.axis", "rotate", f"{axis!r} is no axis", "",
+            Problem("mbsymba.axis", "rotate", f"{axis!r} is not an axis", "",
                     "write 'X', 'Y', 'Z' or give a VECTOR")
         )  # fmt: skip
     direction = Vector3(axis.placed.components)

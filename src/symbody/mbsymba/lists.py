@@ -142,7 +142,7 @@ def _symbol_nodes(graph: Graph, variables: Iterable[SympyExpr], where: str) -> l
     wrong = [str(item) for item, node in zip(items, nodes, strict=True) if graph.ops[node] != SYMBOL]
     if wrong:
         raise UsageError(
-            Problem("mbsymba.not_a_variable", where, f"{', '.join(wrong)} is no variable",
+            Problem("mbsymba.not_a_variable", where, f"{', '.join(wrong)} is not a variable",
                     "it is neither a symbol, nor a function of time, nor a derivative of one",
                     "give one of these")
         )  # fmt: skip

@@ -96,7 +96,7 @@ def make_CONSTRAINT(
     ModelError
         If there are not as many multipliers as equations.
     UsageError
-        If a multiplier is no function of time.
+        If a multiplier is not a function of time.
     """
     graph = WORKPLACE.graph
     equations = list(Phi) if isinstance(Phi, Iterable) else [Phi]

@@ -285,7 +285,7 @@ def frame_of_matrix(matrix: SympyMatrix) -> PlacedFrame:
     Raises
     ------
     FrameError
-        If it is no matrix of a frame.
+        If it is not a matrix of a frame.
     """
     if matrix.shape != (4, 4) or list(matrix.row(3)) != [0, 0, 0, 1]:
         raise FrameError(

@@ -147,7 +147,7 @@ class Arguments:
 def plain_value(value: object) -> FormulaLike:
     """Return a scalar of another library as float; anything else as it is, to be told what is wrong."""
     is_known = isinstance(value, str | Formula | Real | Decimal | complex) or is_sympy(value)
-    if type(value).__name__ in ("bool", "bool_"):  # NumPy's does what bool does, and is no number either
+    if type(value).__name__ in ("bool", "bool_"):  # NumPy's does what bool does, and is not a number either
         return cast(FormulaLike, bool(value))
     if not is_known and isinstance(value, SupportsFloat):
         try:
@@ -158,7 +158,7 @@ def plain_value(value: object) -> FormulaLike:
 
 
 def _is_many(values: object) -> TypeGuard[Iterable[object]]:
-    """Return whether something counts as a list: it can be iterated, and is no text or mapping."""
+    """Return whether something counts as a list: it can be iterated, and is neither text nor a mapping."""
     if not isinstance(values, Iterable) or isinstance(values, str | bytes | Mapping):
         return False
     try:

@@ -71,7 +71,7 @@ class OptionalText(Field[str | None, str | None]):
             return value.strip()
         why = "an output is named as in notation.md"
         cure = 'write for instance "frame r Foot.heel ground ground z"'
-        arguments.add("model.not_a_text", path, f"{value!r} is no name of an output", why, cure)
+        arguments.add("model.not_a_text", path, f"{value!r} is not a name of an output", why, cure)
         return None
 
 
@@ -293,7 +293,7 @@ class Numbers(Field[Iterable[Value], tuple[Formula, ...]]):
                 arguments.add(
                     "model.curve_number",
                     f"{path}[{k}]",
-                    f"{formula} is no number",
+                    f"{formula} is not a number",
                     "a curve consists of numbers, so that its slopes can be found once",
                     "write a number; scale a curve by a formula with interp1",
                 )

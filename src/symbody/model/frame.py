@@ -134,7 +134,7 @@ def _euler_turns(matrix: tuple[Triple, Triple, Triple]) -> tuple[SimpleRotation,
     """Return body-fixed turns about z, y, x that lead to the axes whose rotation matrix is given.
 
     Numbers give the angles as numbers, multiples of pi/12 exactly; formulas give them by atan2, which
-    presumes that the y turn is no right angle.
+    presumes that the y turn is not a right angle.
     """
     values = [[formula_value(entry) for entry in row] for row in matrix]
     numbers = [[float(value) for value in row if value is not None] for row in values]

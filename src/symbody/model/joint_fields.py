@@ -49,7 +49,7 @@ class TreeMembership(Field[TreeChoice, InTrees]):
         arguments.add(
             "model.bad_tree",
             path,
-            f"{value!r} is no choice of trees",
+            f"{value!r} is not a choice of trees",
             "",
             "write true, false, or { rotation = true, translation = false }; leave it out for automatic",
         )

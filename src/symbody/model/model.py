@@ -236,7 +236,7 @@ def resolve_parameters(model: Model, overrides: Mapping[str, Value] | None = Non
     Raises
     ------
     ModelError
-        Listing all parameters without value, or all names that are no parameters.
+        Listing all parameters without value, or all names that are not parameters.
     """
     return resolve(model.parameters, overrides or {})
 

@@ -97,7 +97,7 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
                 arguments.add(
                     "names.unknown",
                     name,
-                    f"{formula} contains {word!r}, which is no parameter",
+                    f"{formula} contains {word!r}, which is not a parameter",
                     "",
                     nearest(word, changed),
                 )

@@ -16,6 +16,7 @@ from .programs.generate_simulation import generate_simulation as generate_simula
 from .results.trajectory import Trajectory as Trajectory
 from .simulate import simulate as simulate
 from .status import Status as Status
+from .stepper.lane_stepper import LaneStepper as LaneStepper
 from .stepper.stepper import Stepper as Stepper
 from .sweeps.case_table import Samples as Samples
 from .sweeps.result import Sweep as Sweep

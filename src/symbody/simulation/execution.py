@@ -12,7 +12,6 @@ from symbody.simulation.results.singular_angles import singular_passages
 from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
-from symbody.simulation.status import Status
 
 
 def execute(plan: MotionPlan) -> Trajectory:
@@ -35,9 +34,11 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
     n_q = len(eqs.coordinate_names)
     states, work = _split_work(raw.dense_output, n)
     passages = [] if states is None else list(singular_passages(eqs, states))
-    stop = "" if raw.status.success else stop_note(problem, raw)
-    if raw.status is Status.CHATTERING and run.watch is not None:
-        stop += f"; there event {run.watch.chattering!r} happens again and again"
+    ending = "" if run.watch is None else run.watch.ending
+    if ending:
+        stop = f"{raw.reach}; there {ending}"
+    else:
+        stop = "" if raw.status.success else stop_note(problem, raw)
     occurrences = () if run.watch is None else run.watch.occurrences
     watched = () if run.watch is None else run.watch.notes
     return Trajectory(
@@ -57,6 +58,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
         notes=(*run.notes, *watched, *(note for _, note in passages), *((stop,) if stop else ())),
         name=eqs.model.name,
         events=(*occurrences, *(event for event, _ in passages)),
+        sides=() if run.watch is None else run.watch.sides_at(raw.reached),
     )
 
 

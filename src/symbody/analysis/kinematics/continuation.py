@@ -47,7 +47,7 @@ class Continuation:
     driven : tuple of str
         The driven coordinates.
     laws : mapping of coordinate to callable
-        Laws that are no formulas, of the parameter of the path.
+        Laws that are not formulas, of the parameter of the path.
     clock : callable
         From that parameter to time.
     sizes, speed_sizes : (n_q,), (n_u,) arrays

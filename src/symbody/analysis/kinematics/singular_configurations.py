@@ -339,7 +339,7 @@ def _first(
         raise UsageError(
             Problem("kinematics.range_coordinate", f"over {along}",
                     f"{along!r} is not a coordinate of these equations",
-                    "coordinates of cut joints and prescribed ones are not among them",
+                    "coordinates of cut joints, prescribed and substituted ones are not among them",
                     f"name one of {', '.join(eqs.coordinate_names)}, or put its joint into the tree")
         )  # fmt: skip
     return assemble(eqs, None, guess, parameters, scales=scales)

@@ -370,7 +370,8 @@ def _check_names(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[st
     labels = [name if name in eqs.speed_names else f"{name}_dot" for name in names]
     problems = [
         Problem("kinematics.unknown_speed", f"independent {name}",
-                f"{name} is not a speed of these equations", "coordinates of cut joints have none",
+                f"{name} is not a speed of these equations",
+                "coordinates of cut joints have none, nor those that couplings give",
                 nearest(name, (*eqs.coordinate_names, *eqs.speed_names)))
         for name, label in zip(names, labels, strict=True) if label not in eqs.speed_names
     ]  # fmt: skip

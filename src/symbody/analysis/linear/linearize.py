@@ -60,7 +60,7 @@ def linearize(
         nothing else is said. A State is taken as it is, with its parameters, inputs and time unless others
         are given.
     inputs : mapping of name to number or formula
-        Values that r deviates from, by default 0. Formulas in states close a loop: these are no inputs then.
+        Values that r deviates from, by default 0. Formulas in states close a loop: these are not inputs then.
     outputs : str or sequence of str
         Quantities that y has the deviations of: any output names or expressions.
     independent : sequence of str, optional

@@ -102,7 +102,7 @@ class SlopeFunction:
     outputs : tuple of str
         Names of the scalars among the outputs.
     inputs : tuple of str
-        Names of the inputs; those given as laws in states are no inputs.
+        Names of the inputs; those given as laws in states are not inputs.
     timed : bool
         Whether anything depends on time explicitly.
     nodes : tuple of int

@@ -17,7 +17,7 @@ from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
 from symbody.model.model import Model
-from symbody.model.parts.expansion import own_content
+from symbody.model.parts.own_content import own_content
 from symbody.visual.scene.json_form import motion_to_json, scene_to_json
 
 Answer = dict[str, Any]

@@ -130,11 +130,13 @@ class ParameterSet:
 
     def _equations_for_values(self) -> tuple[tuple[bool, ...], EquationSet]:
         eqs = self.original
-        if not eqs.multiplier_names:
+        if not (eqs.multiplier_names or eqs.formed.coupled.rows):
             return (), eqs
         values = self.floats
         if eqs.formed.topology.model.constraints:
             check_parameter_constraints(eqs.formed, values)
+        if not eqs.multiplier_names:
+            return (), eqs
         rows: RoundingRows = eqs.plans.get("rounding rows", lambda: RoundingRows(eqs))
         silent = rows(values)
         return silent, eqs.without_rows(silent)

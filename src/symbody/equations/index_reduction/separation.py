@@ -139,7 +139,7 @@ def derivative_nodes(graph: Graph, derivatives: Sequence[SympyExpr]) -> list[int
     Raises
     ------
     FormulationError
-        For what is no time derivative of a function of time, and for doubles.
+        For what is not a time derivative of a function of time, and for doubles.
     """
     nodes = nodes_from_sympy(derivatives, graph)
     problems = []

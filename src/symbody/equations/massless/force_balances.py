@@ -188,7 +188,7 @@ def _main_speed(motion: Motion) -> int:
 
 
 def _misfit(kinematics: Kinematics, value: Expr, slopes: dict[int, Expr]) -> str:
-    """Return why a balance is no constraint, empty if it is one."""
+    """Return why a balance is not a constraint, empty if it is one."""
     graph = kinematics.graph
     if SymbolKind.MULTIPLIER in dependence(graph, [value.index])[value.index]:
         return "dry friction acts along it, whose sign is that of the motion to be determined"

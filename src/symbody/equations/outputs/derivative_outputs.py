@@ -101,5 +101,5 @@ def _symbols(formed: EquationsOfMotion, name: str, word: str) -> tuple[Symbol, .
     known = [*_GROUPS, *formed.names.symbols]
     raise FormulationError(
         Problem("equations.derivative_by", name, f"{word!r} is nothing to differentiate by",
-                "it is no symbol of these equations, or stands for an expression", nearest(inner, known))
+                "it is not a symbol of these equations, or stands for an expression", nearest(inner, known))
     )  # fmt: skip

@@ -85,7 +85,7 @@ class GeneralizedAlpha:
         for name, step in (("step", self.step), ("max_step", self.max_step)):
             if step is not None and not (step > 0.0 and math.isfinite(step)):
                 problems.append(
-                    Problem("simulation.implicit_step", name, f"{name} = {step!r} is no length of steps", "",
+                    Problem("simulation.implicit_step", name, f"{name} = {step!r} is not a time", "",
                             f"leave {name} out, or give seconds, such as {name}=1e-3")
                 )  # fmt: skip
         if problems:
@@ -179,7 +179,8 @@ def _make_run(
     )
     tolerances = np.array([*integration.tolerances, work_tolerance])
     longest = method.max_step if method.step is None else method.step
-    goal = make_goal(integration.span, integration.rtol, tolerances, longest, _bounds(integration, method))
+    bounds = bounds_of_steps(integration.breakpoints, method)
+    goal = make_goal(integration.span, integration.rtol, tolerances, longest, bounds)
     goal = goal._replace(max_trials=int(integration.max_steps))
     block = make_block(
         functions.slopes, _projector(closing, method), METHOD, goal, integration.x0, integration.span[0],
@@ -199,9 +200,8 @@ def _projector(closing: StateProjector | None, method: GeneralizedAlpha) -> Proj
     return closing.projector if method.step is None else closing.projector._replace(limit=math.inf)
 
 
-def _bounds(integration: IntegrationProblem, method: GeneralizedAlpha) -> Breakpoints:
-    """Return what bounds the steps: those of one length end at jumps alone."""
-    bounds = integration.breakpoints
+def bounds_of_steps(bounds: Breakpoints, method: GeneralizedAlpha) -> Breakpoints:
+    """Return what bounds the steps, from what depends on time: those of one length end at jumps alone."""
     if method.step is not None:
         return bounds.jumps_alone()
     return replace(bounds, longest=_SHARE_OF_PIECE * bounds.longest)

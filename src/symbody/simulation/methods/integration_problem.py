@@ -13,7 +13,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.event_watch import EventWatch
-from symbody.simulation.events.events import Event
+from symbody.simulation.events.events import Event, EventSide
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import PROJECTED, Projection, make_projector
@@ -57,6 +57,8 @@ class IntegrationProblem:
         What is watched on the way.
     before : RawRun, optional
         A run that was broken off where this one starts.
+    sides : tuple of EventSide
+        Where the values of events stood at the end of the motion that goes on here; empty where it begins.
 
     Raises
     ------
@@ -74,6 +76,7 @@ class IntegrationProblem:
     progress: Progress | None = None
     events: tuple[Event, ...] = ()
     before: RawRun | None = None
+    sides: tuple[EventSide, ...] = ()
     _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -129,7 +132,7 @@ class IntegrationProblem:
 
         return replace(
             self, x0=np.append(x, 0.0), span=span, times=times, max_steps=self.max_steps - steps_before,
-            progress=None if progress is None else scale,
+            progress=None if progress is None else scale, sides=self.sides if span[0] == start else (),
         )  # fmt: skip
 
     def compile_outputs(self, outputs: str | Sequence[str], eqs: EquationSet | None = None) -> StateFunction:
@@ -159,7 +162,7 @@ class IntegrationProblem:
         if not self.events:
             return None
         functions = EventFunctions(self.problem, self.events, None if closing is None else closing.projector)
-        return EventWatch(functions, abs(self.span[1] - self.span[0]))
+        return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides)
 
     def course(
         self, watch: StepWatch | None, closed: Callable[[Floats, Floats], Floats] | None = None

@@ -39,6 +39,7 @@ VERDICTS: Final[Mapping[int, Status]] = {
     at.STIFF: Status.STIFF,
     at.STOPPED: Status.STOPPED,
     at.CHATTERING: Status.CHATTERING,
+    at.SPOILED: Status.NOT_FINITE,
 }
 
 
@@ -93,11 +94,16 @@ class RawRun:
     kernel: int | None
     dense_output: DenseOutput | None
 
+    @property
+    def reach(self) -> str:
+        """How far the motion is known, in words."""
+        return f"the motion is known up to t = {self.reached:.9g} s"
+
     def stop_note(self, state_names: Sequence[str]) -> str:
         """Return where and on whose account the run ended early, empty if it did not."""
         if self.status.success:
             return ""
-        note = f"the motion is known up to t = {self.reached:.9g} s"
+        note = self.reach
         if self.state is not None:
             verb = "changes too fast" if self.status is Status.STEP_COLLAPSE else "has no finite derivative"
             note += f"; there {state_names[self.state]} {verb}"

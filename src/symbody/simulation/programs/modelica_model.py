@@ -40,7 +40,7 @@ def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mappi
     outputs : tuple of str
         What becomes an output, besides the constraints.
     parameters : mapping, optional
-        Values to put in; None leaves parameters that are no formulas of others as parameters.
+        Values to put in; None leaves parameters that are not formulas of others as parameters.
 
     Raises
     ------
@@ -82,14 +82,14 @@ def _check_motion(eqs: EquationSet) -> None:
     if reason:
         raise UsageError(
             Problem("modelica.motion", eqs.model.name,
-                    f"this mechanism is no Modelica model: {reason}",
+                    f"this mechanism is not a Modelica model: {reason}",
                     "a Modelica model keeps its equations",
                     "give friction a smooth law and springs in the place of ropes, or take simulate")
         )  # fmt: skip
 
 
 def _plain_parameters(eqs: EquationSet) -> tuple[str, ...]:
-    """Return the parameters that are no formulas of others."""
+    """Return the parameters that are not formulas of others."""
     formulas = eqs.model.parameters
     return tuple(
         name for name in eqs.parameter_names

@@ -170,8 +170,11 @@ class PosedMotion:
 
 
 def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> PosedMotion:
-    """Return a motion ready to be written as a program; nothing in it may need Python."""
-    refuse_held(eqs, "a program of its own")
+    """Return a motion ready to be written as a program; nothing in it may need Python.
+
+    Sampled signals have to be inputs that are free.
+    """
+    refuse_held(eqs, "a program of its own", request.free_inputs)
     made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
     if wrench is not None:
         laws = input_laws(made.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)

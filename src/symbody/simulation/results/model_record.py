@@ -47,6 +47,7 @@ def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
         },
         "tables": {name: (table.kind, table.outside) for name, table in provenance.tables.items()},
         "switches": provenance.switches,
+        "substitutes": provenance.substitutes,
     }
     held = provenance.held
     if held is not None:
@@ -62,7 +63,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
     Raises
     ------
     FormatError, ModelError, ExpressionError
-        If the text is no model, or a formula is none, in file `where`.
+        If the text is not a model, or a formula is none, in file `where`.
     UsageError
         If points make no table.
     KeyError, TypeError, ValueError
@@ -84,6 +85,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
         tables,
         given["switches"],
         _held_record(given.get("held", []), arrays),
+        given.get("substitutes", False) is True,
     )
 
 

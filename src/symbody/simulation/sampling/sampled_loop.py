@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.native_call import check_status
 from symbody.errors import Problem, UsageError
+from symbody.expr.sequence import Output
 from symbody.kernels import block as run_at
 from symbody.kernels import sample_block as at
 from symbody.kernels import watch_block as watch_at
@@ -19,7 +22,7 @@ from symbody.simulation.native.machine import (
     advance_sampled_watched,
     sample_kernels,
 )
-from symbody.simulation.sampling.sampler import Sampler
+from symbody.simulation.sampling.sampler import HeldValue, Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
@@ -47,7 +50,7 @@ class SampledLoop:
         self.sampler = sampler
         laws = problem.laws
         self._function = problem.compile_outputs(sampler.formulas)
-        self._check_shapes()
+        check_numbers(sampler.values, self._function.outputs)
         self._callback = CallbackFunction(self._function, laws) if laws.need_python else None
         self._address = self._function.address if self._callback is None else self._callback.address
         self._numbers = function_numbers(
@@ -56,16 +59,6 @@ class SampledLoop:
                 self._function.constants(), self._function.work_size, laws.table_numbers(),
             )
         )  # fmt: skip
-
-    def _check_shapes(self) -> None:
-        pairs = zip(self.sampler.values, self._function.outputs, strict=True)
-        problems = [
-            Problem("signal.no_number", f"signal {value.name}", f"its value has shape {output.shape}",
-                    "a signal is one number at each time", "name one component, such as 'reaction A Fx'")
-            for value, output in pairs if output.shape
-        ]  # fmt: skip
-        if problems:
-            raise UsageError(*problems)
 
     def begin(self, block: Floats) -> None:
         """Go back to where a motion begins, and show the right-hand side all values."""
@@ -148,6 +141,23 @@ class SampledLoop:
         if self._callback is not None and self._callback.error is not None:
             raise self._callback.error
         check_status(int(self.sampler.block[at.FAULT]))
+
+
+def check_numbers(values: Sequence[HeldValue], outputs: Sequence[Output]) -> None:
+    """Refuse values that are vectors or matrices.
+
+    Raises
+    ------
+    UsageError
+        Naming them.
+    """
+    problems = [
+        Problem("signal.no_number", f"signal {value.name}", f"its value has shape {output.shape}",
+                "a signal is one number at each time", "name one component, such as 'reaction A Fx'")
+        for value, output in zip(values, outputs, strict=True) if output.shape
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
 
 
 def _places(record: Record) -> tuple[Floats, ...]:

@@ -134,7 +134,8 @@ class WatchedLoop:
             elif code == at.NO_EVENT_ROOM:
                 self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
             done[0] = self._block[at.CASES_ENDED]
-        verdicts[verdicts[:, at.CODE] == at.EVENT_FAULT, at.CODE] = at.STIFF  # `simulate` says what is wrong
+        is_fault = np.isin(verdicts[:, at.CODE], (at.EVENT_FAULT, at.SPOILED))
+        verdicts[is_fault, at.CODE] = at.STIFF  # `simulate` says what is wrong
 
     def _advance(self, verdicts: Floats) -> int:
         self._block[at.STEP_ROOM] = len(self._pieces)

@@ -59,7 +59,7 @@ def load_urdf(
     Raises
     ------
     FormatError
-        If a file cannot be read, is no XML, or has elements and numbers that do not fit.
+        If a file cannot be read, is not XML, or has elements and numbers that do not fit.
     ModelError
         If links and joints form no tree, or the mechanism contradicts itself.
     UsageError
