@@ -126,7 +126,7 @@ class _ModeSearch:
         joints = {name: mode for name, mode in modes.items() if name not in self.ropes}
         if not joints:
             return held
-        # Kept with the equations, as their code is: linear equations look at the modes of an equilibrium again.
+        # Kept with the equations, as their code is: who linearizes looks at the same modes again.
         settled: EquationSet = held.plans.get(
             ("modes of joints", tuple(joints.items())),
             lambda: EquationSet(held.model, set_modes(held.formed, joints), held.notes),
