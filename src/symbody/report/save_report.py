@@ -133,7 +133,7 @@ def _check(
 ) -> None:
     problems = []
     if path.suffix.lower() not in _SUFFIXES:
-        what = f"{path.suffix!r} is no kind of report" if path.suffix else "the name has no suffix"
+        what = f"{path.suffix!r} is not a kind of report" if path.suffix else "the name has no suffix"
         problems.append(
             Problem("report.format", str(path), what, fix=f"end the name with one of {', '.join(_SUFFIXES)}")
         )

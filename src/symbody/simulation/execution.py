@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from symbody.simulation.methods.breakdowns import judge_friction, judge_pivots, pivot_events
-from symbody.simulation.methods.change_point import integrate_on_branch
+from symbody.simulation.methods.closed_loops.change_point import integrate_on_branch
 from symbody.simulation.methods.integration import Integration, MotionPlan
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.results.singular_angles import singular_passages

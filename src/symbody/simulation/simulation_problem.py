@@ -10,7 +10,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.plain_assembly import PlainState
+from symbody.analysis.configurations.plain_assembly import PlainState
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.bound_function import bound_function

@@ -328,7 +328,7 @@ class Trajectory(SampleTable):
         EnvironmentFault
             If the file cannot be opened.
         FormatError, ModelError
-            If it is no trajectory, or its model is none.
+            If it is not a trajectory, or its model is none.
         UsageError
             If the motion is not one of `model`.
         """

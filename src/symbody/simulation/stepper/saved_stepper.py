@@ -68,7 +68,7 @@ def read_saved(saved: object) -> SavedStepper:
     Raises
     ------
     UsageError
-        If these are no bytes that `Stepper.save` returned, or not all of them.
+        If these are not bytes that `Stepper.save` returned, or not all of them.
     """
     if not isinstance(saved, bytes):
         raise not_saved(f"{type(saved).__name__} is not what save() returns")
@@ -92,6 +92,7 @@ def kind_of(settings: StepperSettings) -> str:
         eqs.model.name, eqs.state_names, eqs.input_names, eqs.parameter_names, eqs.multiplier_names,
         eqs.identity, settings.held, sorted(laws.items()), settings.integrator, settings.constraints,
         settings.events, settings.rtol, settings.atol, settings.scales, settings.max_steps,
+        *sorted(settings.fmus.items()),
     )  # fmt: skip
     return sha256(repr(fixed).encode()).hexdigest()
 

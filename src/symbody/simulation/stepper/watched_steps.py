@@ -116,6 +116,6 @@ class WatchedSteps(CompiledSteps):
         record = fresh_record(run, np.array([end]), dense=True, more=EVENT_SAMPLES)
         raw = drive(run, record, None, watch)
         was_cut = block[at.ACCEPTED] > 1.0 or block[at.REJECTED] > 0.0 or raw.status is not Status.SUCCESS
-        if was_cut:  # the longer step of before is no guide any more
+        if was_cut:  # the longer step of before is not a guide any more
             block[at.FIRST_STEP] = 0.0
         return raw
