@@ -95,7 +95,7 @@ class LaneBlocks:
     def codes(self) -> list[int]:
         """How the last step of each lane ended."""
         codes: Floats = self._own[:, :, at.LANE_CODE].ravel()[: self._count]
-        return codes.astype(np.int64).tolist()
+        return [int(code) for code in codes]
 
     def _row(self, lane: int) -> Floats:
         row: Floats = self._own[lane // self._width, lane % self._width]
