@@ -149,7 +149,7 @@ def mechanism_lines(path: Path) -> Iterator[str]:
     title, paragraphs = title_and_text(path)
     folder = Path("..") / path.parent.relative_to(EXAMPLES.parent)
     files = " · ".join(f"[{name}]({(folder / name).as_posix()})" for name in (path.name, f"{path.stem}.toml"))
-    page = f"not live: {PLAYED[path.stem]}" if path.stem in PLAYED else "`--live`"
+    page = f"not live: {PLAYED[path.stem]}" if path.stem in PLAYED else "also `--live`"
     yield f"(gallery-{path.stem})=\n"
     yield f"### {title}\n"
     yield f"![{title}](pictures/gallery/{path.stem}.png)\n"
