@@ -37,7 +37,7 @@ from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 
 _DATE: Final = (1980, 1, 1, 0, 0, 0)  # the first that an archive can hold, so that bytes do not change
 _LICENCE: Final = "documentation/licenses/fmi-headers.txt"

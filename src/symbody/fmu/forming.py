@@ -13,7 +13,7 @@ from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.fmu.conditions import OUTPUT, Condition, condition_output, find_conditions
 from symbody.fmu.freezing import Branches
 from symbody.fmu.functions import ModelFunction, make_function
@@ -27,8 +27,8 @@ from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
-from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
-from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
 from symbody.simulation.sampling.sampled_loop import check_numbers
 

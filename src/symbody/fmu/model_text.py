@@ -15,8 +15,10 @@ from symbody.codegen.kernels.tree import KernelTree, Type
 from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
-from symbody.kernels import assembly as assembly_block
-from symbody.kernels import block, implicit_block, sample_block
+from symbody.kernels import block
+from symbody.kernels.configurations import assembly as assembly_block
+from symbody.kernels.implicit import implicit_block
+from symbody.kernels.samples import sample_block
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
 OPEN: Final = 2e-7

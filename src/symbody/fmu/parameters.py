@@ -12,9 +12,9 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.parser import parse_angle
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 from symbody.fmu.functions import dependencies
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import resolve_parameters
 
 Floats = NDArray[np.float64]

@@ -10,19 +10,19 @@ from typing import Final
 import numpy as np
 
 from symbody.equations.equation_set import EquationSet
-from symbody.expr.sequence import Output
+from symbody.expr.sequences.sequence import Output
 from symbody.fmu.conditions import Condition
 from symbody.fmu.functions import Floats, ModelFunction, dependencies
 from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
-from symbody.kernels import assembly as at
 from symbody.kernels import block
+from symbody.kernels.configurations import assembly as at
 from symbody.simulation.events.events import Event
 from symbody.simulation.methods.constraints import make_projector, residual_share
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha, bounds_of_steps
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector
 from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
@@ -169,7 +169,7 @@ class FmuProgram:
         return made
 
     def implicit(self) -> Floats:
-        """Return the array of `symbody.kernels.implicit_block`; empty for explicit methods."""
+        """Return the array of `symbody.kernels.implicit.implicit_block`; empty for explicit methods."""
         if not isinstance(self.method, GeneralizedAlpha):
             return np.zeros(0)
         functions = ImplicitFunctions(
@@ -192,7 +192,7 @@ class FmuProgram:
         )  # fmt: skip
 
     def assembly(self) -> Floats:
-        """Return the block of `symbody.kernels.assembly`; empty for open mechanisms."""
+        """Return the block of `symbody.kernels.configurations.assembly`; empty for open mechanisms."""
         if "assembly" not in self.functions:
             return np.zeros(0)
         eqs, function = self.eqs, self.functions["assembly"]

@@ -11,7 +11,7 @@ import numpy as np
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.fmu.functions import Floats
-from symbody.kernels import sample_block as at
+from symbody.kernels.samples import sample_block as at
 from symbody.model.model import Model
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
@@ -48,7 +48,7 @@ class FmuSamples:
         return tuple(value.formula for value in self.values)
 
     def block(self, speed_count: int) -> Floats:
-        """Return the block of `symbody.kernels.sample_block`, for a record of one row."""
+        """Return the block of `symbody.kernels.samples.sample_block`, for a record of one row."""
         if not self.values:
             return np.zeros(at.HEADER)
         # one group for each formula: parameters may set apart sample times that are the same at first

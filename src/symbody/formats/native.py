@@ -23,8 +23,9 @@ from symbody.formats.includes import include_entry, read_includes
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
-from symbody.formats.schema_fit import NEWER_SECTIONS, VERSION, check_structure
+from symbody.formats.schema_fit import check_structure
 from symbody.formats.toml_syntax import parse_toml
+from symbody.formats.version import NEWER_SECTIONS, VERSION
 from symbody.formats.writing import write_text
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
-from symbody.kernels import lane_block as beside
+from symbody.kernels.lanes import lane_block as beside
 from symbody.simulation.native.lane_blocks import aligned_zeros, make_lane_block
 from symbody.simulation.native.machine import address
 from symbody.simulation.native.runge_kutta import Tableau
