@@ -3,15 +3,18 @@
 Each script of examples/gallery gives a mechanism, its motion, a comparison with a closed form, and how it
 looks. Its picture is docs/pictures/gallery/NAME.png, its model file lies beside it, and docs/mechanisms.md is
 made of the first lines of all scripts. Names of scripts as arguments draw these alone, then the page of all.
+`--pages DIR` writes a folder instead: a page of each, which simulates or plays, and an index with pictures.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import html
 import runpy
+import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
@@ -60,14 +63,37 @@ print(abs(computed - formula).max() < entry["TOLERANCE"])
 
 The model files beside the scripts go into [the editor](builder.md) and all
 [commands](reference/command_line.md), such as `symbody equations watt.toml`. `pytest -m "" tests/gallery`
-repeats all comparisons, `python docs/draw_mechanisms.py` draws pictures, model files and this page anew.
+repeats all comparisons, `python docs/draw_mechanisms.py` draws pictures, model files and this page anew, and
+with `--pages DIR` it writes the pages of all motions to a folder that needs no network.
 """
 CARD: Final = """:::{{grid-item-card}} {title}
 :img-top: pictures/gallery/{name}.png
 :link: gallery-{name}
 :link-type: ref
+:class-title: sd-fs-6
 :::
 """
+
+
+INDEX: Final = """<!DOCTYPE html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width">
+<title>Mechanisms</title>
+<style>
+body {{ font-family: sans-serif; margin: 2rem auto; max-width: 80rem; padding: 0 1rem; }}
+main {{ display: grid; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); gap: 1rem; }}
+a {{ border: 1px solid #ccc; border-radius: 0.4rem; color: #222; padding: 0.5rem; text-decoration: none; }}
+a:hover, a:focus {{ border-color: #06c; }}
+img {{ width: 100%; }}
+</style>
+<h1>Mechanisms</h1>
+<main>
+{figures}
+</main>
+</html>
+"""
+FIGURE: Final = '<a href="{name}.html"><img src="{name}.png" alt="">{title}</a>'
 
 
 @cache
@@ -147,13 +173,39 @@ def mechanisms_page() -> str:
     return "\n".join(lines)
 
 
+def write_motion_page(path: Path, page: Path) -> None:
+    """Write a page of a mechanism that simulates; one that plays where none can."""
+    entry = script_of(path)
+    live = path.stem not in PLAYED
+    shown = sb.form_equations(entry["model"]()) if live else entry["motion"]()
+    title = title_and_text(path)[0]
+    sb.animate(shown, page, live=live, title=title, traces=entry["LOOK"].get("traces", ()))
+
+
+def write_pages(paths: Sequence[Path], folder: Path) -> None:
+    """Write a page of each mechanism to a folder, and index.html with their pictures; all work offline."""
+    folder.mkdir(parents=True, exist_ok=True)
+    figures = []
+    for path in paths:
+        write_motion_page(path, folder / f"{path.stem}.html")
+        shutil.copy(PICTURES / f"{path.stem}.png", folder)
+        title = html.escape(title_and_text(path)[0])
+        figures.append(FIGURE.format(name=path.stem, title=title))
+        print(path.stem, flush=True)
+    (folder / "index.html").write_text(INDEX.format(figures="\n".join(figures)), encoding="utf-8")
+
+
 def main() -> None:
     """Draw the mechanisms that are named, or all; then the page."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("names", nargs="*", help="scripts of examples/gallery without .py; none: all")
-    names = parser.parse_args().names
-    PICTURES.mkdir(exist_ok=True)
-    for path in (each for each in MECHANISMS if not names or each.stem in names):
+    parser.add_argument("--pages", type=Path, metavar="DIR", help="write pages of the motions to a folder")
+    words = parser.parse_args()
+    paths = [path for path in MECHANISMS if not words.names or path.stem in words.names]
+    if words.pages is not None:
+        write_pages(paths, words.pages)
+        return
+    for path in paths:
         draw_mechanism(path)
         path.with_suffix(".toml").write_text(model_text(path), encoding="utf-8")
         print(path.stem, flush=True)

@@ -68,8 +68,8 @@ def main() -> None:
     for name in PROBLEMS:
         results[name] = measure(name, Settings(limit=LIMIT, rounds=3))
         show(table(name, results[name]), console)
-        draw(results)  # what there is, should a later one be interrupted
     show(summary(results), console)
+    draw(results)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -10,18 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-import symbody as sb
 from docs import draw_mechanisms
 from tests.browser.conftest import Surfer, wait_until
 
 PATHS = {path.stem: path for path in draw_mechanisms.MECHANISMS}
 POSE = "(() => { const { positions, axes } = symbodyLive.simulation.computePose(); return [...positions, ...axes]; })()"
 TIMES = (0.35, 1.1, 2.3)  # s, at which a page that simulates is looked at
-
-
-@cache
-def equations(name: str) -> sb.EquationSet:
-    return sb.form_equations(sb.load_model(PATHS[name].with_suffix(".toml")))
 
 
 def open_page(surfer: Surfer, path: Path, ready: str) -> Any:
@@ -33,9 +26,9 @@ def open_page(surfer: Surfer, path: Path, ready: str) -> Any:
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", sorted(PATHS.keys() - draw_mechanisms.PLAYED.keys()))
-def test_page_simulates_the_model_file(name: str, surfer: Surfer) -> None:
+def test_page_simulates(name: str, surfer: Surfer) -> None:
     path = surfer.folder / "live.html"
-    sb.animate(equations(name), path, live=True)
+    draw_mechanisms.write_motion_page(PATHS[name], path)
     page = open_page(surfer, path, "window.symbodyLive !== undefined && symbodyLive.simulation.time > 0")
     page.keyboard.press(" ")
     poses = []
@@ -50,9 +43,8 @@ def test_page_simulates_the_model_file(name: str, surfer: Surfer) -> None:
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", sorted(draw_mechanisms.PLAYED))
 def test_page_plays_the_motion(name: str, surfer: Surfer) -> None:
-    run = draw_mechanisms.script_of(PATHS[name])["motion"]()
     path = surfer.folder / "played.html"
-    sb.animate(run, path)
+    draw_mechanisms.write_motion_page(PATHS[name], path)
     page = open_page(surfer, path, "window.symbodyPlayer !== undefined")
     start, end = page.evaluate("[symbodyPlayer.clock.start, symbodyPlayer.clock.end]")
     pictures = []
@@ -61,3 +53,15 @@ def test_page_plays_the_motion(name: str, surfer: Surfer) -> None:
         page.wait_for_timeout(80)
         pictures.append(page.screenshot(clip={"x": 0, "y": 0, "width": 960, "height": 320}))
     assert len(set(pictures)) == 3
+
+
+@pytest.mark.exhaustive
+def test_index_leads_to_the_pages(surfer: Surfer) -> None:
+    paths = [PATHS["watt"], PATHS["stick_slip"]]
+    draw_mechanisms.write_pages(paths, surfer.folder / "pages")
+    page = surfer.new_page((960, 640))
+    for path in paths:
+        page.goto((surfer.folder / "pages" / "index.html").as_uri())
+        assert page.evaluate("[...document.images].every((each) => each.naturalWidth > 0)")
+        page.get_by_role("link", name=draw_mechanisms.title_and_text(path)[0]).click()
+        wait_until(page, "document.querySelector('.sb-player canvas') !== null", 60.0)

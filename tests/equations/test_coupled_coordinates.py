@@ -50,6 +50,7 @@ def eqs() -> sb.EquationSet:
 def test_one_coordinate_is_left(eqs: sb.EquationSet) -> None:
     assert eqs.coordinate_names == ("b",)
     assert eqs.multiplier_names == ()
+    assert eqs.units["lambda_gear_1"] == "N m"
     assert "a = 0.1 + n*b is substituted, from lambda_gear_1; all of them stay outputs" in eqs.notes
     assert sb.form_equations(train()).coordinate_names == ("a", "b", "s")
 
@@ -113,6 +114,8 @@ def test_a_factor_that_vanishes_is_refused() -> None:
     with pytest.raises(sb.FormulationError, match="its factor r1 in lambda_belt_1 is 0 with r1 = 0") as error:
         sb.compile(eqs, "udot", parameters={"r1": 0})
     assert error.value.problems[0].code == "equations.vanishing_factor"
+    with pytest.raises(sb.FormulationError, match="is 0 with r1 = 0"):
+        sb.sweep(eqs, 0.1, parameters={"r1": [1, 0]})
 
 
 @pytest.mark.parametrize(

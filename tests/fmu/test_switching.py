@@ -164,6 +164,7 @@ def test_motion_through_conditions(kind: str, tmp_path: Path) -> None:
     assert np.abs(simulate(made.path, kind, 1.0, eqs.state_names, 1e-9) - states(run)).max() < 1e-4
 
 
+@pytest.mark.exhaustive
 def test_slack_rope_may_start_where_its_ends_coincide(tmp_path: Path) -> None:
     eqs = swing("L")
     start = {"x": 0, "y": 0, "x_dot": 1.0}

@@ -1,7 +1,7 @@
 """Watt's governor.
 
 Two balls on arms turn with a shaft, swing out as it turns faster, and lift a sleeve, which shuts the valve of
-the engine: the first controller of industry.
+the engine: the best known of the early controllers.
 
 Check: with four equal arms l without mass, jointed on the axis, two balls m and a sleeve M, which moves twice
 as far as the balls, Jacobi's integral gives the speed of the swing at any angle a of the arms: (m + 2 M

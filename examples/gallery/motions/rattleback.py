@@ -1,7 +1,8 @@
 """Rattleback.
 
 Half an ellipsoid, whose axes of inertia are turned a little against those of its shape: spun one way it goes
-on turning, spun the other way it begins to rattle, stops, and turns back. Celts are such stones.
+on turning, spun the other way it begins to rattle, stops, and turns back. Stone axes that did so gave it the
+name celt.
 
 Check: the equations of the turning alone, derived here: with n the upward normal in the axes of the body and
 r = -A n/sqrt(n.A n) + h the point of contact, A the squared half-axes, rolling gives the velocity of the
@@ -58,7 +59,7 @@ def model():
 
 def hull():
     """Return thin slices of the half ellipsoid."""
-    for z in np.linspace(0.002, 0.018, 5):
+    for z in np.linspace(0.006, 0.018, 5):
         scale = float(np.sqrt(1 - (z / AXES[2]) ** 2))
         yield sb.Box(
             (1.7 * AXES[0] * scale, 1.4 * AXES[1] * scale, 0.004),

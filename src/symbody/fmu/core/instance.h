@@ -414,7 +414,7 @@ static int directional_derivative(
             double value = 0.0;
             status = derivative(instance, function, unknowns[i], knowns[k], &value);
             if (status != STATUS_OK) return status;
-            result[i] += value * seed[k];
+            if (seed[k] != 0.0) result[i] += value * seed[k]; /* 0 times what is no number is 0 here */
         }
     }
     return STATUS_OK;

@@ -80,15 +80,17 @@ class EventWatch:
     def sides_at(self, t: float) -> tuple[EventSide, ...]:
         """Return where the values stand at the end of the run [s]: those of the last samples."""
         own = self._block
-        seen = own[at.SEEN] != 0.0 and own[at.T_LAST] == t
-        now = {int(row[0]) for row in self._happened[: int(own[at.HAPPENED])] if row[1] == t}
+        seen = own.item(at.SEEN) != 0.0 and own.item(at.T_LAST) == t
+        rows = self._happened[: int(own[at.HAPPENED]), :2].tolist()
+        now = {int(place) for place, when in rows if when == t}
         sides = []
-        for place, row in enumerate(event_rows(own)):
+        for place, row in enumerate(event_rows(own).tolist()):
             is_left = seen and row[at.AT_ZERO] == 0.0
             has_happened = place in now or (not is_left and row[at.JUST_HAPPENED] != 0.0)
-            stands = is_left and not has_happened and np.isfinite(row[at.G_LAST])
-            side = float(np.sign(row[at.G_LAST])) if stands else 0.0
-            sides.append(EventSide(side, float(has_happened), float(row[at.LARGEST])))
+            stands = is_left and not has_happened
+            value = row[at.G_LAST] if stands else 0.0
+            side = float((value > 0.0) - (value < 0.0))
+            sides.append(EventSide(side, float(has_happened), row[at.LARGEST]))
         return tuple(sides)
 
     @property

@@ -10,11 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.equations.equation_set import EquationSet
+from symbody.expr.graph import SymbolKind
+from symbody.expr.rewrite import symbols_of
 from symbody.manifold import count_significant
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.closed_loops.overconstrained import (
@@ -99,6 +103,10 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
     problem, eqs, t, x = integration.problem, integration.eqs, integration.span[0], integration.state
     if isinstance(constraints, Partition) or not eqs.multiplier_names or not eqs.speed_names:
         return integrate_plan(plan)
+    if eqs.plans.get(
+        "constant rows", partial(has_constant_rows, eqs)
+    ):  # nothing becomes dependent on the way
+        return integrate_plan(plan)
     by_partition = replace(plan, constraints=_PARTITION)
     is_replaceable = isinstance(constraints, Projection) and isinstance(plan.integrator, Explicit | None)
     follows = is_overconstrained(problem, t, x)
@@ -127,6 +135,14 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
     if end is None:
         return run
     return end_run(run, end.t, end.note.format(f"sb.{type(constraints).__name__}()"))
+
+
+def has_constant_rows(eqs: EquationSet) -> bool:
+    """Return whether the Jacobian of the constraints is the same wherever and whenever it is taken."""
+    graph = eqs.formed.graph
+    entries = [entry.index for row in eqs.formed.rows for entry in row.jacobian.values()]
+    symbols = (graph.symbols[graph.left[place]] for place in symbols_of(graph, entries))
+    return all(symbol.kind is SymbolKind.PARAMETER for symbol in symbols)
 
 
 def _with_step_notes(run: Integration, plan: MotionPlan) -> Integration:
