@@ -103,9 +103,11 @@ class _ModeSearch:
         except (AssemblyError, SimulationError):
             return None
         scales = self._scales(evaluator, state)
+        watched = {name: self._watched(name, mode) for name, mode in modes.items()}
+        values = state.values_of(tuple(watched.values()))
         notes, edges, fits = [], [], True
         for name, mode in modes.items():
-            surplus, note = self._surplus(state, name, mode)
+            surplus, note = self._surplus(float(values[watched[name]]), name, mode)
             limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
                              scales[1] * self.unit(name))  # fmt: skip
             has_choice = len(self.ways[name]) > 1
@@ -122,24 +124,34 @@ class _ModeSearch:
         slack = [name for name in self.ropes if modes.get(name) != _TAUT]
         held = with_taut(self.eqs, [name for name in self.ropes if name not in slack])
         joints = {name: mode for name, mode in modes.items() if name not in self.ropes}
-        return EquationSet(held.model, set_modes(held.formed, joints), held.notes) if joints else held
+        if not joints:
+            return held
+        # Kept with the equations, as their code is: who linearizes looks at the same modes again.
+        settled: EquationSet = held.plans.get(
+            ("modes of joints", tuple(joints.items())),
+            lambda: EquationSet(held.model, set_modes(held.formed, joints), held.notes),
+        )
+        return settled
 
-    def _surplus(self, state: State, name: str, mode: int) -> tuple[float, str]:
+    def _watched(self, name: str, mode: int) -> str:
+        """Return the output whose value decides whether a mode holds."""
+        if mode in (_TAUT, _SLACK):
+            return f"rope_tension {name}" if mode == _TAUT else f"rope_slack_ddot {name}"
+        return f"friction_reserve {name}" if mode == STICKS else f"{self.coordinate(name)}_ddot"
+
+    def _surplus(self, value: float, name: str, mode: int) -> tuple[float, str]:
         """Return a number that is positive where a mode holds, and the mode in a sentence."""
         if mode == _TAUT:
-            pull = float(state[f"rope_tension {name}"])
-            return pull, f"rope {name} is taut with {pull + 0.0:.6g} N: it constrains small deviations"
+            return value, f"rope {name} is taut with {value + 0.0:.6g} N: it constrains small deviations"
         if mode == _SLACK:
-            return float(state[f"rope_slack_ddot {name}"]), f"rope {name} is slack: it constrains nothing"
+            return value, f"rope {name} is slack: it constrains nothing"
         if mode == STICKS:
-            reserve = float(state[f"friction_reserve {name}"])
-            return reserve, (
-                f"joint {name} sticks, {reserve:.6g} below its static limit: it is held, and every place "
+            return value, (
+                f"joint {name} sticks, {value:.6g} below its static limit: it is held, and every place "
                 "where it sticks is an equilibrium along it"
             )
-        coordinate = self.coordinate(name)
         way = "forward" if mode > 0 else "backward"
-        return mode * float(state[f"{coordinate}_ddot"]), f"joint {name} begins to slip {way}"
+        return mode * value, f"joint {name} begins to slip {way}"
 
     def unit(self, name: str) -> float:
         """Return the size of displacements of an element: a length, or 1 for an angle."""
