@@ -1,9 +1,9 @@
 """Run the scripts of pages, renew what they print and draw: ``python docs/run_pages.py docs/tutorial/*.md``.
 
 The Python blocks of a page are one script, run from top to bottom in a folder with nothing but ``examples``,
-and so are the commands of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what it
-prints. A block in ``toml`` or ``xml`` whose first line is a comment with the name of a file is written to that
-file; all in ``toml`` are read. A picture that the script writes takes the place of the one in
+and so are the commands of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what
+it prints. A block in ``toml`` or ``xml`` whose first line is a comment with the name of a file is written to
+that file; all in ``toml`` are read. A picture that the script writes takes the place of the one in
 ``docs/pictures/tutorial``, those of the course in ``docs/pictures/course``.
 
 What a block needs and the page does not show stands in a comment right above it, ``<!-- before: ... -->``:
