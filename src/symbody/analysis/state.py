@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from symbody.analysis.plain_assembly import PlainState
+from symbody.analysis.configurations.plain_assembly import PlainState
 from symbody.analysis.value_lines import values_line
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function

@@ -157,7 +157,7 @@ def _check(
         fix = "give run=simulate(eqs, ...), or leave the section out"
         problems.append(Problem("report.no_motion", "sections", what, fix=fix))
     if path.suffix.lower() not in _SUFFIXES:
-        what = f"{path.suffix!r} is no kind of report" if path.suffix else "the name has no suffix"
+        what = f"{path.suffix!r} is not a kind of report" if path.suffix else "the name has no suffix"
         problems.append(
             Problem("report.format", str(path), what, fix=f"end the name with one of {', '.join(_SUFFIXES)}")
         )
