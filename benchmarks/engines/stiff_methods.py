@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import symbody as sb
 from benchmarks.stiff_problems import Floats, Stiff, model_of, places
-from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 
 END: Final = 2.0  # s of motion
 _START: Final = 1e-6  # s, for which a function is compiled

@@ -12,7 +12,7 @@ from symbody.analysis.scales import Scales
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods import integration
 from symbody.simulation.methods.explicit import integrate
-from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.simulation_problem import SimulationProblem
 from tests.simulation.loops import damped_slider, example, held_pendulum, pushed_mass, turning_pendulum
 

@@ -22,14 +22,14 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.rewrite import substitute
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.methods.closed_loops.partition import Partition, run_partition
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
-from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha, run_generalized_alpha
+from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL, run_ggl
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, run_generalized_alpha
+from symbody.simulation.methods.implicit.stiff import Stiff, run_stiff
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
-from symbody.simulation.methods.partition import Partition, run_partition
-from symbody.simulation.methods.stiff import Stiff, run_stiff
 from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
@@ -37,6 +38,8 @@ class Provenance:
         Whether the equations change on the way, by sticking joints or slack ropes.
     held : HeldRecord, optional
         Values that were held between samples.
+    substitutes : bool
+        Whether coordinates that couplings give were substituted.
     """
 
     model: Model
@@ -47,6 +50,7 @@ class Provenance:
     tables: Mapping[str, Table] = field(default_factory=dict)
     switches: bool = False
     held: HeldRecord | None = None
+    substitutes: bool = False
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -85,12 +89,13 @@ def provenance_of(
     return Provenance(
         eqs.model,
         dict(given),
-        _trees(formed.topology),
+        eqs.plans.get("trees", partial(_trees, formed.topology)),
         formed.dependent_names,
         {name: law for name, law in laws.formulas.items() if name not in own_tables},
         own_tables,
         switches,
         held,
+        bool(formed.coupled.rows),
     )
 
 
