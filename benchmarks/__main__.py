@@ -14,6 +14,7 @@ from rich.console import Console
 
 from benchmarks import (
     analyses,
+    couplings,
     derivation,
     evaluation,
     expressions,
@@ -42,6 +43,7 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
         "growth": lambda settings: chain(growth.tables(settings), growth_of_analyses.tables(settings)),
         "evaluation": evaluation.tables,
         "analyses": analyses.tables,
+        "couplings": couplings.tables,
         "motion": motion.tables,
         "trajectories": trajectories.tables,
         "operations": operations.tables,

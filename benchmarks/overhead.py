@@ -36,6 +36,7 @@ _CALLS: Final = 2000
 _GRAVITY: Final = 9.81
 _BOUNCES: Final = 20
 POINTS: Final = 100_000
+LANES: Final = (8, 64)
 
 
 def tables(settings: Settings) -> Iterator[Table]:
@@ -186,9 +187,11 @@ def _rest(eqs: sb.EquationSet) -> tuple[Floats, Floats, Floats]:
 def inside(settings: Settings, points: int = POINTS, bounces: int = _BOUNCES) -> Table:
     """Return what a call with parameters costs beside one without, an event, and a long table."""
     rows = [*_call_rows(settings), _event_row(settings, bounces), _table_row(settings, points)]
+    rows += [_lanes_row(settings, count) for count in LANES]
     notes = (
         f"median of {settings.rounds} rounds in turns; an event: a ball that bounces {bounces} times, over "
-        f"that; a table: an input of {points} points, 1 s of motion",
+        f"that; a table: an input of {points} points, 1 s of motion; lanes: 1 ms of a cart-pole, a new force "
+        "for each",
     )
     columns = ("processor time", "symbody", "beside")
     return Table("calls, events, tables", columns, tuple(rows), notes)
@@ -293,6 +296,34 @@ def _table_row(settings: Settings, points: int) -> tuple[str, ...]:
         f"SciPy and numpy.interp: {seconds_text(times['scipy'])}{ratio_text(times['scipy'], times['ours'])}"
     )
     return f"an input of {points} points", seconds_text(times["ours"]), beside
+
+
+def _lanes_row(settings: Settings, count: int) -> tuple[str, ...]:
+    """Compare a step of many motions at once with as many single ones."""
+    eqs = sb.form_equations(sb.load_model(EXAMPLES / "cart_pole" / "cart_pole.toml"))
+    random = np.random.default_rng(18)
+    forces = random.normal(0.0, 3.0, (_STEPS, count))
+    lanes = sb.LaneStepper(eqs, 1e-3, count, initial={"theta": random.uniform(-0.3, 0.3, count)})
+    singles = [lanes.lane(place) for place in range(count)]
+
+    def together() -> None:
+        for row in forces:
+            lanes.step(F=row)
+
+    def one_by_one() -> None:
+        for row in forces.tolist():
+            for single, force in zip(singles, row, strict=True):
+                single.step(F=force)
+
+    samples: Samples = {
+        "ours": lambda: processor_seconds(together) / forces.size,
+        "single": lambda: processor_seconds(one_by_one) / forces.size,
+    }
+    times = medians(in_turns(samples, settings.rounds))
+    beside = (
+        f"{count} of sb.Stepper: {seconds_text(times['single'])}{ratio_text(times['single'], times['ours'])}"
+    )
+    return f"a step of each of {count} lanes", seconds_text(times["ours"]), beside
 
 
 def _mean(task: Callable[[], object], times: int) -> float:

@@ -150,6 +150,7 @@ from .simulation import Samples as Samples
 from .simulation import Sweep as Sweep
 from .simulation import sweep as sweep
 from .simulation import Stepper as Stepper
+from .simulation import LaneStepper as LaneStepper
 from .simulation import inverse_dynamics as inverse_dynamics
 from .analysis import IndexOneSolution as IndexOneSolution
 from .analysis import solve_index_1 as solve_index_1

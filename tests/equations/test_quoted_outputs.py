@@ -129,7 +129,7 @@ def test_work_and_violations_stand_in_formulas_of_samples() -> None:
     swept = sb.sweep(crank(), 0.1, {"m1": [1.0, 2.0]}, times=TIMES)
     product = swept["m1*'constraint_violation'"]
     np.testing.assert_allclose(product[1], 2 * swept["constraint_violation"][1], rtol=1e-14)
-    with pytest.raises(SymbodyError, match=r"(?s)trajectory.formula.*'udot' is no number.*\(3, "):
+    with pytest.raises(SymbodyError, match=r"(?s)trajectory.formula.*'udot' is not a number.*\(3, "):
         run["'work' + 'udot'"]
 
 

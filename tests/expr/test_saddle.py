@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from symbody.expr.saddle import SaddleSolution, null_vector, solve_saddle
+from symbody.expr.sequences.saddle import SaddleSolution, solve_saddle
 from tests.saddle_systems import System, exact_solution, gauss, scale_factors, sensitivity, systems
 
 EPS = 2.0**-52
@@ -228,23 +228,17 @@ def test_mass_missing_on_an_admissible_motion() -> None:
     free = solve_saddle(M, [0.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0])
     assert (free.ok, free.rank) == (False, 1)
     assert all(math.isnan(value) for value in free.udot + free.multipliers)
-    assert null_vector(M, [0.0, 0.0, 1.0], 3, 1) == pytest.approx([1.0, -1.0, 0.0], abs=16 * EPS)
     held = solve_saddle(M, [1.0, -1.0, 0.0], [1.0, 1.0, 1.0], [0.0])
     assert held.udot == pytest.approx([0.5, 0.5, 1.0], abs=16 * EPS)
-    assert null_vector(M, [1.0, -1.0, 0.0], 3, 1) is None
 
 
 def test_indefinite_mass_matrix_fails() -> None:
     assert not solve_saddle([1.0, 0.0, 0.0, -1.0], [], [1.0, 1.0], []).ok
 
 
-def test_null_vector_of_singular_systems() -> None:
-    """Remove the mass of one admissible direction a: M' = P M P with P = I - a a^T, |a| = 1, J a = 0.
-
-    Entries of u below 1e-8 of the largest are returned as 0, so M' u and J u vanish within n 1e-8 of their
-    largest entry times that of u.
-    """
-    found = 0
+def test_mass_missing_in_any_admissible_direction_fails() -> None:
+    """Remove the mass of one admissible direction a: M' = P M P with P = I - a a^T, |a| = 1, J a = 0."""
+    cases = 0
     for system in systems(31, 120):
         n, kept = len(system.F), len(system.places)
         if kept == n:
@@ -258,22 +252,14 @@ def test_null_vector_of_singular_systems() -> None:
         mass = ((M + M.T) / 2 / np.outer(units, units)).ravel().tolist()
         _, rows, F, gamma = system.arguments
         assert not solve_saddle(mass, rows, F, gamma).ok
-        u = null_vector(mass, rows, n, len(gamma))
-        assert u is not None
-        assert max(u, key=abs) == 1.0
-        v = np.array(u) / units
-        v = v / np.abs(v).max()
-        for matrix in (M, J):
-            assert np.abs(matrix @ v).max(initial=0.0) <= n * 1e-8 * np.abs(matrix).max(initial=0.0)
-        found += 1
-    assert found > 50
+        cases += 1
+    assert cases > 50
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_constraints_that_are_not_finite_fail(bad: float) -> None:
     solution = solve_saddle([1.0, 0.0, 0.0, 1.0], [1.0, 0.0, bad, 1.0], [1.0, 1.0], [0.0, 0.0])
     assert (solution.ok, solution.rank) == (False, 0)
-    assert null_vector([1.0, 0.0, 0.0, 1.0], [1.0, 0.0, bad, 1.0], 2, 2) is None
 
 
 def test_mass_that_is_nan_fails() -> None:

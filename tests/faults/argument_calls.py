@@ -128,6 +128,8 @@ def _put_motions(put: Callable[..., None], eqs: sb.EquationSet) -> None:
         **usual)  # fmt: skip
     put("Stepper", sb.Stepper, eqs=eqs, dt=0.01, parameters=None, initial=None, guess=None, inputs=None,
         integrator=None, constraints=None, events=(), rtol=1e-8, atol=1e-10)  # fmt: skip
+    put("LaneStepper", sb.LaneStepper, eqs=eqs, dt=0.01, lanes=2, parameters=None, initial=None, guess=None,
+        inputs=None, integrator=None, constraints=None, events=(), rtol=1e-8, atol=1e-10)  # fmt: skip
     put("generate_simulation", sb.generate_simulation, eqs=eqs, t_end=0.1, language="c")
     put("inverse_dynamics", sb.inverse_dynamics, eqs=eqs, motion={"x": "sin(t)"}, unknowns="F",
         times=[0, 0.1], parameters=None, inputs=None, guess=None)  # fmt: skip

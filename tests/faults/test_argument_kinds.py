@@ -18,8 +18,8 @@ KINDS = len(list(strange_values()))
 FUNCTIONS = (
     "load_model save_model load_urdf save_urdf form_equations reduce_index separate_derivatives compile "
     "generate_code assemble redundancy solve_positions find_equilibrium linearize singular_configurations "
-    "trace_positions velocity_ratios solve_index_1 simulate sweep Stepper generate_simulation inverse_dynamics "
-    "plot save_plot animate save_animation save_fmu save_report without_sampling"
+    "trace_positions velocity_ratios solve_index_1 simulate sweep Stepper LaneStepper "
+    "generate_simulation inverse_dynamics plot save_plot animate save_animation save_fmu save_report without_sampling"
 ).split()
 # Each takes a second or more where the strange value fits.
 SLOW = {"singular_configurations", "solve_positions", "velocity_ratios", "trace_positions"}

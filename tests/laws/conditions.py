@@ -26,6 +26,7 @@ TRIES = 6
 CONTACTS = (
     "distance", "line", "plane", "surface", "parallel", "perpendicular", "angle", "knife", "sphere", "disc",
 )  # fmt: skip
+LINEAR = ("gear", "rack", "belt", "differential")
 COUPLINGS = ("gear", "rack", "belt", "differential", "equation", "rates")
 NEAR = 0.2  # least distance of two points, and cosine of an axle with the ground, where it matters
 # Coordinate, its value, "a" for angles or "d" for displacements.
@@ -46,14 +47,31 @@ def add_conditions(mechanism: Mechanism, draws: Draws) -> Mechanism:
     return replace(mechanism, freedoms=count[1])
 
 
+def add_couplings(mechanism: Mechanism, draws: Draws) -> Mechanism:
+    """The mechanism with up to three couplings of first degree, before other constraints, or none."""
+    count = demanded_rank(mechanism)
+    for k in range(draws.rng.choice([1, 1, 2, 3])):
+        for _ in range(TRIES if count[1] > 1 else 0):
+            found = _with_one(mechanism, draws, f"K{k + 1}", *count, kinds=LINEAR)
+            if found is not None and not found[0].couplings[-1].offset.amplitude:
+                mechanism, count = found
+                break
+    return replace(mechanism, freedoms=count[1])
+
+
 def _with_one(
-    mechanism: Mechanism, draws: Draws, name: str, rank: int, left: int
+    mechanism: Mechanism,
+    draws: Draws,
+    name: str,
+    rank: int,
+    left: int,
+    kinds: tuple[str, ...] = CONTACTS + COUPLINGS,
 ) -> tuple[Mechanism, tuple[int, int]] | None:
     """The mechanism with one constraint more, and its rank and the freedoms left.
 
     None if that is impossible, dependent or leaves no freedom.
     """
-    kind = draws.rng.choice(CONTACTS + COUPLINGS)
+    kind = draws.rng.choice(kinds)
     if kind in COUPLINGS:
         coupling = _coupling(mechanism, draws, name, kind)
         if coupling is None:

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.laws.conditions import add_conditions
+from tests.laws.conditions import add_conditions, add_couplings
 from tests.laws.drafts import Draft, Rejection
 from tests.laws.draws import Draws
 from tests.laws.loads import add_loads
@@ -45,6 +45,11 @@ def turning_mechanism(seed: int, units: Units | None = None) -> Mechanism:
     return _accepted(seed, f"turning {seed}", units, _turning)
 
 
+def coupled_mechanism(seed: int) -> Mechanism:
+    """A mechanism as `random_mechanism` makes them, with couplings of first degree between its joints."""
+    return _accepted(seed, f"coupled {seed}", None, lambda seed, draws: _attempt(seed, draws, coupled=True))
+
+
 def _accepted(
     seed: int, name: str, units: Units | None, attempt: Callable[[int, Draws], Mechanism]
 ) -> Mechanism:
@@ -69,14 +74,19 @@ def _turning(seed: int, draws: Draws) -> Mechanism:
     return _loaded(add_loops(draft, loops) if loops else draft.finished(), seed, "turning", draws)
 
 
-def _loaded(found: Mechanism, seed: int, family: str, draws: Draws) -> Mechanism:
+def _loaded(found: Mechanism, seed: int, family: str, draws: Draws, *, coupled: bool = False) -> Mechanism:
     """The mechanism under gravity, with drives, springs, loads and constraints."""
     x, y, z = (draws.number() * draws.units.acceleration if draws.chance(0.85) else 0.0 for _ in range(3))
     found = replace(found, seed=seed, family=family, gravity=(x, y, z), symbolic=draws.chance(0.5))
-    return add_conditions(add_loads(found, draws), draws)
+    found = add_loads(found, draws)
+    if coupled:
+        found = add_couplings(found, draws)
+        if not found.couplings:
+            raise Rejection("no coupling fits")
+    return add_conditions(found, draws)
 
 
-def _attempt(seed: int, draws: Draws) -> Mechanism:
+def _attempt(seed: int, draws: Draws, *, coupled: bool = False) -> Mechanism:
     rng = draws.rng
     family = rng.choice(FAMILIES)
     loops = 0 if family == "tree" else rng.choice([1, 2, 2])
@@ -95,7 +105,7 @@ def _attempt(seed: int, draws: Draws) -> Mechanism:
     for _ in range(rng.choice([0, 0, 1, 2]) if loops and len(draft.bodies) < MOST_BODIES - 1 else 0):
         draft.add_body(rng.choice(_HANGERS))
         found = replace(draft.finished(), loops=found.loops, redundant=found.redundant)
-    return _loaded(found, seed, family, draws)
+    return _loaded(found, seed, family, draws, coupled=coupled)
 
 
 def report(mechanisms: Iterable[Mechanism]) -> dict[str, float]:

@@ -271,3 +271,26 @@ def test_the_last_wanted_time_is_the_state_after_an_event_there(integrator: obje
     watched = sb.Event("t - 2", action={"y_dot": 5})
     run = sb.simulate(at_rest(), 2.0, times=[0.0, 2.0], integrator=integrator, events=watched)
     assert run["y_dot"].tolist() == [0.0, 5.0]
+
+
+@pytest.mark.parametrize("integrator", [None, sb.Stiff()])
+@pytest.mark.parametrize(("formula", "value"), [("sqrt(y - 1)", "nan"), ("1/max(y - 1, 0)", "inf")])
+def test_an_action_without_a_value_is_named(integrator: object, formula: str, value: str) -> None:
+    hit = sb.Event("y", -1, {"y": "0", "y_dot": formula}, "hit")
+    run = sb.simulate(ball(), 2.0, initial={"y": 1.0}, events=hit, integrator=integrator)  # type: ignore[arg-type]
+    assert run.status is sb.Status.NOT_FINITE
+    note = run.notes[-1]
+    assert f"the action of event 'hit' sets y_dot to {value}: '{formula}'" in note
+    assert "give a formula" in note
+    assert run.t[-1] == run.events[-1].t == pytest.approx(np.sqrt(2.0 / G), rel=1e-5)
+    assert run["y_dot"][-1] == pytest.approx(-np.sqrt(2.0 * G), rel=1e-5)
+    stepper = sb.Stepper(ball(), 0.1, initial={"y": 1.0}, events=hit, integrator=integrator)  # type: ignore[arg-type]
+    with pytest.raises(sb.SimulationError, match="event 'hit' sets y_dot") as caught:
+        while stepper.t < 2.0:
+            stepper.step()
+    assert caught.value.problems[0].code == "stepper.broke_off"
+    assert stepper["y_dot"] == pytest.approx(-np.sqrt(2.0 * G), rel=1e-5)
+    if integrator is None:
+        cases = sb.sweep(ball(), 2.0, initial={"y": [1.0, 30.0]}, times=[0.0, 2.0], events=hit)
+        assert [status.name for status in cases.status] == ["NOT_FINITE", "SUCCESS"]
+        assert any("sets y_dot" in note for note in cases.trajectory(0).notes)

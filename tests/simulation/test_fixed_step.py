@@ -249,3 +249,21 @@ def test_implicit_steps_of_steppers_read_jumps_at_their_ends_from_before(step: f
     assert stepper["x_dot"] == pytest.approx(0.0, abs=1e-6)
     stepper.step()
     assert stepper["x_dot"] == pytest.approx(0.1, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "integrator",
+    [sb.FixedStep(0.1), sb.FixedStep(0.03, "semi-implicit"), sb.GeneralizedAlpha(step=0.1)],
+    ids=str,
+)
+@pytest.mark.parametrize("law", ["if(t < 0.5, 0, 2)", "if(t <= 0.5, 0, 2)", sb.Table([0.0, 0.5, 0.5, 1.0], [0.0, 0.0, 2.0, 2.0])], ids=["less", "equal", "table"])  # fmt: skip
+def test_a_jump_at_the_very_end_of_a_motion_is_read_from_before(integrator: object, law: object) -> None:
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
+    model = sb.Model("push", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), inputs=["F"])
+    eqs, given = sb.form_equations(model), {"inputs": {"F": law}, "integrator": integrator}
+    assert sb.simulate(eqs, 0.5, **given)["x_dot"][-1] == 0.0  # type: ignore[arg-type]
+    backwards = sb.simulate(eqs, (1.0, 0.5), **given)  # type: ignore[arg-type]
+    assert backwards["x_dot"][-1] == pytest.approx(-1.0, rel=1e-9)
+    if isinstance(integrator, sb.FixedStep):
+        cases = sb.sweep(eqs, 0.5, initial={"x": [0.0, 1.0]}, times=[0.5], **given)  # type: ignore[arg-type]
+        assert (cases["x_dot"] == 0.0).all()

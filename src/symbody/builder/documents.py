@@ -321,7 +321,7 @@ def _decode(content: bytes, where: str) -> str:
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         raise FormatError(
-            Problem("builder.not_text", f"{where}:{line}", "the file is no UTF-8 text",
+            Problem("builder.not_text", f"{where}:{line}", "the file is not UTF-8 text",
                     fix="save it as UTF-8 in a text editor")
         ) from None  # fmt: skip
 

@@ -1,6 +1,6 @@
 """Between the text of a model file and the data that the page edits, complete or not.
 
-A mechanism under construction is no model yet: it is opened, saved and recovered as it is.
+A mechanism under construction is not a model yet: it is opened, saved and recovered as it is.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Opened:
     data : dict
         JSON form of the file, with formulas and numbers as texts, and with ``layout`` where there is one.
     model : Model or None
-        None where the data are no model.
+        None where the data are not a model.
     problems : list of dict
         Why they are none, for the page.
     """
@@ -53,7 +53,7 @@ def data_from_text(text: str, name: str, folder: str = "") -> Opened:
     Raises
     ------
     FormatError
-        If it is no TOML: nothing of it can be edited.
+        If it is not TOML: nothing of it can be edited.
     """
     plain = _plain(text)
     content = parse_toml(plain, name)
@@ -137,7 +137,7 @@ def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
 
 
 def _incomplete_text(data: Mapping[str, Any], onto: str) -> str:
-    """Return the text of data that are no model, on an older text where that is possible."""
+    """Return the text of data that are not a model, on an older text where that is possible."""
     content = _nodes(_drop_nulls({key: value for key, value in data.items() if key != "layout"}))
     try:
         before = _nodes(_no_layout(data_from_text(onto, "").data)) if onto.strip() else {}

@@ -52,7 +52,7 @@ def page_problems(problems: Iterable[Problem], data: Mapping[str, Any]) -> list[
 def page_notes(
     notes: Iterable[str], data: Mapping[str, Any], code: str = "builder.note"
 ) -> list[PageProblem]:
-    """Return what is no fault, but worth knowing."""
+    """Return what is not a fault, but worth knowing."""
     return [page_problem(Problem(code, _label(note, data), note), data, "note") for note in notes]
 
 

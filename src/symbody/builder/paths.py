@@ -23,10 +23,10 @@ def contained_path(path: str, roots: Sequence[Path]) -> Path:
     Raises
     ------
     UsageError
-        If it is no path, or lies outside the roots.
+        If it is not a path, or lies outside the roots.
     """
     if not path or len(path) > _LONGEST or any(ord(letter) < 32 for letter in path):
-        raise refusal("builder.bad_path", path[:80], "this is no path", fix="name a file")
+        raise refusal("builder.bad_path", path[:80], "this is not a path", fix="name a file")
     given = Path(path).expanduser()
     if not given.is_absolute():
         raise refusal(
@@ -39,7 +39,7 @@ def contained_path(path: str, roots: Sequence[Path]) -> Path:
     try:
         real = Path(os.path.realpath(given))
     except (OSError, ValueError):
-        raise refusal("builder.bad_path", path, "this is no path", fix="name a file") from None
+        raise refusal("builder.bad_path", path, "this is not a path", fix="name a file") from None
     if not any(real.is_relative_to(root) for root in roots):
         raise _outside_roots(path, roots)
     return real

@@ -73,7 +73,7 @@ class UserState:
 
     @staticmethod
     def check_identifier(document: str) -> None:
-        """Refuse what is no identifier of a document, so that none becomes a path.
+        """Refuse what is not an identifier of a document, so that none becomes a path.
 
         Raises
         ------

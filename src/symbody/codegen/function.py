@@ -30,7 +30,7 @@ from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.signature import Signature as Signature
 from symbody.codegen.signature import source_text
 from symbody.errors import CompileError
-from symbody.expr.sequence import Output, Sequence
+from symbody.expr.sequences.sequence import Output, Sequence
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.signature import Signature
-from symbody.expr.sequence import Output, Sequence
+from symbody.expr.sequences.sequence import Output, Sequence
 
 Floats = NDArray[np.float64]
 

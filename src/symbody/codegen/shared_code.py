@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from symbody.codegen.native_call import GROUPS, NativeCall
 from symbody.codegen.portable_text import portable_sequence
 from symbody.expr.deadline import begin
-from symbody.expr.folding import fold_constants
 from symbody.expr.opcodes import DIV, POW, SYMBOL
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.folding import fold_constants
+from symbody.expr.sequences.sequence import Sequence
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]

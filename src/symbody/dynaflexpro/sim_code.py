@@ -14,9 +14,9 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.signature import source_text
 from symbody.dynaflexpro.exports import ModelEquations
 from symbody.errors import Problem, UsageError, nearest
-from symbody.expr.sympy_writer import SympyEquation
+from symbody.expr.sympy.sympy_writer import SympyEquation
 
-# DynaFlexPro's languages; what is no procedure of this process is source text.
+# DynaFlexPro's languages; what is not a procedure of this process is source text.
 _PROCEDURES: Final = ("PythonProc", "MapleProc")
 _TEXTS: Final = {"C": "c", "Python": "python"}
 _OPTIMIZE: Final = ("", "Optimize")

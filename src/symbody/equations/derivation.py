@@ -10,6 +10,7 @@ from symbody.equations.constraints.loop_closure import assembly_mode
 from symbody.equations.constraints.mechanism_constraints import form_constraints
 from symbody.equations.constraints.rolling import add_contact_frames
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
+from symbody.equations.elimination.coupled_coordinates import NONE_COUPLED, solve_couplings
 from symbody.equations.elimination.dependent_speeds import eliminate_speeds, elimination_notes, named_speeds
 from symbody.equations.elimination.elimination import SpeedElimination
 from symbody.equations.equations_of_motion import EquationsOfMotion
@@ -20,7 +21,12 @@ from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.frame_placement import rotation_steps, translation_steps
 from symbody.equations.kinematics.joint_roles import is_read, joint_roles, names_read
 from symbody.equations.kinematics.measured_coordinates import measure_coordinates
-from symbody.equations.kinematics.mechanism_names import mechanism_names, rates_by_name, second_rates
+from symbody.equations.kinematics.mechanism_names import (
+    mechanism_names,
+    rates_by_name,
+    rates_of_values,
+    second_rates,
+)
 from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import differentiate_constraints, differentiate_placements
@@ -55,6 +61,7 @@ def derive(
     formulation: Formulation | None = None,
     *,
     dependent: Sequence[str] = (),
+    substitutes: bool = False,
 ) -> EquationsOfMotion:
     """Return the equations of a mechanism in a graph.
 
@@ -64,6 +71,8 @@ def derive(
         By default the one that `default_formulation` returns.
     dependent : sequence of str
         Speeds to be eliminated by the constraints on velocities.
+    substitutes : bool
+        Whether coordinates that couplings give are substituted.
 
     Raises
     ------
@@ -74,20 +83,23 @@ def derive(
     is_chosen = formulation is not None
     formulation, notes = _possible_formulation(topology, formulation, eliminates=bool(dependent))
     roles = joint_roles(topology)
-    names, variables = _variables(topology, graph, roles)
+    names = mechanism_names(graph, topology, roles)
+    coupled = solve_couplings(topology.model, names, roles) if substitutes else NONE_COUPLED
+    roles = coupled.assign_roles(roles)
+    names, variables = _variables(topology, names.with_values(coupled.values), roles)
     begin("kinematics")
     names, kinematics = _kinematics(topology, names, roles, variables, formulation)
     begin("constraints")
-    constraints = form_constraints(topology, names, kinematics, roles)
+    constraints = form_constraints(topology, names, kinematics, roles, coupled)
     rows = constraints.rows
     if formulation.differentiates_placements:
         rows = differentiate_constraints(kinematics, rows)
-    notes = constraints.notes + notes
+    notes = constraints.notes + coupled.notes + notes
 
     def form_dynamics(names: Names) -> EquationsOfMotion:
         begin("loads", notes)
         system = _system(topology, names, roles, variables, kinematics, rows, formulation)
-        system = replace(system, redundant=tuple(constraints.redundant))
+        system = replace(system, redundant=tuple(constraints.redundant), coupled=constraints.coupled)
         begin("mass matrix and forcing")
         return _equations(system, formulation, notes)
 
@@ -97,7 +109,7 @@ def derive(
         return _finish(formed, notes, dependent)
     obstacle = formulation.balance_obstacle(on_positions=bool(balances.positions))
     if obstacle:
-        formed = derive(topology, graph, VirtualWork(), dependent=dependent)
+        formed = derive(topology, graph, VirtualWork(), dependent=dependent, substitutes=substitutes)
         place = f"virtual work takes the place of {obstacle}"
         return replace(formed, notes=(*formed.notes, place) if is_chosen else formed.notes)
     more = position_notes(balances)
@@ -163,12 +175,11 @@ def _possible_formulation(
     )
 
 
-def _variables(topology: Topology, graph: Graph, roles: Sequence[JointRole]) -> tuple[Names, Variables]:
+def _variables(topology: Topology, names: Names, roles: Sequence[JointRole]) -> tuple[Names, Variables]:
     """Return the names of a mechanism with the rates, and its coordinates and speeds."""
-    names = mechanism_names(graph, topology, roles)
     added = [name for condition in topology.model.constraints for name in condition.coordinates]
     variables = form_variables(names, roles, added)
-    return names.with_values(rates_by_name(graph, variables)), variables
+    return names.with_values(rates_by_name(names.graph, variables)), variables
 
 
 def _kinematics(
@@ -191,6 +202,8 @@ def _kinematics(
     if formulation.differentiates_placements:
         kinematics = differentiate_placements(kinematics)
     names = names.with_values(second_rates(kinematics, variables))
+    for role in roles:
+        names = names.with_values(rates_of_values(names, kinematics, role.substituted))
     read = names_read(topology.model)
     for role in roles:
         if is_read(role, read):
@@ -284,7 +297,8 @@ def _eliminate(
         formed.topology, names, formed.joint_roles, variables, kinematics, rows, formed.formulation
     )
     begin("mass matrix and forcing")
-    reduced = _equations(replace(system, redundant=formed.redundant), formed.formulation, notes, elimination)
+    system = replace(system, redundant=formed.redundant, coupled=formed.coupled)
+    reduced = _equations(system, formed.formulation, notes, elimination)
     return _with_contacts(reduced)
 
 

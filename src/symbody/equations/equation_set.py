@@ -24,8 +24,8 @@ from symbody.equations.solving.parameter_constraints import check_parameter_cons
 from symbody.errors import number_in_words
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
-from symbody.expr.sequence import Roots, Sequence
-from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
+from symbody.expr.sequences.sequence import Roots, Sequence
+from symbody.expr.sympy.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
 from symbody.single_flight import SingleFlight
 

@@ -9,9 +9,11 @@ from typing import Any
 
 from symbody.equations.dynamics.balance import Wrench
 from symbody.equations.dynamics.reactions import row_wrenches, sum_wrenches
+from symbody.equations.elimination.coupling_multipliers import coupling_multipliers
 from symbody.equations.elimination.elimination import SpeedElimination
 from symbody.equations.formulations.formulation import Dynamics, Formulation
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
+from symbody.equations.kinematics.lazy_mapping import LazyMapping
 from symbody.equations.kinematics.measured_coordinates import measure_coordinates
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.loads.friction import Resistance
@@ -72,6 +74,7 @@ class EquationsOfMotion(MultibodySystem):
     resistances: list[Resistance] = field(default_factory=list, repr=False)
     self_stress: SingleFlight[None, object] = field(default_factory=SingleFlight, repr=False)
     _released: SingleFlight[None, Mapping[str, Expr]] = field(default_factory=SingleFlight, repr=False)
+    _substituted: SingleFlight[None, Mapping[str, Expr]] = field(default_factory=SingleFlight, repr=False)
 
     @classmethod
     def of_system(
@@ -122,6 +125,15 @@ class EquationsOfMotion(MultibodySystem):
         return self._released.get(None, partial(self.elimination.multipliers, others))
 
     @property
+    def coupling_multipliers(self) -> Mapping[str, Expr]:
+        """The multipliers of couplings that are substituted, in u', the other multipliers and friction."""
+        if not self.coupled.rows:
+            return {}
+        return self._substituted.get(
+            None, lambda: coupling_multipliers(self, self.solved_wrenches, self.bearing_rows)
+        )
+
+    @property
     def rows_and_multipliers(self) -> list[tuple[ConstraintEquation, Expr]]:
         """All constraints, those eliminated too, each with its multiplier."""
         eliminated = () if self.elimination is None else self.elimination.rows
@@ -170,6 +182,7 @@ class EquationsOfMotion(MultibodySystem):
             _wrenches=SingleFlight(),
             _names=SingleFlight(),
             _released=SingleFlight(),
+            _substituted=SingleFlight(),
         )
 
     def with_independent(self, kept: Iterable[int]) -> EquationsOfMotion:
@@ -195,7 +208,17 @@ class EquationsOfMotion(MultibodySystem):
         names = self.names.with_values(values | dict(pivots))
         for role in self.joint_roles:
             names = names.with_values(measure_coordinates(names, self.kinematics, role))
-        return names
+        if not self.coupled.rows:
+            return names
+        # On request: they take the wrenches of all joints.
+        any_value = next(iter(self.coupled.values))
+        rules = {
+            row.name: (any_value, partial(self._coupling_multiplier, row.name)) for row in self.coupled.rows
+        }
+        return Names(names.graph, names.symbols, LazyMapping(names.values, rules))
+
+    def _coupling_multiplier(self, name: str, _: Expr) -> Expr:
+        return self.coupling_multipliers[name]
 
     def frame(self, name: str) -> str:
         """Return the frame of kinematics that an address means.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 from symbody.arguments import checked_arguments
 from symbody.equations.cache_key import DeferredEquations, identity, load_notes
@@ -34,6 +34,7 @@ def form_equations(
     *,
     tree: TreeChoice = None,
     dependent_speeds: Sequence[str] | Literal["auto"] | None = None,
+    substitute: bool = False,
     time_limit: float | None = None,
 ) -> EquationSet:
     """Return the equations of motion of a model; all parameters stay symbols.
@@ -55,6 +56,11 @@ def form_equations(
         The equations are then in the other speeds alone; the multipliers of these constraints, reactions and
         dependent speeds stay outputs. "auto" takes those farthest from where they do not follow from the
         others, by the model's values of the parameters. By default no speed is eliminated.
+    substitute : bool, optional
+        Whether couplings that give a coordinate outright are put into the equations: gears, racks, belts,
+        differentials and written equations of first degree with constant factors. Each leaves one coordinate
+        and one constraint fewer; the coordinate and the multiplier stay outputs, the coordinate may have an
+        initial value. Which ones, and which stay constraints and why, stands in `notes`.
     time_limit : float, optional
         Seconds after which forming ends with an error that names the stage; by default it takes its time.
         `compile` has a limit of its own.
@@ -76,17 +82,40 @@ def form_equations(
     if not isinstance(model, Model):
         raise UsageError(_no_model(model))
     check_limit(time_limit)
-    choices = (model, formulation, tree, dependent_speeds)
+    choices = _Choices(model, formulation, tree, dependent_speeds, substitute)
+    return _equation_set(choices, time_limit)
+
+
+class _Choices(NamedTuple):
+    """What equations follow from."""
+
+    model: Model
+    formulation: Formulation | None
+    tree: TreeChoice
+    dependent_speeds: Sequence[str] | Literal["auto"] | None
+    substitute: bool
+
+
+def _equation_set(choices: _Choices, time_limit: float | None) -> EquationSet:
+    """Return the equations; those that an earlier process formed without an error are formed on first use."""
+    model, formulation, tree, dependent_speeds, substitute = choices
     equations = identity(*choices)
     notes = load_notes(equations)
-    form = partial(in_time, time_limit, "forming the equations", _LESS, partial(_form, *choices))
+    form = partial(in_time, time_limit, "forming the equations", _LESS, partial(_form, choices))
     given: EquationsOfMotion | DeferredEquations
     if notes is None:
         given = form()
         notes = given.notes
     else:  # nothing was wrong with them, so they can wait
         given = DeferredEquations(form)
-    again = partial(form_equations, model, formulation, tree=tree, dependent_speeds=dependent_speeds)
+    again = partial(
+        form_equations,
+        model,
+        formulation,
+        tree=tree,
+        dependent_speeds=dependent_speeds,
+        substitute=substitute,
+    )
     return EquationSet(model, given, notes, identity=equations, _again=again)
 
 
@@ -112,13 +141,9 @@ def _no_model(given: object) -> Problem:
     return Problem("equations.not_a_model", "model", f"{given!r} is not a model", fix=cure)
 
 
-def _form(
-    model: Model,
-    formulation: Formulation | None,
-    tree: TreeChoice,
-    dependent_speeds: Sequence[str] | Literal["auto"] | None,
-) -> EquationsOfMotion:
+def _form(choices: _Choices) -> EquationsOfMotion:
     """Return the equations with all notes: trees first, then dependent speeds, then the derivation."""
+    model, formulation, tree, dependent_speeds, substitute = choices
     begin("trees")
     topology = choose_topology(model, tree)
     notes = model.notes + topology.notes
@@ -127,10 +152,10 @@ def _form(
     dependent = _names(dependent_speeds)
     if dependent_speeds == "auto":
         begin("equations to choose dependent speeds by", notes)
-        dependent = choose_dependent_speeds(derive(topology, Graph(), formulation))
+        dependent = choose_dependent_speeds(derive(topology, Graph(), formulation, substitutes=substitute))
         notes = (*notes, _choice_note(dependent))
     begin("coordinates", notes)
-    formed = derive(topology, Graph(), formulation, dependent=dependent)
+    formed = derive(topology, Graph(), formulation, dependent=dependent, substitutes=substitute)
     return replace(formed, notes=notes + formed.notes)
 
 

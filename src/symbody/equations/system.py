@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from symbody.equations.dynamics.inertia import Inertia, Rotor
+from symbody.equations.elimination.coupled_coordinates import NONE_COUPLED, CoupledCoordinates
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
@@ -33,6 +34,8 @@ class MultibodySystem:
         Rows that follow from `rows` and are not among them; they bear loads too, see `solving.self_stress`.
     friction : tuple of FrictionLaw
         Dry friction in joints; its efforts are unknowns of the forcing.
+    coupled : CoupledCoordinates
+        Coordinates that are substituted, and the couplings that give them.
     """
 
     names: Names
@@ -46,6 +49,7 @@ class MultibodySystem:
     rows: tuple[ConstraintEquation, ...]
     redundant: tuple[ConstraintEquation, ...] = ()
     friction: tuple[FrictionLaw, ...] = ()
+    coupled: CoupledCoordinates = NONE_COUPLED
 
     @property
     def graph(self) -> Graph:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,9 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.parser import parse_angle
-from symbody.model.arguments import plain_value
+from symbody.expr.sequences.sequence import Sequence
+from symbody.fmu.functions import dependencies
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import resolve_parameters
 
 Floats = NDArray[np.float64]
@@ -45,6 +47,12 @@ class FmuParameters:
     calculated: tuple[str, ...]
     fixed_formulas: Mapping[str, Value]
 
+    def with_fixed(self, sequence: Sequence) -> FmuParameters:
+        """Return the same with all that a sequence reads fixed."""
+        read = frozenset().union(*dependencies(sequence))
+        more = {name for place, name in enumerate(self.arguments) if ("p", place) in read}
+        return replace(self, fixed=self.fixed | more)
+
 
 def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable[str]) -> FmuParameters:
     """Return the parameters of an FMU.
@@ -52,7 +60,7 @@ def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable
     Raises
     ------
     UsageError
-        If a name in `fixed` is no parameter that can be set.
+        If a name in `fixed` is not a parameter that can be set.
     ModelError
         If a parameter has no value.
     """
@@ -66,7 +74,7 @@ def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable
     )  # fmt: skip
     arguments = tuple(name for name in eqs.parameter_names if name not in calculated)
     problems = [
-        Problem("fmu.fixed", "fixed", f"{name!r} is no parameter that an importer sets",
+        Problem("fmu.fixed", "fixed", f"{name!r} is not a parameter that an importer sets",
                 "it follows from others" if name in calculated else "", nearest(name, arguments))
         for name in fixed if name not in arguments
     ]  # fmt: skip

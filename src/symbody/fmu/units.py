@@ -14,7 +14,7 @@ DISPLAYED: Final[Mapping[str, str]] = {"rad": "deg", "rad/s": "deg/s"}
 
 
 def unit_exponents(unit: str) -> Mapping[str, int] | None:
-    """Return the exponents of kg, m, s, rad in a unit; None where it is no product of whole powers.
+    """Return the exponents of kg, m, s, rad in a unit; None where it is not a product of whole powers.
 
     >>> dict(unit_exponents("N m"))
     {'kg': 1, 'm': 2, 's': -2}

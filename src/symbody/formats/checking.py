@@ -14,7 +14,7 @@ from symbody.errors import FormatError, Problem, nearest
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, words
 from symbody.formats.schema import ModelFile
-from symbody.formats.schema_fit import VERSION
+from symbody.formats.version import VERSION
 from symbody.model.model import KINDS
 
 Schema: TypeAlias = dict[str, Any]

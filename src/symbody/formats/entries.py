@@ -9,12 +9,12 @@ from typing import Any, Final, TypeVar
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, Frames
-from symbody.model.declaration import Declared, Field
+from symbody.model.declarations.declaration import Declared, Field
+from symbody.model.declarations.joint_fields import CoordinateDrive, CoordinateDrives, DryFriction
 from symbody.model.element import Element, FrameRef
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
-from symbody.model.joint_fields import CoordinateDrive, CoordinateDrives, DryFriction
 from symbody.model.loads.curve import Curve
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction

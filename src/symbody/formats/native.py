@@ -23,13 +23,14 @@ from symbody.formats.includes import include_entry, read_includes
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
-from symbody.formats.schema_fit import NEWER_SECTIONS, VERSION, check_structure
+from symbody.formats.schema_fit import check_structure
 from symbody.formats.toml_syntax import parse_toml
+from symbody.formats.version import NEWER_SECTIONS, VERSION
 from symbody.formats.writing import write_text
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import KINDS, Model
-from symbody.model.parts.expansion import own_content, whole_content
+from symbody.model.parts.own_content import own_content, whole_content
 
 
 @checked_arguments
@@ -39,13 +40,13 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     Raises
     ------
     FormatError
-        If the file cannot be read, is no TOML, or has keys and types that do not fit.
+        If the file cannot be read, is not TOML, or has keys and types that do not fit.
     ModelError
         If the mechanism it describes contradicts itself. Both tell all problems, with their lines.
     """
     where = os.fsdecode(path)
     if where.endswith(".urdf"):
-        raise FormatError(Problem("file.urdf", where, "it is no TOML", fix=f"write load_urdf({where!r})"))
+        raise FormatError(Problem("file.urdf", where, "it is not TOML", fix=f"write load_urdf({where!r})"))
     return model_from_toml(read_text(path), where=where)
 
 
@@ -151,7 +152,7 @@ def read_layout(text: str, where: str = "model file") -> dict[str, Any]:
     Raises
     ------
     FormatError
-        If the text is no TOML.
+        If the text is not TOML.
     """
     layout = parse_toml(text.replace("\r\n", "\n"), where).get("layout", {})
     return layout if isinstance(layout, dict) else {}

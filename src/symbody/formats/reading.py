@@ -65,7 +65,7 @@ def _content(path: str | os.PathLike[str], where: str) -> bytes:
             "file.too_large",
             where,
             f"the file is larger than {MAX_BYTES // 1_000_000} MB",
-            "this is no model file, or it was made by a program",
+            "this is not a model file, or it was made by a program",
             "split the mechanism, or check the name of the file",
         )
     )
@@ -133,7 +133,7 @@ def _unreadable(where: str, error: OSError | ValueError) -> Problem:
     if isinstance(error, OSError):
         reason = error.strerror or type(error).__name__
         return Problem("file.unreadable", where, f"the file cannot be read: {reason}", "", "check the path")
-    return Problem("file.bad_path", repr(where), f"this is no path: {error}", "", "check the path")
+    return Problem("file.bad_path", repr(where), f"this is not a path: {error}", "", "check the path")
 
 
 def _not_regular(where: str, mode: int) -> Problem:

@@ -14,8 +14,8 @@ from pydantic.functional_validators import PlainValidator
 from pydantic_core import PydanticCustomError
 
 from symbody.formats.schema_entries import TYPES, entry_list_type
-from symbody.formats.schema_fit import VERSION
 from symbody.formats.schema_types import Angle, Expression, FileEntry, Triple
+from symbody.formats.version import VERSION
 from symbody.model.body import Frames
 from symbody.model.model import KINDS
 from symbody.model.shapes.shape import Shapes

@@ -19,7 +19,7 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     Raises
     ------
     FormatError
-        If it is no TOML, with line and column; or if it is beyond what can be read.
+        If it is not TOML, with line and column; or if it is beyond what can be read.
     """
     try:
         return tomllib.loads(text, parse_float=Decimal)
@@ -34,14 +34,14 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
             "file.too_complex",
             where,
             what,
-            "it was made by a program, or is no model",
+            "it was made by a program, or is not a model",
             "write it more simply",
         )
     )
 
 
 def _syntax_problem(text: str, where: str, message: str) -> Problem:
-    """Return the problem of a text that is no TOML, with the line in question."""
+    """Return the problem of a text that is not TOML, with the line in question."""
     found = _PLACE.search(message)
     what = message[: found.start()] if found else message
     if found is None or found.group(1) is None:

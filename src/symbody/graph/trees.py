@@ -65,7 +65,7 @@ def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> di
         return {kind: Preference((), names) for kind in KINDS}
     if choice is not None:
         raise TopologyError(
-            Problem("topology.unknown_choice", "tree", f"{choice!r} is no choice of trees", "",
+            Problem("topology.unknown_choice", "tree", f"{choice!r} is not a choice of trees", "",
                     'write "joints", "absolute", Trees(rotation=[...], translation=[...]), or leave it out')
         )  # fmt: skip
     flags = {kind: {joint.name: getattr(joint.tree, kind) for joint in joints} for kind in KINDS}

@@ -27,6 +27,8 @@ EVENT_FAULT: Final = 11
 # What motions with held values return besides.
 NO_SAMPLE_ROOM: Final = 12
 SAMPLE_FAULT: Final = 13
+# What motions that are searched for events return where an action sets what is not finite.
+SPOILED: Final = 14
 
 # Counters, first in the block.
 ACCEPTED: Final = 0

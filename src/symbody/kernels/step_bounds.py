@@ -91,7 +91,7 @@ def end_motion(B: Reals, t: float, bound: int) -> None:
     """Let the next trial lead to the end of the motion, or to just before a jump there."""
     ahead = B[T_END] - t
     place = bound
-    if B[METHOD + GROWTH] == 1.0:  # the last step of one length may be shorter, or longer by the stretch
+    if bound < 0 or B[METHOD + GROWTH] == 1.0:  # the last step may be shorter, or longer by the stretch
         place = find_jump_at_end(B, t, abs(ahead))
     B[LENGTH] = ahead
     B[T_NEW] = B[T_END]

@@ -52,10 +52,10 @@ from symbody.kernels.block import (
     VECTORS,
     N,
 )
+from symbody.kernels.configurations.projection import project, project_new_state
 from symbody.kernels.dense_output import form_dense_output, interpolate
 from symbody.kernels.language import INFINITY, Function, Reals, is_finite, part, sqrt
 from symbody.kernels.power import power
-from symbody.kernels.projection import project, project_new_state
 from symbody.kernels.runge_kutta import (
     accept,
     all_finite,
@@ -212,6 +212,19 @@ def keep_step(
     return error
 
 
+def reached_limit(B: Reals) -> int:
+    """Return why no further step may be tried, or `RUNNING`."""
+    if B[TIME] == B[T_END]:
+        return FINISHED
+    if B[EVERY_STEP] != 0.0 and B[SAMPLES] == B[SAMPLE_ROOM]:
+        return FULL
+    if B[KEEP_DENSE] != 0.0 and B[STEPS] == B[STEP_ROOM]:
+        return FULL
+    if B[ACCEPTED] + B[REJECTED] >= B[MAX_TRIALS]:
+        return TOO_MANY
+    return RUNNING
+
+
 def advance(
     f: Function, g: Function, B: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals,
     trials: int,
@@ -221,15 +234,9 @@ def advance(
     `FULL` wants more room for the record, `RUNNING` another call.
     """
     for _trial in range(trials):
-        if B[TIME] == B[T_END]:
-            return FINISHED
-        if B[EVERY_STEP] != 0.0 and B[SAMPLES] == B[SAMPLE_ROOM]:
-            return FULL
-        if B[KEEP_DENSE] != 0.0 and B[STEPS] == B[STEP_ROOM]:
-            return FULL
-        if B[ACCEPTED] + B[REJECTED] >= B[MAX_TRIALS]:
-            return TOO_MANY
-        code = try_step(f, g, B, times, t, x, breaks, pieces)
+        code = reached_limit(B)
+        if code == RUNNING:
+            code = try_step(f, g, B, times, t, x, breaks, pieces)
         if code != RUNNING:
             return code
     return RUNNING

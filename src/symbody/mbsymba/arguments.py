@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import NoReturn
 
 from symbody.errors import FrameError, Problem, UsageError
-from symbody.expr.sympy_writer import is_matrix
+from symbody.expr.sympy.sympy_writer import is_matrix
 from symbody.mbsymba.objects import (
     BODY,
     CONSTRAINT,
@@ -113,7 +113,7 @@ def read_objects(given: object, where: str) -> list[OBJECT]:
         raise UsageError(
             *(
                 Problem("mbsymba.not_an_object", where,
-                        f"{_kind(item)} is no body, force, torque or constraint",
+                        f"{_kind(item)} is not a body, force, torque or constraint",
                         "only these enter the equations of motion",
                         "put equations into make_CONSTRAINT(Phi, lambdas), vectors into make_FORCE")
                 for item in wrong

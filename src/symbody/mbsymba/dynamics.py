@@ -20,11 +20,11 @@ from symbody.equations.by_hand.mechanism import (
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.lagrange import Lagrange
-from symbody.expr.sympy_writer import SympyExpr
+from symbody.expr.sympy.sympy_writer import SympyExpr
 from symbody.mbsymba.arguments import as_point, read_bodies, read_objects
 from symbody.mbsymba.objects import BODY, FRAME, OBJECT, POINT, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, function_names, to_sympy_expressions
-from symbody.model.arguments import Value
+from symbody.model.declarations.arguments import Value
 
 Objects = OBJECT | Iterable[OBJECT]
 
@@ -115,7 +115,7 @@ def lagrange_equations(
     Raises
     ------
     ModelError
-        If a coordinate does not occur, something moves that is no coordinate, or the objects do not fit.
+        If a coordinate does not occur, something moves that is not a coordinate, or the objects do not fit.
     """
     mechanism = _mechanism(objects, "lagrange_equations")
     names = function_names(variables, "lagrange_equations")
@@ -154,7 +154,7 @@ def equation_set(
     Raises
     ------
     ModelError, FormulationError
-        If coordinates, reactions or parameters do not occur, something moves that is no coordinate, or the
+        If coordinates, reactions or parameters do not occur, something moves that is not a coordinate, or the
         objects do not fit.
     """
     mechanism = _mechanism(objects, "equation_set")

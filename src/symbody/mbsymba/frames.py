@@ -6,8 +6,8 @@ from typing import Final
 
 from symbody.errors import FrameError, Problem
 from symbody.expr.expression import sqrt
-from symbody.expr.fingerprint import find_zeros
-from symbody.expr.sympy_writer import SympyExpr, SympyMatrix
+from symbody.expr.fingerprints.fingerprint import find_zeros
+from symbody.expr.sympy.sympy_writer import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame
 from symbody.mbsymba.objects import FRAME, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, to_expressions, triple
@@ -54,7 +54,7 @@ def _axis(axis: str | VECTOR) -> Triple:
         return triple(*_AXES[axis.upper()])
     if not isinstance(axis, VECTOR):
         raise FrameError(
-            Problem("mbsymba.axis", "rotate", f"{axis!r} is no axis", "",
+            Problem("mbsymba.axis", "rotate", f"{axis!r} is not an axis", "",
                     "write 'X', 'Y', 'Z' or give a VECTOR")
         )  # fmt: skip
     direction = Vector3(axis.placed.components)

@@ -15,7 +15,7 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import SYMBOL
-from symbody.expr.sympy_writer import (
+from symbody.expr.sympy.sympy_writer import (
     SympyEquation,
     SympyExpr,
     SympyMatrix,
@@ -142,7 +142,7 @@ def _symbol_nodes(graph: Graph, variables: Iterable[SympyExpr], where: str) -> l
     wrong = [str(item) for item, node in zip(items, nodes, strict=True) if graph.ops[node] != SYMBOL]
     if wrong:
         raise UsageError(
-            Problem("mbsymba.not_a_variable", where, f"{', '.join(wrong)} is no variable",
+            Problem("mbsymba.not_a_variable", where, f"{', '.join(wrong)} is not a variable",
                     "it is neither a symbol, nor a function of time, nor a derivative of one",
                     "give one of these")
         )  # fmt: skip

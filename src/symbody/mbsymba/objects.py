@@ -9,8 +9,8 @@ from typing import ClassVar, TypeAlias
 from symbody.equations.by_hand.mechanism import PlacedBody, PlacedConstraint, PlacedForce, PlacedTorque
 from symbody.errors import FrameError, Problem
 from symbody.expr.expression import Expr, common_graph
-from symbody.expr.fingerprint import fingerprints
-from symbody.expr.sympy_writer import SympyExpr, SympyMatrix, is_matrix
+from symbody.expr.fingerprints.fingerprint import fingerprints
+from symbody.expr.sympy.sympy_writer import SympyExpr, SympyMatrix, is_matrix
 from symbody.mbsymba.workplace import WORKPLACE, to_expressions, to_sympy_expressions
 from symbody.spatial.placed import PlacedFrame, PlacedPoint, PlacedVector, Shift, homogeneous
 from symbody.spatial.rotation import DirectionCosines
@@ -285,7 +285,7 @@ def frame_of_matrix(matrix: SympyMatrix) -> PlacedFrame:
     Raises
     ------
     FrameError
-        If it is no matrix of a frame.
+        If it is not a matrix of a frame.
     """
     if matrix.shape != (4, 4) or list(matrix.row(3)) != [0, 0, 0, 1]:
         raise FrameError(

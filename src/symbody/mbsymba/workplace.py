@@ -9,12 +9,12 @@ from typing import Final
 from weakref import ReferenceType, ref
 
 from symbody.errors import Problem, UsageError
-from symbody.expr.closed_form import readable
 from symbody.expr.expression import Expr, common_graph
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import SYMBOL
-from symbody.expr.sympy_reader import nodes_from_sympy
-from symbody.expr.sympy_writer import SympyExpr, to_sympy
+from symbody.expr.sympy.closed_form import readable
+from symbody.expr.sympy.sympy_reader import nodes_from_sympy
+from symbody.expr.sympy.sympy_writer import SympyExpr, to_sympy
 from symbody.spatial.matrix import Triple
 from symbody.spatial.placed import PlacedVector
 
@@ -66,14 +66,14 @@ def function_names(given: object, where: str) -> list[str]:
     Raises
     ------
     UsageError
-        If something is no function of time.
+        If something is not a function of time.
     """
     items = list(given) if isinstance(given, Iterable) else [given]
     symbols = [_coordinate_symbol(value) for value in to_expressions(items)]
     wrong = [str(item) for item, symbol in zip(items, symbols, strict=True) if symbol is None]
     if wrong:
         raise UsageError(
-            Problem("mbsymba.not_a_function", where, f"{', '.join(wrong)} is no function of time",
+            Problem("mbsymba.not_a_function", where, f"{', '.join(wrong)} is not a function of time",
                     "coordinates and multipliers change with time",
                     "make it by dynamicsymbols('x'), and give the function itself, not a rate of it")
         )  # fmt: skip

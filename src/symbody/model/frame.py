@@ -8,10 +8,10 @@ from fractions import Fraction
 from typing import ClassVar, Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import ZERO, Arguments, Value
-from symbody.model.declaration import ElementPart, Field
-from symbody.model.fields import AxisLike, VectorQuantity, part
-from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.declarations.arguments import ZERO, Arguments, Value
+from symbody.model.declarations.declaration import ElementPart, Field
+from symbody.model.declarations.fields import AxisLike, VectorQuantity, part
+from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.numbers import formula_value
 from symbody.model.simple_rotation import LETTERS, Axis, SimpleRotation, read_axis, unit_axis
 
@@ -134,7 +134,7 @@ def _euler_turns(matrix: tuple[Triple, Triple, Triple]) -> tuple[SimpleRotation,
     """Return body-fixed turns about z, y, x that lead to the axes whose rotation matrix is given.
 
     Numbers give the angles as numbers, multiples of pi/12 exactly; formulas give them by atan2, which
-    presumes that the y turn is no right angle.
+    presumes that the y turn is not a right angle.
     """
     values = [[formula_value(entry) for entry in row] for row in matrix]
     numbers = [[float(value) for value in row if value is not None] for row in values]

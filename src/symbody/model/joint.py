@@ -9,10 +9,10 @@ from typing import Any, ClassVar, Final, Literal
 
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import ZERO, Arguments
-from symbody.model.element_fields import Connection, element
-from symbody.model.fields import Quantity
-from symbody.model.formula_site import Triple
+from symbody.model.declarations.arguments import ZERO, Arguments
+from symbody.model.declarations.element_fields import Connection, element
+from symbody.model.declarations.fields import Quantity
+from symbody.model.declarations.formula_site import Triple
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
@@ -221,7 +221,7 @@ class Joint(Connection):
 
     @property
     def quasi_speed_names(self) -> tuple[str, ...]:
-        """Names of the speeds that are no rates of coordinates, translation first."""
+        """Names of the speeds that are not rates of coordinates, translation first."""
         both = (self.translation_speeds, self.rotation_speeds)
         return tuple(name for speeds in both if speeds is not None for name in speeds.names)
 
@@ -341,7 +341,7 @@ def _refuse_key(joint: Joint, arguments: Arguments, word: str, key: str, fitting
 
 
 def _check_motions(joint: Joint, arguments: Arguments) -> None:
-    """Note prescribed coordinates whose rates are no speeds, so that they cannot leave the unknowns."""
+    """Note prescribed coordinates whose rates are not speeds, so that they cannot leave the unknowns."""
     for names, speeds in (
         (joint.rotation_coordinates, joint.rotation_speeds),
         (joint.translation_coordinates, joint.translation_speeds),

@@ -9,7 +9,7 @@ from typing import Final
 from symbody.errors import ExpressionError, ModelError, Problem, nearest
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments, Value
+from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.numbers import formula_value
 
 Parameters = Mapping[str, Formula | None]
@@ -97,7 +97,7 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
                 arguments.add(
                     "names.unknown",
                     name,
-                    f"{formula} contains {word!r}, which is no parameter",
+                    f"{formula} contains {word!r}, which is not a parameter",
                     "",
                     nearest(word, changed),
                 )

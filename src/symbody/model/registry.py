@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from symbody.model import constraints, joints, loads, shapes, signals, tables
 from symbody.model.body import Body
-from symbody.model.declaration import REQUIRED, Field
+from symbody.model.declarations.declaration import REQUIRED, Field
 from symbody.model.element import Element
 from symbody.model.model import KINDS
 from symbody.model.shapes.shape import BodyShape

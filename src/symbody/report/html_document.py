@@ -14,23 +14,8 @@ from symbody.expr.printing.mathml import mathml_name, to_mathml_with_definitions
 from symbody.expr.printing.mathml_tables import mathml_equations, mathml_matrix
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import tree_sizes
-from symbody.report.document import (
-    LONG,
-    Block,
-    Cell,
-    EquationBlock,
-    Figure,
-    Matrix,
-    MatrixRow,
-    Name,
-    NameList,
-    Notes,
-    Paragraph,
-    ReportContent,
-    ReportSection,
-    TextTable,
-    Unit,
-)
+from symbody.report import document as parts
+from symbody.report.template import fill_template
 
 _NAMESPACE: Final = "http://www.w3.org/1998/Math/MathML"
 # Only what stands in the file itself is shown.
@@ -60,48 +45,69 @@ figcaption { font-size: 0.9em; } summary { cursor: pointer; color: var(--link); 
   figure, table.grid { break-inside: avoid; }
 }
 """
+_PAGE: Final = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{{ policy }}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{{ title }}</title>
+<style>{{ style }}</style>
+</head>
+<body>
+<main>
+<h1>{{ title }}</h1>
+{{ contents }}{{ body }}</main>
+</body>
+</html>
+"""
 
 
-def html_document(document: ReportContent) -> str:
+def html_document(document: parts.ReportContent) -> str:
     """Return a page."""
-    title = escape(document.title)
+    return fill_template(_PAGE, html_pieces(document), "page")
+
+
+def html_pieces(document: parts.ReportContent) -> dict[str, str]:
+    """Return what templates of pages may contain: title, style, policy, contents, body, and each section."""
+    sections = {part.key: _section(part) for part in document.sections}
     entries = "".join(
         f'<li><a href="#{part.key}">{escape(part.title)}</a></li>' for part in document.sections
     )
-    body = "".join(map(_section, document.sections))
-    return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{title}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n"
-        f'<nav aria-label="Contents"><ol>{entries}</ol></nav>\n{body}</main>\n</body>\n</html>\n'
-    )
+    return {
+        "title": escape(document.title),
+        "style": _STYLE,
+        "policy": _POLICY,
+        "contents": f'<nav aria-label="Contents"><ol>{entries}</ol></nav>\n',
+        "body": "".join(sections.values()),
+        **sections,
+    }
 
 
-def _section(section: ReportSection) -> str:
+def _section(section: parts.ReportSection) -> str:
     blocks = "".join(map(_block, section.blocks))
     return f'<section id="{section.key}">\n<h2>{escape(section.title)}</h2>\n{blocks}</section>\n'
 
 
-def _block(block: Block) -> str:
-    if isinstance(block, Paragraph):
+def _block(block: parts.Block) -> str:
+    if isinstance(block, parts.Paragraph):
         return f"<p>{escape(block.text)}</p>\n"
-    if isinstance(block, Notes):
+    if isinstance(block, parts.Notes):
         items = "".join(f"<li>{escape(text)}</li>" for text in block.texts)
         return f"<ul>{items}</ul>\n" if items else ""
-    if isinstance(block, TextTable):
+    if isinstance(block, parts.TextTable):
         return _grid(block)
-    if isinstance(block, Figure):
+    if isinstance(block, parts.Figure):
         content = b64encode(block.draw("svg")).decode()
         words = escape(block.caption)
         picture = f'<img src="data:image/svg+xml;base64,{content}" alt="{words}">'
         return f"<figure>{picture}<figcaption>{words}</figcaption></figure>\n"
-    if isinstance(block, MatrixRow):
+    if isinstance(block, parts.MatrixRow):
         return f'<div class="row">{"".join(map(_matrix, block.matrices))}</div>\n'
-    return _matrix(block) if isinstance(block, Matrix) else _equations(block)
+    return _matrix(block) if isinstance(block, parts.Matrix) else _equations(block)
 
 
-def _grid(block: TextTable) -> str:
+def _grid(block: parts.TextTable) -> str:
     if not block.rows:
         return ""
     top = "".join(f'<th scope="col">{escape(word)}</th>' for word in block.heading)
@@ -115,12 +121,12 @@ def _scroll(content: str) -> str:
     return f'<div class="wide" tabindex="0">{content}</div>\n'
 
 
-def _cell(cell: Cell) -> str:
-    if isinstance(cell, Name):
+def _cell(cell: parts.Cell) -> str:
+    if isinstance(cell, parts.Name):
         return symbol(cell.text)
-    if isinstance(cell, NameList):
+    if isinstance(cell, parts.NameList):
         return ", ".join(map(symbol, cell.texts))
-    if isinstance(cell, Unit):
+    if isinstance(cell, parts.Unit):
         return escape(show_unit(cell.text))
     if isinstance(cell, Formula):
         shown = show_formula(cell)
@@ -128,16 +134,16 @@ def _cell(cell: Cell) -> str:
     return escape(cell) if isinstance(cell, str) else number(cell)
 
 
-def _equations(block: EquationBlock) -> str:
+def _equations(block: parts.EquationBlock) -> str:
     nodes = [node for pair in block.sides for node in pair]
-    texts, named = to_mathml_with_definitions(block.graph, nodes, LONG)
+    texts, named = to_mathml_with_definitions(block.graph, nodes, parts.LONG)
     pairs = list(zip(texts[::2], texts[1::2], strict=True))
     shown = _formula(mathml_equations(pairs), _annotation(block.graph, nodes))
     return _with_definitions(shown, named)
 
 
-def _matrix(block: Matrix) -> str:
-    texts, named = to_mathml_with_definitions(block.graph, list(block.nodes), LONG)
+def _matrix(block: parts.Matrix) -> str:
+    texts, named = to_mathml_with_definitions(block.graph, list(block.nodes), parts.LONG)
     columns = block.shape[1]
     rows = [texts[start : start + columns] for start in range(0, len(texts), columns)]
     content = f"{mathml_name(block.symbol)}<mo>=</mo>{mathml_matrix(rows)}"
@@ -146,7 +152,7 @@ def _matrix(block: Matrix) -> str:
 
 def _annotation(graph: Graph, nodes: list[int] | tuple[int, ...]) -> str:
     """Return the formulas as text that symbody reads back, one a line; nothing for long ones."""
-    if max(tree_sizes(graph, nodes), default=0) > LONG:
+    if max(tree_sizes(graph, nodes), default=0) > parts.LONG:
         return ""
     return "\n".join(to_text(graph, node) for node in nodes)
 

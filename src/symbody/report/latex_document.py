@@ -9,33 +9,24 @@ from typing import Final
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.latex import latex_name, to_latex_with_definitions
 from symbody.expr.printing.latex_rows import latex_equations_page
-from symbody.report.document import (
-    LONG,
-    Block,
-    Cell,
-    EquationBlock,
-    Figure,
-    Matrix,
-    MatrixRow,
-    Name,
-    NameList,
-    Notes,
-    Paragraph,
-    ReportContent,
-    ReportSection,
-    TextTable,
-    Unit,
-)
+from symbody.report import document as parts
+from symbody.report.template import fill_template
 
-_HEAD: Final = r"""\documentclass[11pt,a4paper]{article}
-\usepackage[T1]{fontenc}
+_PACKAGES: Final = r"""\usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
 \usepackage{amsmath,amssymb,graphicx,longtable}
-\usepackage[margin=2.2cm]{geometry}
-\setlength{\parindent}{0pt}
-\setlength{\parskip}{0.6em}
 \allowdisplaybreaks
 \setcounter{MaxMatrixCols}{60}
+"""
+_PAGE: Final = r"""\documentclass[11pt,a4paper]{article}
+{{ packages }}\usepackage[margin=2.2cm]{geometry}
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{0.6em}
+\title{{{ title }}}
+\date{}
+\begin{document}
+\maketitle
+{{ body }}\end{document}
 """
 _ESCAPES: Final = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u2192": r"$\to$",
@@ -44,13 +35,20 @@ _ESCAPES: Final = {
 }  # fmt: skip
 
 
-def latex_document(document: ReportContent, folder: str) -> str:
+def latex_document(document: parts.ReportContent, folder: str) -> str:
     """Return LaTeX that reads its pictures from a folder."""
-    title = latex_words(document.title)
-    body = "".join(_section(part, folder) for part in document.sections)
-    return (
-        f"{_HEAD}\\title{{{title}}}\n\\date{{}}\n\\begin{{document}}\n\\maketitle\n{body}\\end{{document}}\n"
-    )
+    return fill_template(_PAGE, latex_pieces(document, folder), "page")
+
+
+def latex_pieces(document: parts.ReportContent, folder: str) -> dict[str, str]:
+    """Return what templates may contain: title, packages, body, and each section."""
+    sections = {part.key: _section(part, folder) for part in document.sections}
+    return {
+        "title": latex_words(document.title),
+        "packages": _PACKAGES,
+        "body": "".join(sections.values()),
+        **sections,
+    }
 
 
 def latex_words(text: str) -> str:
@@ -58,29 +56,29 @@ def latex_words(text: str) -> str:
     return "".join(_ESCAPES.get(c, c if ord(c) < 0x180 else "?") for c in text)
 
 
-def _section(section: ReportSection, folder: str) -> str:
+def _section(section: parts.ReportSection, folder: str) -> str:
     blocks = "".join(_block(block, folder) for block in section.blocks)
     return f"\\section{{{latex_words(section.title)}}}\n{blocks}"
 
 
-def _block(block: Block, folder: str) -> str:
-    if isinstance(block, Paragraph):
+def _block(block: parts.Block, folder: str) -> str:
+    if isinstance(block, parts.Paragraph):
         return f"{latex_words(block.text)}\n\n"
-    if isinstance(block, Notes):
+    if isinstance(block, parts.Notes):
         items = "".join(f"\\item {latex_words(text)}\n" for text in block.texts)
         return f"\\begin{{itemize}}\n{items}\\end{{itemize}}\n" if items else ""
-    if isinstance(block, TextTable):
+    if isinstance(block, parts.TextTable):
         return _grid(block)
-    if isinstance(block, Figure):
+    if isinstance(block, parts.Figure):
         picture = f"\\includegraphics[width=0.9\\textwidth]{{{folder}/{block.name}.pdf}}"
         caption = f"\\caption{{{latex_words(block.caption)}}}"
         return f"\\begin{{figure}}[h]\n\\centering\n{picture}\n{caption}\n\\end{{figure}}\n"
-    if isinstance(block, Matrix | MatrixRow):
-        return _matrices(block.matrices if isinstance(block, MatrixRow) else (block,))
+    if isinstance(block, parts.Matrix | parts.MatrixRow):
+        return _matrices(block.matrices if isinstance(block, parts.MatrixRow) else (block,))
     return _equations(block)
 
 
-def _grid(block: TextTable) -> str:
+def _grid(block: parts.TextTable) -> str:
     if not block.rows:
         return ""
     width = 1 / len(block.heading)
@@ -90,12 +88,12 @@ def _grid(block: TextTable) -> str:
     return f"\\begin{{longtable}}{{{columns}}}\n{top} \\\\\n\\hline\n\\endhead\n{lines}\\end{{longtable}}\n"
 
 
-def _cell(cell: Cell) -> str:
-    if isinstance(cell, Name):
+def _cell(cell: parts.Cell) -> str:
+    if isinstance(cell, parts.Name):
         return f"${name_formula(cell.text)}$"
-    if isinstance(cell, NameList):
+    if isinstance(cell, parts.NameList):
         return ", ".join(f"${name_formula(text)}$" for text in cell.texts)
-    if isinstance(cell, Unit):
+    if isinstance(cell, parts.Unit):
         return unit_formula(cell.text)
     if isinstance(cell, Formula):
         return latex_words(cell.text)
@@ -121,19 +119,19 @@ def unit_formula(unit: str) -> str:
     return latex_words(first) + "".join(f"$^{{{part[:1]}}}${latex_words(part[1:])}" for part in others)
 
 
-def equation_formulas(block: EquationBlock) -> str:
+def equation_formulas(block: parts.EquationBlock) -> str:
     """Return equations with their definitions as one ``aligned`` environment."""
     nodes = [node for pair in block.sides for node in pair]
-    texts, named = to_latex_with_definitions(block.graph, nodes, LONG)
+    texts, named = to_latex_with_definitions(block.graph, nodes, parts.LONG)
     blocks = [list(zip(texts[::2], texts[1::2], strict=True))]
     if named:
         blocks.append([(latex_name(name), text) for name, text in named])
     return latex_equations_page(blocks)
 
 
-def matrix_formulas(block: Matrix) -> tuple[str, str]:
+def matrix_formulas(block: parts.Matrix) -> tuple[str, str]:
     """Return a matrix, and the definitions that its entries read as an ``aligned`` environment."""
-    texts, named = to_latex_with_definitions(block.graph, list(block.nodes), LONG)
+    texts, named = to_latex_with_definitions(block.graph, list(block.nodes), parts.LONG)
     columns = block.shape[1]
     rows = (" & ".join(texts[start : start + columns]) for start in range(0, len(texts), columns))
     entries = r" \\ ".join(rows)
@@ -141,11 +139,11 @@ def matrix_formulas(block: Matrix) -> tuple[str, str]:
     return shown, latex_equations_page([[(latex_name(name), text) for name, text in named]]) if named else ""
 
 
-def _equations(block: EquationBlock) -> str:
+def _equations(block: parts.EquationBlock) -> str:
     return f"\\begin{{equation*}}\n{equation_formulas(block)}\n\\end{{equation*}}\n"
 
 
-def _matrices(matrices: Sequence[Matrix]) -> str:
+def _matrices(matrices: Sequence[parts.Matrix]) -> str:
     """Return matrices beside each other, as wide as the page at most: they cannot be broken."""
     formulas = [matrix_formulas(matrix) for matrix in matrices]
     shown = r" \qquad ".join(matrix for matrix, _ in formulas)

@@ -10,21 +10,7 @@ from urllib.parse import quote
 
 from symbody.errors import EnvironmentFault, Problem
 from symbody.expr.language.formula import Formula
-from symbody.report.document import (
-    Block,
-    Cell,
-    Figure,
-    Matrix,
-    MatrixRow,
-    Name,
-    NameList,
-    Notes,
-    Paragraph,
-    ReportContent,
-    ReportSection,
-    TextTable,
-    Unit,
-)
+from symbody.report import document as parts
 from symbody.report.latex_document import (
     equation_formulas,
     matrix_formulas,
@@ -32,26 +18,32 @@ from symbody.report.latex_document import (
     plain_number,
     unit_formula,
 )
+from symbody.report.template import fill_template
 
-Place = Callable[[Figure], str]
+Place = Callable[[parts.Figure], str]
 
 
-def markdown_document(document: ReportContent, folder: str) -> str:
+def markdown_document(document: parts.ReportContent, folder: str) -> str:
     """Return Markdown that reads its pictures from a folder."""
-    parts = [
-        section_text(section, lambda figure: f"{quote(folder)}/{figure.name}.svg")
-        for section in document.sections
-    ]
-    return "\n".join([f"# {_words(document.title)}\n", *parts])
+    return fill_template("# {{ title }}\n\n{{ body }}", markdown_pieces(document, folder), "page")
 
 
-def section_text(section: ReportSection, place: Place) -> str:
+def markdown_pieces(document: parts.ReportContent, folder: str) -> dict[str, str]:
+    """Return what templates may contain: title, body, and each section."""
+    sections = {
+        part.key: section_text(part, lambda figure: f"{quote(folder)}/{figure.name}.svg")
+        for part in document.sections
+    }
+    return {"title": _words(document.title), "body": "\n".join(sections.values()), **sections}
+
+
+def section_text(section: parts.ReportSection, place: Place) -> str:
     """Return a section; `place` says where a picture is."""
     blocks = "\n".join(filter(None, (_block(block, place) for block in section.blocks)))
     return f"## {_words(section.title)}\n\n{blocks}"
 
 
-def notebook_document(document: ReportContent) -> str:
+def notebook_document(document: parts.ReportContent) -> str:
     """Return a notebook of Markdown cells, a section each, with its pictures in them.
 
     Raises
@@ -73,7 +65,7 @@ def notebook_document(document: ReportContent) -> str:
         cell = nb.new_markdown_cell(
             section_text(section, lambda figure: f"attachment:{figure.name}.png"), id=section.key
         )
-        pictures = [block for block in section.blocks if isinstance(block, Figure)]
+        pictures = [block for block in section.blocks if isinstance(block, parts.Figure)]
         if pictures:
             cell["attachments"] = {
                 f"{figure.name}.png": {"image/png": b64encode(figure.draw("png")).decode()}
@@ -85,36 +77,36 @@ def notebook_document(document: ReportContent) -> str:
     return f"{text}\n"
 
 
-def _block(block: Block, place: Place) -> str:
-    if isinstance(block, Paragraph):
+def _block(block: parts.Block, place: Place) -> str:
+    if isinstance(block, parts.Paragraph):
         return f"{_words(block.text)}\n"
-    if isinstance(block, Notes):
+    if isinstance(block, parts.Notes):
         return "".join(f"- {_words(text)}\n" for text in block.texts)
-    if isinstance(block, TextTable):
+    if isinstance(block, parts.TextTable):
         return _grid(block)
-    if isinstance(block, Figure):
+    if isinstance(block, parts.Figure):
         return f"![{_words(block.caption)}]({place(block)})\n"
-    if isinstance(block, MatrixRow):
+    if isinstance(block, parts.MatrixRow):
         return "\n".join(_block(matrix, place) for matrix in block.matrices)
-    if isinstance(block, Matrix):
+    if isinstance(block, parts.Matrix):
         shown, where = matrix_formulas(block)
         return "".join(f"$$\n{text}\n$$\n" for text in (shown, where) if text)
     return f"$$\n{equation_formulas(block)}\n$$\n"
 
 
-def _grid(block: TextTable) -> str:
+def _grid(block: parts.TextTable) -> str:
     if not block.rows:
         return ""
     lines = [block.heading, ("---",) * len(block.heading), *(tuple(map(_cell, row)) for row in block.rows)]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
-def _cell(cell: Cell) -> str:
-    if isinstance(cell, Name):
+def _cell(cell: parts.Cell) -> str:
+    if isinstance(cell, parts.Name):
         return f"${name_formula(cell.text)}$"
-    if isinstance(cell, NameList):
+    if isinstance(cell, parts.NameList):
         return ", ".join(f"${name_formula(text)}$" for text in cell.texts)
-    if isinstance(cell, Unit):
+    if isinstance(cell, parts.Unit):
         return unit_formula(cell.text).replace("|", r"\|")
     if isinstance(cell, Formula):
         return f"`{cell.text}`".replace("|", r"\|")

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from symbody.simulation.methods.breakdowns import judge_friction, judge_pivots, pivot_events
-from symbody.simulation.methods.change_point import integrate_on_branch
+from symbody.simulation.methods.closed_loops.change_point import integrate_on_branch
 from symbody.simulation.methods.integration import Integration, MotionPlan
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.results.singular_angles import singular_passages
 from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
-from symbody.simulation.status import Status
 
 
 def execute(plan: MotionPlan) -> Trajectory:
@@ -21,8 +20,10 @@ def execute(plan: MotionPlan) -> Trajectory:
     problem = integration.problem
     has_pivots = problem.eqs.formed.elimination is not None
     pivots = pivot_events(problem, integration.span[0], integration.state) if has_pivots else ()
-    integration = replace(integration, events=(*integration.events, *pivots))
-    run = integrate_on_branch(replace(plan, integration=integration))
+    if pivots:
+        watched = replace(integration, events=(*integration.events, *pivots))
+        plan = replace(plan, integration=watched)
+    run = integrate_on_branch(plan)
     if pivots or not run.raw.status.success:
         run = judge_pivots(judge_friction(problem, run), pivots)
     return _trajectory(problem, run)
@@ -35,9 +36,11 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
     n_q = len(eqs.coordinate_names)
     states, work = _split_work(raw.dense_output, n)
     passages = [] if states is None else list(singular_passages(eqs, states))
-    stop = "" if raw.status.success else stop_note(problem, raw)
-    if raw.status is Status.CHATTERING and run.watch is not None:
-        stop += f"; there event {run.watch.chattering!r} happens again and again"
+    ending = "" if run.watch is None else run.watch.ending
+    if ending:
+        stop = f"{raw.reach}; there {ending}"
+    else:
+        stop = "" if raw.status.success else stop_note(problem, raw)
     occurrences = () if run.watch is None else run.watch.occurrences
     watched = () if run.watch is None else run.watch.notes
     return Trajectory(
@@ -57,6 +60,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
         notes=(*run.notes, *watched, *(note for _, note in passages), *((stop,) if stop else ())),
         name=eqs.model.name,
         events=(*occurrences, *(event for event, _ in passages)),
+        sides=() if run.watch is None else run.watch.sides_at(raw.reached),
     )
 
 

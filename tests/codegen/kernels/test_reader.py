@@ -82,4 +82,3 @@ def test_kernels_stand_behind_those_they_call() -> None:
     assert (
         places["tail_product"] < places["factor_rows"] < places["solve_saddle_cut"] < places["solve_saddle"]
     )
-    assert "find_null_vector" not in places

@@ -17,8 +17,7 @@ from symbody.expr.language.formula import build
 from symbody.expr.language.literals import read_number
 from symbody.expr.parser import parse
 from symbody.expr.printing.layout import number_text
-from symbody.expr.printing.text import to_text, to_text_with_definitions
-from symbody.expr.rewrite import operation_count, substitute, symbols_of
+from symbody.expr.printing.text import to_text
 from tests.expr.strategies import Sample, both_tiers, built, samples
 
 HALF = Fraction(1, 2)
@@ -195,25 +194,6 @@ def test_a_formula_with_too_many_operations_is_an_error_that_tells_their_number(
         to_text(graph, doubling(graph, 15).index)
     with pytest.raises(ExpressionError, match=r"about 2\*\*5001 operations"):
         to_text(graph, doubling(graph, 5000).index)
-
-
-def test_definitions_read_back_give_the_same_nodes(graph: Graph) -> None:
-    roots = [doubling(graph, 60).index, neg(graph, doubling(graph, 50).index)]
-    texts, definitions = to_text_with_definitions(graph, roots)
-    assert sum(map(len, texts)) + sum(len(text) for _, text in definitions) < 20 * operation_count(
-        graph, roots
-    )
-    known: dict[int, int] = {}
-    for name, text in definitions:
-        node = graph.symbol(Symbol(name))
-        known[node] = substitute(graph, [read(text, graph)], known)[0]
-    assert substitute(graph, [read(text, graph) for text in texts], known) == roots
-    assert not set(known) & set(symbols_of(graph, roots))
-
-
-def test_short_formulas_need_no_definitions(graph: Graph) -> None:
-    node = doubling(graph, 3).index
-    assert to_text_with_definitions(graph, [node]) == ([to_text(graph, node)], [])
 
 
 def test_an_entry_of_a_kernel_has_no_text(graph: Graph) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from typing import Final
@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
+from symbody.analysis.configurations.one_sided import settle
 from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.equilibrium.equilibrium_search import examine_neighbourhood
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
-from symbody.analysis.one_sided import settle
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.analysis.value_lines import values_line
@@ -124,15 +124,15 @@ def find_equilibrium(
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     refuse_held(eqs, "an equilibrium", {*(inputs or {}), *unknowns})
     first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
-    _check(eqs, unknowns, fixed or {})
+    leaders = eqs.formed.coupled.leaders
+    held = frozenset(leaders[name][0] if name in leaders else name for name in fixed or ())
+    _check(eqs, unknowns, held)
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
     evaluator = constraint_evaluator(
         eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism,
         signals=np.array(list(first.s.values()), dtype=np.float64),
     )  # fmt: skip
-    searches = TautSearch(
-        evaluator, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ())
-    )
+    searches = TautSearch(evaluator, tuple(unknowns), np.array(list(first.q.values())), held)
     searches.nearest_set().check_at_rest()
     try:
         candidates = _distinct_equilibria(evaluator, searches)
@@ -145,7 +145,7 @@ def find_equilibrium(
     return replace(states[0], _others=partial(tuple, states[1:]))
 
 
-def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]) -> None:
+def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Iterable[str]) -> None:
     problems = [
         Problem("equilibrium.signal", name, f"{name!r} is a state of a signal, not a coordinate in q",
                 "states of signals are found with the positions: where their rates are 0",

@@ -23,7 +23,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
 from symbody.manifold import ConstraintManifold, least_solution, null_space
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.tolerances import SHARP_RANK, TRACED
 
 Floats = NDArray[np.float64]
@@ -47,7 +47,7 @@ class Continuation:
     driven : tuple of str
         The driven coordinates.
     laws : mapping of coordinate to callable
-        Laws that are no formulas, of the parameter of the path.
+        Laws that are not formulas, of the parameter of the path.
     clock : callable
         From that parameter to time.
     sizes, speed_sizes : (n_q,), (n_u,) arrays

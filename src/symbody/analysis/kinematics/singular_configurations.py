@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
-from symbody.analysis.assembly import assemble, assemble_taut
+from symbody.analysis.configurations.assembly import assemble, assemble_taut
 from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
 from symbody.analysis.kinematics.driven import joint_of
 from symbody.analysis.kinematics.led_values import led_numbers, read_range
@@ -339,7 +339,7 @@ def _first(
         raise UsageError(
             Problem("kinematics.range_coordinate", f"over {along}",
                     f"{along!r} is not a coordinate of these equations",
-                    "coordinates of cut joints and prescribed ones are not among them",
+                    "coordinates of cut joints, prescribed and substituted ones are not among them",
                     f"name one of {', '.join(eqs.coordinate_names)}, or put its joint into the tree")
         )  # fmt: skip
     return assemble(eqs, None, guess, parameters, scales=scales)

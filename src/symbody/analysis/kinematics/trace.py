@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
+from symbody.analysis.configurations.ropes import LOOSE, equations_with_ropes, slackness
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
 from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.kinematics.led_values import LedValues, led_numbers, read_values
-from symbody.analysis.ropes import LOOSE, equations_with_ropes, slackness
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
+from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
@@ -47,6 +48,8 @@ class Positions:
         The joint that moves fastest at the dead end; empty if there is none, or a rope ends the path.
     notes : tuple of str
         The reason for the dead end, and the ropes that are taken as taut.
+    followers : mapping of coordinate to (N,) array
+        Coordinates that couplings give, where they are substituted.
     """
 
     coordinate_names: tuple[str, ...]
@@ -55,6 +58,7 @@ class Positions:
     limits: Mapping[str, float]
     joint: str = ""
     notes: tuple[str, ...] = ()
+    followers: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def success(self) -> bool:
@@ -79,7 +83,7 @@ class Positions:
 
     def columns(self) -> dict[str, Floats]:
         """Return all coordinates by name, the driven ones first."""
-        return {**self.driven, **dict(zip(self.coordinate_names, self.q, strict=True))}
+        return {**self.driven, **dict(zip(self.coordinate_names, self.q, strict=True)), **self.followers}
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return `columns` as a pandas table.
@@ -150,16 +154,35 @@ def trace_positions(
     q = q if closer is None else closer
     check_driven(driven, 0.0, q, notes)
     loose = _SlackRopes(driven, constraint_evaluator(held, values_given, {}, t, mechanism) if notes else None)
-    count = len(next(iter(values.values())))
+    positions = _lead(driven, loose, values, q, notes)
+    return replace(positions, followers=_followers(eqs, positions.q, values_given))
+
+
+def _lead(
+    driven: Continuation, loose: _SlackRopes, values: Mapping[str, Floats], q: Floats, notes: tuple[str, ...]
+) -> Positions:
+    """Return the positions from q on, each found from the one before."""
     columns, reached = [q], 0.0
-    for k in range(1, count):
+    for k in range(1, len(next(iter(values.values())))):
         before = q
         reached, q = driven.follow(float(k - 1), q, float(k))
         rope, place, at = loose.first_taut(float(k - 1), before, reached, q)
         if rope or reached != k:
             return _stop_at_limit(driven, values, np.array(columns).T, place, at, rope, notes)
         columns.append(q)
-    return Positions(eqs.coordinate_names, np.array(columns).T, values, {}, notes=notes)
+    return Positions(driven.eqs.coordinate_names, np.array(columns).T, values, {}, notes=notes)
+
+
+def _followers(eqs: EquationSet, q: Floats, parameters: Mapping[str, Value]) -> dict[str, Floats]:
+    """Return the coordinates that substituted couplings give."""
+    names = tuple(eqs.formed.coupled.values)
+    if not names:
+        return {}
+    silent = dict.fromkeys(eqs.input_names, 0)
+    function = bound_function(eqs, names, parameters, (), silent, quick=True)
+    still = np.zeros(len(eqs.speed_names))
+    rows = np.array([function(0.0, column, still) for column in q.T], dtype=np.float64)
+    return dict(zip(names, rows.reshape(-1, len(names)).T, strict=True))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

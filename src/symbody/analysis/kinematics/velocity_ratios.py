@@ -14,12 +14,12 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble, assemble_taut
+from symbody.analysis.configurations.assembly import assemble, assemble_taut
+from symbody.analysis.configurations.ropes import equations_with_ropes, ropes_out_of_place
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.kinematics.continuation import Continuation, continuation
 from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.redundancy import redundancy
-from symbody.analysis.ropes import equations_with_ropes, ropes_out_of_place
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -28,7 +28,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, SimulationError, UsageError, nearest
-from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
+from symbody.expr.sympy.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.manifold import least_solution, pivot_order
 
 Floats = NDArray[np.float64]
@@ -370,7 +370,8 @@ def _check_names(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[st
     labels = [name if name in eqs.speed_names else f"{name}_dot" for name in names]
     problems = [
         Problem("kinematics.unknown_speed", f"independent {name}",
-                f"{name} is not a speed of these equations", "coordinates of cut joints have none",
+                f"{name} is not a speed of these equations",
+                "coordinates of cut joints have none, nor those that couplings give",
                 nearest(name, (*eqs.coordinate_names, *eqs.speed_names)))
         for name, label in zip(names, labels, strict=True) if label not in eqs.speed_names
     ]  # fmt: skip

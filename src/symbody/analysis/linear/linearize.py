@@ -17,14 +17,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
+from symbody.analysis.configurations.one_sided import settle
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.cyclic import check_cyclic
 from symbody.analysis.linear.independence import Basis, Selection, basis, select
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.matrices import matrices, relative_error
 from symbody.analysis.linear.slopes import SlopeFunction, Slopes, slope_function
-from symbody.analysis.one_sided import settle
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -60,7 +60,7 @@ def linearize(
         nothing else is said. A State is taken as it is, with its parameters, inputs and time unless others
         are given.
     inputs : mapping of name to number or formula
-        Values that r deviates from, by default 0. Formulas in states close a loop: these are no inputs then.
+        Values that r deviates from, by default 0. Formulas in states close a loop: these are not inputs then.
     outputs : str or sequence of str
         Quantities that y has the deviations of: any output names or expressions.
     independent : sequence of str, optional

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet

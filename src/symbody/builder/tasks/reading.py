@@ -69,7 +69,7 @@ class ReadModel:
 
 
 def model_key(data: Mapping[str, Any], folder: str) -> str:
-    """Return what tells a mechanism from all others; the layout of its diagram is no part of it."""
+    """Return what tells a mechanism from all others; the layout of its diagram is not part of it."""
     content = {name: value for name, value in data.items() if name != "layout"}
     return json.dumps([folder, content], sort_keys=True)
 
@@ -95,7 +95,7 @@ def read_model(data: Data, folder: str) -> ReadModel:
         kind: list(range(len(data[kind]))) for kind in KINDS if isinstance(data.get(kind), list)
     }
     usable = {key: value for key, value in data.items() if key != "layout"}
-    gone: set[str] = set()  # words of what was left out: that they are unknown is no further fault
+    gone: set[str] = set()  # words of what was left out: that they are unknown is not a further fault
     for _ in range(_ROUNDS):
         try:
             return ReadModel(from_data(usable, folder=folder), problems)

@@ -15,9 +15,9 @@ from symbody.builder.tasks.placement import drawn_at
 from symbody.builder.tasks.reading import Data, complete_model
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments
+from symbody.model.declarations.arguments import Arguments
 from symbody.model.model import Model
-from symbody.model.parts.expansion import own_content
+from symbody.model.parts.own_content import own_content
 from symbody.visual.scene.json_form import motion_to_json, scene_to_json
 
 Answer = dict[str, Any]

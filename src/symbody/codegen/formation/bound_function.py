@@ -22,12 +22,12 @@ from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_formula
 from symbody.errors import CompileError, ExpressionError
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
-from symbody.expr.sequence import Sequence
-from symbody.model.arguments import plain_value
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Sequence
 from symbody.model.content import content_bytes
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.numbers import as_float
 
 Floats = NDArray[np.float64]

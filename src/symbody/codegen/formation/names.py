@@ -14,7 +14,7 @@ Value = int | float | str | Formula
 
 
 def check_names(eqs: EquationSet, given: Mapping[str, Value], free: Items[str]) -> None:
-    """Refuse names that are no parameters.
+    """Refuse names that are not parameters.
 
     Raises
     ------

@@ -25,7 +25,7 @@ from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import read_number
 from symbody.expr.parser import parse_angle
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import Model, value_problems
 from symbody.model.numbers import as_float, formula_value
 from symbody.single_flight import SingleFlight
@@ -130,11 +130,13 @@ class ParameterSet:
 
     def _equations_for_values(self) -> tuple[tuple[bool, ...], EquationSet]:
         eqs = self.original
-        if not eqs.multiplier_names:
+        if not (eqs.multiplier_names or eqs.formed.coupled.rows):
             return (), eqs
         values = self.floats
         if eqs.formed.topology.model.constraints:
             check_parameter_constraints(eqs.formed, values)
+        if not eqs.multiplier_names:
+            return (), eqs
         rows: RoundingRows = eqs.plans.get("rounding rows", lambda: RoundingRows(eqs))
         silent = rows(values)
         return silent, eqs.without_rows(silent)

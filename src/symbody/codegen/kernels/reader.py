@@ -28,7 +28,7 @@ def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
     Parameters
     ----------
     module : str
-        File name in `symbody.kernels` without suffix.
+        Name of a file below `symbody.kernels`, without folder and suffix.
     *roots : str
         The kernels; by default the one that is called like the file.
 
@@ -37,7 +37,7 @@ def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
     KernelError
         If something is outside the language: file, line, cure.
     """
-    content = _read(f"{PACKAGE}.{module}")
+    content = _read(_modules()[module])
     needed, waiting = set[str](), list(roots or [module])
     while waiting:
         name = waiting.pop()
@@ -87,6 +87,21 @@ def _content(syntax: ast.Module, file: str) -> _Content:
 
 
 @cache
+def _modules() -> Mapping[str, str]:
+    """Return the kernel files by their names without folder."""
+    home = resources.files(PACKAGE)
+    names = [file.name for file in home.iterdir()]
+    names += [
+        f"{folder.name}.{file.name}"
+        for folder in home.iterdir()
+        if folder.is_dir()
+        for file in folder.iterdir()
+    ]
+    paths = [name.removesuffix(".py") for name in names if name.endswith(".py")]
+    return MappingProxyType({path.rpartition(".")[2]: f"{PACKAGE}.{path}" for path in paths})
+
+
+@cache
 def _read(module: str) -> _Content:
     return _content(_syntax(module), _file(module))
 
@@ -108,12 +123,12 @@ def _is_kernel_file(module: str) -> bool:
 
 
 def _file(module: str) -> str:
-    return f"kernels/{module.removeprefix(PACKAGE + '.')}.py"
+    return f"{module.removeprefix('symbody.').replace('.', '/')}.py"
 
 
 @cache
 def _syntax(module: str) -> ast.Module:
-    file = resources.files(PACKAGE) / f"{module.removeprefix(PACKAGE + '.')}.py"
+    file = resources.files(PACKAGE).joinpath(*_file(module).split("/")[1:])
     return ast.parse(file.read_text(encoding="utf-8"))
 
 
@@ -150,4 +165,5 @@ def _mark_changes(tree: KernelTree, changed: Collection[str]) -> KernelTree:
     parameters = tuple(
         replace(p, is_changed=p.type == Type.ARRAY and p.name in changed) for p in tree.parameters
     )
-    return replace(tree, parameters=parameters)
+    arrays = {local for local, kind in tree.variables.items() if kind == Type.ARRAY}
+    return replace(tree, parameters=parameters, read_only=frozenset(arrays - set(changed)))

@@ -186,6 +186,8 @@ class KernelTree:
     body : sequence of statements
     summary : str
         First line of the docstring.
+    read_only : set of str
+        Local variables that are arrays into which nothing is stored.
     """
 
     name: str
@@ -194,11 +196,12 @@ class KernelTree:
     variables: Mapping[str, Type]
     body: tuple[Statement, ...]
     summary: str
+    read_only: frozenset[str] = frozenset()
 
 
 # Contents
 
-# Names of fields by class, None for what is no node: finding them takes longer than all the rest.
+# Names of fields by class, None for what is not a node: finding them takes longer than all the rest.
 _FIELDS: Final[dict[type, tuple[str, ...] | None]] = {}
 
 

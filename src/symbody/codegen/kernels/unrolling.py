@@ -344,7 +344,7 @@ def _sum(position: int | Expression, offset: int) -> Expression:
 def _as_expression(value: _Value, kind: Type | None) -> Expression:
     """Return a value as an expression."""
     if isinstance(value, _ArrayPlace):
-        raise AssertionError("arrays are no numbers")
+        raise AssertionError("arrays are not numbers")
     if isinstance(value, int):
         return Literal(float(value) if kind == Type.REAL else int(value), kind or Type.INTEGER)
     return value

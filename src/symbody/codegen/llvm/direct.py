@@ -107,7 +107,7 @@ def text() -> str:
 def _constants_of_parameters() -> Iterator[str]:
     """Yield the lines that compute the constants where p differs from that of the call before.
 
-    Parameters are compared as bits, so that one that is no number is equal to itself, and 0 not to -0.
+    Parameters are compared as bits, so that one that is not a number is equal to itself, and 0 not to -0.
     """
     yield from _field("p.data", "p", _DATA)
     yield "%headless = icmp eq ptr %head, null"

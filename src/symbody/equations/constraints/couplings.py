@@ -12,7 +12,7 @@ from symbody.equations.kinematics.naming import Names
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import substitute, symbols_of
@@ -25,13 +25,18 @@ def coupling_equations(
     """Return the sum of factors times coordinates less the offset."""
     where = f"constraint {coupling.name}"
     factors = [names.expression(factor, where) for factor in coupling.factors]
-    offset = names.expression(coupling.offset, where)
-    value = -offset
-    for factor, name in zip(factors, coupling.coupled, strict=True):
-        value = value + factor * names.value(name)
-    row = scalar_equation(kinematics, "", coupling.name, value)
+    row = scalar_equation(kinematics, "", coupling.name, coupling_value(names, coupling))
     shares = dict(zip(coupling.coupled, factors, strict=True))
-    yield replace(row, shares=shares, driven=time_partial(offset))
+    yield replace(row, shares=shares, driven=time_partial(names.expression(coupling.offset, where)))
+
+
+def coupling_value(names: Names, coupling: JointCoupling) -> Expr:
+    """Return the left-hand side of a coupling, which vanishes."""
+    where = f"constraint {coupling.name}"
+    value = -names.expression(coupling.offset, where)
+    for factor, name in zip(coupling.factors, coupling.coupled, strict=True):
+        value = value + names.expression(factor, where) * names.value(name)
+    return value
 
 
 def written_equations(

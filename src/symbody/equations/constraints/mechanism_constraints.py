@@ -9,13 +9,14 @@ from typing import Final, NamedTuple
 from symbody.equations.constraints.constraint_elements import constraint_equations
 from symbody.equations.constraints.integrability import is_integrable
 from symbody.equations.constraints.loop_closure import loop_closure_equations, motion_equations
+from symbody.equations.elimination.coupled_coordinates import NONE_COUPLED, CoupledCoordinates
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence, tree_size
@@ -36,17 +37,24 @@ class MechanismConstraints(NamedTuple):
     redundant : list of ConstraintEquation
         Those that hold identically, without slopes: nothing follows from them, but they bear loads.
     notes : tuple of str
+    coupled : CoupledCoordinates
+        Coordinates that are substituted, with the rows that give them.
     """
 
     rows: list[ConstraintEquation]
     redundant: list[ConstraintEquation]
     notes: tuple[str, ...]
+    coupled: CoupledCoordinates = NONE_COUPLED
 
 
 def form_constraints(
-    topology: Topology, names: Names, kinematics: Kinematics, roles: Sequence[JointRole]
+    topology: Topology,
+    names: Names,
+    kinematics: Kinematics,
+    roles: Sequence[JointRole],
+    coupled: CoupledCoordinates = NONE_COUPLED,
 ) -> MechanismConstraints:
-    """Return the constraints of a mechanism.
+    """Return the constraints of a mechanism, without couplings that give coordinates.
 
     Raises
     ------
@@ -64,6 +72,7 @@ def form_constraints(
     ]
     for condition in topology.model.constraints:
         rows += constraint_equations(names, kinematics, condition)
+    coupled, rows = coupled.take_rows(rows)
     rows.sort(key=lambda row: not row.is_holonomic)
     rounding = _ROUNDING * _size(topology)
     gone = [
@@ -77,9 +86,8 @@ def form_constraints(
     lost = [row for row, zero in zip(rows, gone, strict=True) if zero]
     zero = Expr(kinematics.graph, 0)
     redundant = [replace(row, jacobian={}, drift=zero, gamma=zero) for row in lost]
-    return MechanismConstraints(
-        kept, redundant, (*_identity_notes(topology, lost), *_integrable_notes(kinematics, kept))
-    )
+    notes = (*_identity_notes(topology, lost), *_integrable_notes(kinematics, kept))
+    return MechanismConstraints(kept, redundant, notes, coupled)
 
 
 def _find_identities(graph: Graph, rows: Sequence[ConstraintEquation]) -> list[bool]:

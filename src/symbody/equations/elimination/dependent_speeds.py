@@ -14,7 +14,7 @@ from symbody.equations.kinematics.placements import fold_zeros
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, maximum, number, sqrt
-from symbody.expr.fingerprint import find_zeros, fingerprints
+from symbody.expr.fingerprints.fingerprint import find_zeros, fingerprints
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of, tree_size
@@ -141,7 +141,7 @@ def elimination_notes(elimination: SpeedElimination) -> tuple[str, ...]:
         follows = "follows from the balance" if len(light) == 1 else "follow from the balances"
         notes.append(
             f"no mass resists a motion in which {', '.join(light)} takes part: {', '.join(light)} {follows} "
-            "of forces in springs and dampers, and is no state; the coordinates are"
+            "of forces in springs and dampers, and is not a state; the coordinates are"
         )
     for pivot in elimination.block.pivots:
         if _varies(graph, pivot):
@@ -214,7 +214,7 @@ def _name_problems(
     counted_rows = f"{len(rows)} constraint{'s' if len(rows) > 1 else ''} on velocities ({_list_rows(rows)})"
     for name in dict.fromkeys(dependent):
         if name not in labels:
-            yield Problem("equations.unknown_speed", where, f"{name!r} is no speed of these equations",
+            yield Problem("equations.unknown_speed", where, f"{name!r} is not a speed of these equations",
                           f"the speeds are {', '.join(labels)}", nearest(name, labels))  # fmt: skip
         elif f"{name}_pivot" in names.symbols or f"{name}_pivot" in names.values:
             yield Problem("equations.name_clash", where, f"{name}_pivot stands for two things",

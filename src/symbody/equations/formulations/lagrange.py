@@ -51,7 +51,7 @@ def project_energies(system: MultibodySystem, kinetic: Expr) -> ProjectedDynamic
     Parameters
     ----------
     kinetic : Expr
-        T in q, t and the symbols q', also where the speeds are no rates [J].
+        T in q, t and the symbols q', also where the speeds are not rates [J].
     """
     kinematics = system.kinematics
     graph, speeds = kinematics.graph, kinematics.speeds

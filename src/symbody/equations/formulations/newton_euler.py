@@ -22,6 +22,7 @@ from symbody.equations.dynamics.reactions import row_wrenches, sum_wrenches
 from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
 from symbody.equations.formulations.projection import project_bodies
 from symbody.equations.kinematics.frame_placement import joint_shift
+from symbody.equations.kinematics.mechanism_names import joint_speeds
 from symbody.equations.kinematics.placements import (
     differentiate,
     differentiate_matrix,
@@ -207,10 +208,10 @@ class _FreeBodies:
         return role.joint.end.full_name, spin(R, differentiate_matrix(kinematics.graph, R, flow(kinematics)))
 
     def _free_motion(self, role: JointRole, frame: str, rate: Triple) -> list[_Column]:
-        """Return -S for a joint's own speeds, one row for each axis of ground."""
+        """Return -S for the speeds a joint moves with, one row for each axis of ground."""
         kinematics = self.system.kinematics
         graph, R = kinematics.graph, kinematics.tree.matrix("ground", frame)
-        speeds = [graph.symbol(symbol) for symbol in role.speeds]
+        speeds = joint_speeds(self.system.names, kinematics.rates, role)
         slopes = jacobian(graph, [x.index for x in rate], speeds)
         rows: list[_Column] = [{}, {}, {}]
         for j, u in enumerate(speeds):

@@ -8,7 +8,7 @@ everything outward of it contributes ``dv . force + dw . moment``, so no body is
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
@@ -17,8 +17,8 @@ from symbody.equations.dynamics.inertial_wrenches import inertial_wrench, subtra
 from symbody.equations.dynamics.load import GeneralizedForce
 from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
 from symbody.equations.formulations.projection import add_rotor, project_bodies, projected_dynamics
+from symbody.equations.kinematics.mechanism_names import joint_speeds
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.system import MultibodySystem
 from symbody.expr.expression import Expr, number
 from symbody.graph.topology import Topology
@@ -41,7 +41,7 @@ def _project(system: MultibodySystem) -> ProjectedDynamics:
     place = {u: j for j, u in enumerate(speeds)}
     mass = [[zero] * len(speeds) for _ in speeds]
     forcing = [zero] * len(speeds)
-    motions = _free_motions(kinematics, system.joint_roles)
+    motions = _free_motions(system)
     for u, j in place.items():
         inertial = {
             body.frame: _unit_wrench(kinematics, body, u)
@@ -64,19 +64,16 @@ def _project(system: MultibodySystem) -> ProjectedDynamics:
     return projected_dynamics(system, mass, forcing)
 
 
-def _free_motions(
-    kinematics: Kinematics, roles: Sequence[JointRole]
-) -> list[tuple[str, int, Vector, Vector]]:
+def _free_motions(system: MultibodySystem) -> list[tuple[str, int, Vector, Vector]]:
     """Return (joint, speed, dv, dw): how the end of a joint moves relative to its start, seen from there."""
-    tree = kinematics.tree
+    kinematics, tree = system.kinematics, system.kinematics.tree
     motions = []
-    for role in roles:
+    for role in system.joint_roles:
         start, end = role.joint.start.full_name, role.joint.end.full_name
         v, v_start = kinematics.velocities[end], kinematics.velocities[start]
         w, w_start = kinematics.angular_velocities[end], kinematics.angular_velocities[start]
         arm = kinematics.position(start, end)
-        for symbol in role.speeds:
-            u = kinematics.graph.symbol(symbol)
+        for u in joint_speeds(system.names, kinematics.rates, role):
             angular = w.partial(u) - w_start.partial(u) if role.in_rotation else ZERO
             linear = ZERO
             if role.in_translation:
@@ -94,12 +91,12 @@ def _generalized_forces(
     """Return the generalized force of each speed, from wrenches about the bodies' centres of mass."""
     tree = kinematics.tree
     transmitted = balance_wrenches(topology, kinematics, wrenches, {})
-    forces = {}
+    forces: dict[int, Expr] = {}
     for joint, u, linear, angular in motions:
         wrench = transmitted.get(joint, NO_WRENCH)
         force = dot(tree, linear, wrench.force) + dot(tree, angular, wrench.moment)
         if not force.is_zero:
-            forces[u] = force
+            forces[u] = forces[u] + force if u in forces else force
     return forces
 
 

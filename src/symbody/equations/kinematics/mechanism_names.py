@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names, model_names
@@ -11,7 +11,8 @@ from symbody.equations.kinematics.variables import JointRole, Variables
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import time_derivative
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph
+from symbody.expr.graph import Graph, SymbolKind
+from symbody.expr.rewrite import symbols_of
 from symbody.graph.topology import Topology
 
 
@@ -77,3 +78,33 @@ def second_rates(kinematics: Kinematics, variables: Variables) -> dict[str, Expr
         for q in variables.q
         if variables.rates[graph.symbol(q)] != graph.symbol(q.derivative)
     }
+
+
+def rates_of_values(names: Names, kinematics: Kinematics, coordinates: Iterable[str]) -> dict[str, Expr]:
+    """Return first and second rates of coordinates that stand for expressions in others."""
+    rates: dict[str, Expr] = {}
+    for name in coordinates:
+        first = kinematics.rate(names.value(name))
+        rates |= {f"{name}_dot": first, f"{name}_ddot": kinematics.rate(first)}
+    return rates
+
+
+def joint_speeds(names: Names, rates: Mapping[int, int], role: JointRole) -> list[int]:
+    """Return the nodes of the speeds that a joint moves with: its own, and those of joints it is coupled to.
+
+    Parameters
+    ----------
+    rates : mapping of node to node
+        q' in terms of u.
+    """
+    graph = names.graph
+    speeds = [graph.symbol(speed) for speed in role.speeds]
+    values = [names.value(name).index for name in role.substituted]
+    inside = symbols_of(graph, time_derivative(graph, values, rates))
+    return [*speeds, *(node for node in inside if _is_speed(graph, node) and node not in speeds)]
+
+
+def _is_speed(graph: Graph, node: int) -> bool:
+    """Return whether a symbol is a speed: the rate of a coordinate, or a symbol of its own."""
+    symbol = graph.symbols[graph.left[node]]
+    return (symbol.kind, symbol.order) in ((SymbolKind.COORDINATE, 1), (SymbolKind.SPEED, 0))

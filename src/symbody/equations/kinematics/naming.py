@@ -85,7 +85,7 @@ def model_names(
     speeds: Iterable[str] = (),
     signals: Iterable[str] = (),
 ) -> Names:
-    """Return the names of a model; `speeds` are quasi-speeds, which are no rates."""
+    """Return the names of a model; `speeds` are quasi-speeds, which are not rates."""
     symbols = {"t": TIME}
     symbols.update((name, Symbol(name, SymbolKind.PARAMETER)) for name in parameters)
     symbols.update((name, Symbol(name, SymbolKind.INPUT)) for name in inputs)

@@ -26,6 +26,8 @@ class JointRole:
     has_angles, has_displacements : bool
         Whether its rotational, its translational coordinates are known, as unknowns or as functions of time:
         in the tree always, elsewhere where a formula reads them.
+    substituted : tuple of str
+        The coordinates that follow from others, which couplings give.
     """
 
     joint: Joint
@@ -33,6 +35,7 @@ class JointRole:
     in_translation: bool
     has_angles: bool
     has_displacements: bool
+    substituted: tuple[str, ...] = ()
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -83,7 +86,8 @@ class JointRole:
     @property
     def unknown_coordinates(self) -> tuple[str, ...]:
         """The coordinates in use that are in q."""
-        return tuple(name for name in self.coordinates if name not in self.prescribed_coordinates)
+        given = {*self.prescribed_coordinates, *self.substituted}
+        return tuple(name for name in self.coordinates if name not in given)
 
 
 @dataclass(frozen=True, slots=True)

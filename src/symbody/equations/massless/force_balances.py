@@ -22,7 +22,7 @@ from symbody.equations.loads.loads import form_loads
 from symbody.equations.massless.null_motions import Motion, is_light, null_motions, rank, zero_pivots
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, number
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.rewrite import dependence
 
@@ -188,7 +188,7 @@ def _main_speed(motion: Motion) -> int:
 
 
 def _misfit(kinematics: Kinematics, value: Expr, slopes: dict[int, Expr]) -> str:
-    """Return why a balance is no constraint, empty if it is one."""
+    """Return why a balance is not a constraint, empty if it is one."""
     graph = kinematics.graph
     if SymbolKind.MULTIPLIER in dependence(graph, [value.index])[value.index]:
         return "dry friction acts along it, whose sign is that of the motion to be determined"

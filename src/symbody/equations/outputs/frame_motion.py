@@ -47,7 +47,7 @@ def frame_motion_entries(
     """
     if kind not in KINDS:
         raise FormulationError(
-            Problem("equations.unknown_motion", f"frame {kind}", f"{kind!r} is no kind of motion", "",
+            Problem("equations.unknown_motion", f"frame {kind}", f"{kind!r} is not a kind of motion", "",
                     f"write one of {', '.join(KINDS)}")
         )  # fmt: skip
     end, reference, resolved_in = (formed.frame(name) for name in (end, reference, resolved_in))

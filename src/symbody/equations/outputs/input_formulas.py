@@ -26,7 +26,7 @@ def input_formula(value: FormulaLike, name: str) -> Formula:
     Raises
     ------
     ExpressionError
-        If it is no formula.
+        If it is not a formula.
     """
     where = f"input {name}"
     if isinstance(value, str) and value.split(" ")[0] in _FIRST_WORDS and "'" not in value:
@@ -67,7 +67,7 @@ def _law_node(formed: EquationsOfMotion, formula: Formula, name: str) -> int:
             value = formed.names.expression(quoted, where, outputs=quoted_output(formed, quoted, where))
             return _explicit(formed, value)
         except ExpressionError as error:
-            if error.problems[0].what.startswith(f"{formula.text!r} is no number"):
+            if error.problems[0].what.startswith(f"{formula.text!r} is not a number"):
                 raise
     value = formed.names.expression(formula, where, outputs=quoted_output(formed, formula, where))
     return _explicit(formed, value)

@@ -47,7 +47,7 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 
 # What the loop of a motion evaluates: the work is one more state.
 OF_STEPS: Final = ("xdot", "power")
@@ -91,6 +91,8 @@ def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], S
     measured = formed.loads.measures.get(name.replace('"', ""))
     if measured is not None:
         return (), [measured]
+    if any(name == row.name for row in formed.coupled.rows):
+        return (), substitute_shares(formed, [formed.coupling_multipliers[name]])
     first, _, rest = name.partition(" ")
     if first in OUTPUTS_BY_NAME and rest:
         shape, values = _named_output(formed, name)
@@ -161,7 +163,8 @@ def _quoted_output(formed: EquationsOfMotion, formula: Formula, where: str, name
     if roots.shape:
         raise ExpressionError(
             formula.problem(
-                "equations.quoted_output", column, f"{name!r} is no number: its shape is {roots.shape}", "",
+                "equations.quoted_output", column,
+                f"{name!r} is not a number: its shape is {roots.shape}", "",
                 "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'", where,
             )
         )  # fmt: skip
@@ -208,7 +211,8 @@ def output_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     efforts = (f"effort {name}" for name in effort_names(formed))
     friction = (f"friction {name}" for name in friction_names(formed))
     tensions = (f"rope_tension {name}" for name in ropes(formed))
-    return (*OUTPUTS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures)
+    couplings = (row.name for row in formed.coupled.rows)
+    return (*OUTPUTS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures, *couplings)
 
 
 def _udot(formed: EquationsOfMotion) -> list[Expr]:

@@ -32,7 +32,7 @@ def substitute_signals(
     Raises
     ------
     FormulationError
-        If signals need each other in a ring, or one of an output that does not exist or is no number.
+        If signals need each other in a ring, or one of an output that does not exist or is not a number.
     """
     signals = {signal.name: signal for signal in formed.topology.model.signals}
     if not signals:
@@ -127,7 +127,7 @@ def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput
         raise FormulationError(Problem(first.code, where, first.what, first.why, first.fix)) from error
     if shape:
         raise FormulationError(
-            Problem("signal.no_number", where, f"{text!r} is no number: its shape is {shape}",
+            Problem("signal.no_number", where, f"{text!r} is not a number: its shape is {shape}",
                     "a signal is one number at each time",
                     "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'")
         )  # fmt: skip

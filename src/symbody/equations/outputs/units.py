@@ -88,7 +88,8 @@ def output_units(formed: EquationsOfMotion) -> Units:
         units |= {f"reaction {name} F{letter}": "N" for letter in "xyz"}
         units |= {f"reaction {name} M{letter}": "N m" for letter in "xyz"}
     own = {part.name: part.multiplier_unit for part in formed.topology.model.constraints}
-    units |= {row.name: own[row.element] for row in formed.rows if own.get(row.element)}
+    rows = (*formed.rows, *formed.coupled.rows)
+    units |= {row.name: own[row.element] for row in rows if own.get(row.element)}
     for measure in formed.loads.measures:  # of springs: "length S" or "angle S"
         kind, _, name = measure.partition(" ")
         place, _, _, effort = _TRANSLATION if kind == "length" else _ROTATION

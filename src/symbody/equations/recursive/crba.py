@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from symbody.equations.dynamics.linear_solve import Rows
-from symbody.equations.recursive.links import GROUND, KinematicTree
+from symbody.equations.recursive.links import GROUND, KinematicTree, MotionSubspaceColumn
 from symbody.expr.expression import Expr
 
 
@@ -22,7 +22,8 @@ def row_numbers(tree: KinematicTree, speeds: Iterable[int]) -> dict[int, int]:
 def mass_rows(tree: KinematicTree, row: Mapping[int, int], rotors: Mapping[tuple[int, int], Expr]) -> Rows:
     """Return the lower half of the mass matrix, ``M_ij = S_i . I_j S_j`` (table 6.2).
 
-    I_j is the inertia of all that joint j carries; joint i is j or one on the way from j to ground.
+    I_j is the inertia of all that joint j carries; joint i is j or one on the way from j to ground. Entries
+    of coupled joints add up in the row of the speed they share, ``W^T M W``.
 
     Parameters
     ----------
@@ -38,18 +39,29 @@ def mass_rows(tree: KinematicTree, row: Mapping[int, int], rotors: Mapping[tuple
     M: Rows = [{} for _ in row]
     for k, link in enumerate(tree.links):
         for c, column in enumerate(link.motion.columns):
-            entries = M[row[column.speed]]
             force = composite[k] @ column.twist
             for other in link.motion.columns[: c + 1]:
-                entries[row[other.speed]] = other.twist.dot(force)
+                _add(M, row, (column, other), other.twist.dot(force))
             carrier = link
             while carrier.parent != GROUND:
                 force = carrier.transform.wrench_to_parent(force)
                 carrier = tree.links[carrier.parent]
                 for other in carrier.motion.columns:
-                    entries[row[other.speed]] = other.twist.dot(force)
+                    _add(M, row, (column, other), other.twist.dot(force))
     for (one, two), inertia in rotors.items():
         i, j = row[one], row[two]
         if j <= i:
             M[i][j] = M[i].get(j, inertia * 0) + inertia
     return M
+
+
+def _add(
+    M: Rows, row: Mapping[int, int], pair: tuple[MotionSubspaceColumn, MotionSubspaceColumn], entry: Expr
+) -> None:
+    """Add the entry of two columns, and of the same two in the other order where they share a speed."""
+    one, other = pair
+    i, j = row[one.speed], row[other.speed]
+    i, j = max(i, j), min(i, j)
+    if i == j and one is not other:
+        entry = entry * 2
+    M[i][j] = M[i][j] + entry if j in M[i] else entry

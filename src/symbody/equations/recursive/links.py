@@ -109,6 +109,18 @@ class KinematicTree:
         return children
 
     @property
+    def followers(self) -> dict[tuple[int, int], int]:
+        """The speeds of columns whose joints do not own them, by link and column: those of coupled joints."""
+        speeds: set[int] = set()
+        followers = {}
+        for k, link in enumerate(self.links):
+            for c, column in enumerate(link.motion.columns):
+                if column.speed in speeds:
+                    followers[k, c] = column.speed
+                speeds.add(column.speed)
+        return followers
+
+    @property
     def depths(self) -> list[int]:
         """How many speeds each link is carried by, its own ones included."""
         depths: list[int] = []

@@ -10,7 +10,7 @@ from symbody.equations.dynamics.inertia import Rotor
 from symbody.equations.dynamics.linear_solve import LinearSolution, Rows, TreeFactors, factor, solve_factored
 from symbody.equations.dynamics.load import GeneralizedForce, Load
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.recursive.aba import JointInertia, accelerations, articulated_inertias
+from symbody.equations.recursive.coupled_aba import UncoupledMotions, can_uncouple, uncouple_motions
 from symbody.equations.recursive.crba import mass_rows, row_numbers
 from symbody.equations.recursive.link_loads import link_loads
 from symbody.equations.recursive.links import KinematicTree, LinkWrench
@@ -29,8 +29,9 @@ _HOPELESS: Final = 2.0
 # Factors of M serve many right-hand sides while a speed is carried by fewer than this many on average:
 # 4 operations a right-hand side for each of them, 70 a link for articulated bodies.
 _LONG: Final = 18
-# Operations: of an articulated body, and of carrying a column of the mass matrix over one link.
-_ARTICULATED, _CARRYING = 300, 18
+# Operations: of an articulated body, of carrying a column of the mass matrix over one link, and of a link in
+# one more pass for a coupling.
+_ARTICULATED, _CARRYING, _PASS = 300, 18, 70
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +59,8 @@ class Recursion:
     # Made on first request; pure functions of the fields above, so they cannot go stale.
     _rows: SingleFlight[None, Rows] = field(default_factory=SingleFlight, repr=False)
     _factors: SingleFlight[None, TreeFactors] = field(default_factory=SingleFlight, repr=False)
-    _joint_inertias: SingleFlight[None, list[list[JointInertia]]] = field(
-        default_factory=SingleFlight, repr=False
-    )
+    _motions: SingleFlight[None, UncoupledMotions] = field(default_factory=SingleFlight, repr=False)
+    _joined: SingleFlight[None, bool] = field(default_factory=SingleFlight, repr=False)
     _forcing: SingleFlight[None, tuple[Expr, ...]] = field(default_factory=SingleFlight, repr=False)
     _chosen: SingleFlight[None, str] = field(default_factory=SingleFlight, repr=False)
 
@@ -150,9 +150,8 @@ class Recursion:
             return self.method
         links = zip(self.base_tree.depths, self.base_tree.links, strict=True)
         carried = sum(depth * len(link.motion.columns) for depth, link in links)
-        joined = any(one != two for one, two in self.rotor_entries())
         short = carried < _LONG * len(self.kinematics.speeds)
-        return "composite" if joined or short else "articulated"
+        return "composite" if short or self._needs_mass_matrix else "articulated"
 
     @property
     def chosen_method(self) -> str:
@@ -161,15 +160,16 @@ class Recursion:
 
     def _cheaper(self, forces: Sequence[Expr]) -> str:
         """Return the method with fewer operations."""
-        if any(one != two for one, two in self.rotor_entries()):
-            return "composite"  # rotors on several speeds join links that do not carry each other
         depths = [
             d
             for d, link in zip(self.base_tree.depths, self.base_tree.links, strict=True)
             if link.motion.columns
         ]
         composite = sum(d * d + _CARRYING * d for d in depths)
-        if composite > _HOPELESS * _ARTICULATED * len(depths):
+        articulated = (_ARTICULATED + _PASS * len(self.base_tree.followers)) * len(depths)
+        if self._needs_mass_matrix or (self.base_tree.followers and _HOPELESS * composite < articulated):
+            return "composite"
+        if composite > _HOPELESS * articulated:
             return "articulated"
         counts = {
             method: operation_count(self.graph, [x.index for x in self._solve_with(method, forces).values])
@@ -179,10 +179,9 @@ class Recursion:
 
     def _solve_with(self, method: str, forces: Sequence[Expr]) -> LinearSolution:
         speeds = self.kinematics.speeds
-        if method == "articulated":
-            joints = self._joint_inertias.get(None, self._form_joint_inertias)
-            udot = accelerations(self.base_tree, joints, dict(zip(speeds, forces, strict=True)))
-            pivots = {joint.column.speed: joint.D for link in joints for joint in link}
+        if method == "articulated" and not self._needs_mass_matrix:
+            motions = self._motions.get(None, self._uncouple_motions)
+            udot, pivots = motions.accelerations(dict(zip(speeds, forces, strict=True))), motions.pivots
             return LinearSolution([udot[u] for u in speeds], [pivots[u] for u in speeds])
         factors, row = self._factors.get(None, lambda: factor(self._mass_rows())), self._row_numbers
         right = [forces[0]] * len(row) if forces else []
@@ -191,9 +190,26 @@ class Recursion:
         x = solve_factored(factors, right)
         return LinearSolution([x[row[u]] for u in speeds], [factors.pivots[row[u]] for u in speeds])
 
-    def _form_joint_inertias(self) -> list[list[JointInertia]]:
+    def _uncouple_motions(self) -> UncoupledMotions:
         rotors = {one: inertia for (one, _), inertia in self.rotor_entries().items()}
-        return articulated_inertias(self.base_tree, rotors)
+        return uncouple_motions(self.base_tree, rotors)
+
+    @property
+    def _needs_mass_matrix(self) -> bool:
+        """Whether free motions cannot be taken apart.
+
+        Rotors on several speeds join links that do not carry each other, and a coupled joint has other free
+        motions, or no mass by itself.
+        """
+        return self._joined.get(None, self._find_joined)
+
+    def _find_joined(self) -> bool:
+        if any(one != two for one, two in self.rotor_entries()) or not can_uncouple(self.base_tree):
+            return True
+        if not self.base_tree.followers:
+            return False
+        pivots = self._motions.get(None, self._uncouple_motions).pivots.values()
+        return any(pivot.is_zero for pivot in pivots)
 
     def rotor_entries(self) -> dict[tuple[int, int], Expr]:
         """Return the entries of rotors in the mass matrix, by pairs of speeds."""

@@ -72,11 +72,16 @@ def inertial_wrenches(tree: KinematicTree, motions: Sequence[LinkMotion]) -> lis
 
 
 def generalized_forces(tree: KinematicTree, wrenches: Sequence[LinkWrench]) -> dict[int, Expr]:
-    """Return ``S^T f`` by the node of each speed, f summed over all that a joint carries (table 5.1)."""
-    total, forces = list(wrenches), {}
+    """Return ``S^T f`` by the node of each speed, f summed over all that a joint carries (table 5.1).
+
+    Coupled joints add to the speed they share.
+    """
+    total: list[LinkWrench] = list(wrenches)
+    forces: dict[int, Expr] = {}
     for k, link in reversed(list(enumerate(tree.links))):
         for column in link.motion.columns:
-            forces[column.speed] = column.twist.dot(total[k])
+            force = column.twist.dot(total[k])
+            forces[column.speed] = forces[column.speed] + force if column.speed in forces else force
         if link.parent != GROUND:
             total[link.parent] = total[link.parent] + link.transform.wrench_to_parent(total[k])
     return forces

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
+from symbody.equations.kinematics.mechanism_names import joint_speeds
 from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole, quasi_vector
@@ -201,7 +202,7 @@ def _joint_kinematics(
         [RotationStep(_FAR, _NEAR, steps, w)],
         [TranslationStep(_FAR, _NEAR, _FAR, shift, v)],
         rates,
-        [names.graph.symbol(speed) for speed in tree_joint.role.speeds],
+        joint_speeds(names, rates, tree_joint.role),
     )
 
 

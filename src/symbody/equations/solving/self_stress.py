@@ -17,6 +17,7 @@ from functools import partial
 from typing import NamedTuple
 
 from symbody.equations.dynamics.balance import Wrench
+from symbody.equations.elimination.coupling_multipliers import coupling_multipliers
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.loads import effort_name
@@ -24,7 +25,7 @@ from symbody.equations.measured_wrenches import static_wrenches
 from symbody.equations.outputs.joint_outputs import ENTRIES, prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, maximum, number, saddle_entry
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
 from symbody.expr.opcodes import LT, SELECT
 from symbody.expr.rewrite import substitute
@@ -41,7 +42,7 @@ class Component(NamedTuple):
     Attributes
     ----------
     name : str
-        Its output; "lambda_C_1 theta" is the effort of a coupling along a coordinate, which is no output.
+        Its output; "lambda_C_1 theta" is the effort of a coupling along a coordinate, which is not an output.
     is_moment : bool
     """
 
@@ -211,6 +212,10 @@ def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iter
             yield Component(f"friction {law.joint.name}", law.coordinate in turning), multiplier
         for coordinate, share in row.shares.items():
             yield Component(f"{row.name} {coordinate}", coordinate in turning), multiplier * share
+    substituted = coupling_multipliers(formed, totals, formed.bearing_rows) if formed.coupled.rows else {}
+    for row in formed.coupled.rows:
+        for coordinate, share in row.shares.items():
+            yield Component(f"{row.name} {coordinate}", coordinate in turning), substituted[row.name] * share
 
 
 def _changes(formed: EquationsOfMotion, nodes: Sequence[int]) -> list[list[Expr]]:

@@ -87,7 +87,7 @@ class _TokenReader:
         self._pending: list[_Pending] = []
         self._brackets: list[int] = []  # places of the open brackets in _pending
         self._callee: Token | None = None  # a function whose bracket comes next
-        self._degrees: Problem | None = None  # of degrees that are no angle by their place
+        self._degrees: Problem | None = None  # of degrees where no angle is expected
 
     def read_tokens(self) -> tuple[Instruction, ...]:
         tokens = self._tokens

@@ -7,7 +7,7 @@ numbers, no functions of the user, no fused products (written ``a*b + c``), and 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from typing import Final
 
@@ -16,7 +16,6 @@ from symbody.expr import opcodes as op
 from symbody.expr.graph import Graph
 from symbody.expr.language.caret import printable
 from symbody.expr.language.tokens import is_name, normalize
-from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.printing.layout import (
     ATOM,
     BOTH,
@@ -33,7 +32,6 @@ from symbody.expr.printing.layout import (
     no_formula,
     number_text,
     print_node,
-    printed_with_definitions,
 )
 
 # Operations between two operands: the sign, and how tightly it binds.
@@ -57,20 +55,6 @@ def to_text(graph: Graph, node: int) -> str:
         Above 20,000 operations written out, for names that cannot be written, and for entries of kernels.
     """
     return print_node(graph, node, _notation_for(graph))
-
-
-def to_text_with_definitions(
-    graph: Graph, nodes: Sequence[int], limit: int = EXPAND_LIMIT
-) -> tuple[list[str], list[tuple[str, str]]]:
-    """Return nodes as text, with shared parts named z1, z2, ... if one exceeds `limit` operations.
-
-    Returns
-    -------
-    (texts, definitions)
-        Definitions are pairs of name and text, each using earlier names only; all together are as
-        long as the graph, however often its parts are shared.
-    """
-    return printed_with_definitions(graph, nodes, _notation_for(graph), limit)
 
 
 def _notation_for(graph: Graph) -> NotationFor:

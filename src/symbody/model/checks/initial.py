@@ -60,7 +60,7 @@ def _check_quaternion(
             "initial.zero_quaternion",
             f"model, initial.{names[0]}",
             f"{listed} are all zero",
-            "a quaternion of norm zero is no rotation",
+            "a quaternion of norm zero is not a rotation",
             f"write 1 for {names[0]}, or leave all four out: no rotation",
         )
     elif abs(norm - 1) > _NORM:
@@ -92,6 +92,6 @@ def _prescribed_problem(name: str, joint: Joint) -> Problem:
         "initial.prescribed",
         f"model, initial.{name}",
         f"the motion of joint {joint.name} says what {name} is",
-        "a prescribed coordinate is no unknown, and begins where its motion does",
+        "a prescribed coordinate is not an unknown, and begins where its motion does",
         "leave the initial value out, or the motion",
     )

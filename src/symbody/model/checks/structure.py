@@ -68,7 +68,7 @@ def frame_constraint_problems(contacts: Mapping[str, FrameConstraint]) -> list[P
 
 
 def coupling_problems(couplings: Mapping[str, JointCoupling], joints: Iterable[Joint]) -> list[Problem]:
-    """Return a problem for each coordinate coupled that is no angle, or no displacement, as required."""
+    """Return a problem for each coupled coordinate that is not the angle or displacement it has to be."""
     listed = list(joints)
     known = {name for joint in listed for name in joint.coordinates}
     angles = {name for joint in listed for name in joint.angle_coordinates}
@@ -78,14 +78,14 @@ def coupling_problems(couplings: Mapping[str, JointCoupling], joints: Iterable[J
         for k, name in enumerate(coupling.coupled):
             is_angle = k >= coupling.displacements
             if name in known and name not in (angles if is_angle else lengths):
-                wanted = "angle" if is_angle else "displacement"
+                quantity, article = ("angle", "an") if is_angle else ("displacement", "a")
                 problems.append(
                     Problem(
                         "model.not_an_angle" if is_angle else "model.not_a_displacement",
                         f"{label}, coupled[{k}]",
-                        f"{name} is no {wanted}",
+                        f"{name} is not {article} {quantity}",
                         "the other numbers of this constraint would have other units",
-                        f'name the {wanted} of a joint, or write type = "equation"',
+                        f'name the {quantity} of a joint, or write type = "equation"',
                     )
                 )
     return problems

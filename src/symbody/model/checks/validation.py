@@ -31,8 +31,8 @@ from symbody.model.checks.symbols import (
 )
 from symbody.model.constraint import ConstraintElement, FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
+from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.element import Element
-from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.frame import Frame
 from symbody.model.frame_index import element_labels, frame_index, resolve_frames
 from symbody.model.frozen_mapping import FrozenMapping
@@ -169,7 +169,7 @@ def _model_sites(draft: Draft) -> Iterator[FormulaSite]:
 
 
 def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
-    """Return a problem for each value in degrees that is no angle."""
+    """Return a problem for each value in degrees that is not an angle."""
     angles: set[str] = set()
     others: set[str] = set()
     values = [(f"model, initial.{name}", name, formula) for name, formula in draft.initial.items()]
@@ -186,7 +186,7 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
         Problem(
             "model.not_an_angle",
             where,
-            f"{formula} belongs to {name}, which is no angle",
+            f"{formula} belongs to {name}, which is not an angle",
             "deg is understood for angles alone",
             "write the value in SI units",
         )

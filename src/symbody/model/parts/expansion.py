@@ -1,11 +1,11 @@
-"""Parts put into a model, and taken out of it again before it is written."""
+"""Parts put into a model, under their new names."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from symbody.errors import Problem
 from symbody.expr.language.formula import Formula
@@ -22,10 +22,6 @@ from symbody.model.parts.placing import place_frame, place_shape
 from symbody.model.parts.renaming import Renaming, rename_element, rename_part
 from symbody.model.shapes.shape import BodyShape
 from symbody.model.signals.signal import Signal
-
-if TYPE_CHECKING:
-    from symbody.model.model import Model
-
 
 V = TypeVar("V")
 
@@ -195,71 +191,3 @@ def _with_frames(elements: Sequence[Element], content: PartContent) -> list[Elem
 def _ground_frames(draft: Draft, content: PartContent) -> FrozenMapping[Frame]:
     added = content.frames if content.at.body == GROUND else {}
     return FrozenMapping({**draft.ground, **added})
-
-
-@dataclass(frozen=True, slots=True)
-class OwnContent:
-    """What a model says itself, beside the parts that it includes."""
-
-    elements: tuple[Element, ...]
-    parameters: Mapping[str, Formula | None]
-    inputs: tuple[str, ...]
-    initial: Mapping[str, Formula]
-    ground: Mapping[str, Frame]
-    ground_shapes: tuple[BodyShape, ...]
-    includes: tuple[Include, ...]
-
-
-def whole_content(model: Model) -> OwnContent:
-    """Return all that a model consists of, its parts among it."""
-    return OwnContent(
-        model.elements, model.parameters, model.inputs, model.initial, model.ground, model.ground_shapes, ()
-    )
-
-
-def own_content(model: Model) -> OwnContent:
-    """Return what a file of a model says: parts from files that are unchanged stay includes."""
-    own = whole_content(model)
-    for include in reversed(model.includes):
-        content = part_content(include, model.bodies, model.ground, [])
-        if include.file and content is not None and _is_unchanged(own, content, {*include.share}):
-            own = _remove_part(own, content, include)
-    return own
-
-
-def _is_unchanged(own: OwnContent, content: PartContent, shared: AbstractSet[str]) -> bool:
-    holds = all(element in own.elements for element in content.elements)
-    holds &= all(
-        own.parameters.get(name) == value for name, value in content.parameters.items() if name not in shared
-    )
-    return holds and all(own.initial.get(name) is not None for name in content.initial)
-
-
-def _remove_part(whole: OwnContent, content: PartContent, include: Include) -> OwnContent:
-    at, shared = content.at.body, {*include.share}
-    elements = [
-        _remove_frames(element, content) if isinstance(element, Body) and element.name == at else element
-        for element in whole.elements
-        if element not in content.elements
-    ]
-    ground = {
-        name: frame for name, frame in whole.ground.items() if at != GROUND or name not in content.frames
-    }
-    count = len(content.shapes) if at == GROUND else 0
-    shapes = whole.ground_shapes[: len(whole.ground_shapes) - count]
-    gone = {name for name in content.parameters if name not in shared}
-    return OwnContent(
-        tuple(elements),
-        {name: value for name, value in whole.parameters.items() if name not in gone},
-        tuple(name for name in whole.inputs if name not in content.inputs or name in shared),
-        {name: value for name, value in whole.initial.items() if content.initial.get(name) != value},
-        ground,
-        shapes,
-        (include, *whole.includes),
-    )
-
-
-def _remove_frames(body: Body, content: PartContent) -> Body:
-    frames = {name: frame for name, frame in body.frames.items() if name not in content.frames}
-    count = len(body.shapes) - len(content.shapes)
-    return replace(body, frames=FrozenMapping(frames), shapes=body.shapes[:count])

@@ -126,7 +126,7 @@ def _rows(place: str, where: str) -> Iterator[tuple[int, list[str]]]:
                 if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
                     yield reader.line_num, [cell.strip() for cell in row]
     except UnicodeDecodeError:
-        why, fix = "it was saved in another encoding, or is no text", "save it as UTF-8 text"
+        why, fix = "it was saved in another encoding, or is not text", "save it as UTF-8 text"
         raise ModelError(Problem("table.encoding", where, "the file is not UTF-8 text", why, fix)) from None
     except csv.Error as error:
         fix = "close the quotes, and separate values by commas"

@@ -40,7 +40,7 @@ def inner_path(path: str, folder: str, where: str) -> str:
         why = "paths begin in the folder of the model file"
         raise _refusal("file.missing", where, f"there is no file {path!r}", why, _similar(place, root))
     if not os.path.isfile(place):
-        raise _refusal("file.not_a_file", where, f"{path!r} is no regular file", "", "name a regular file")
+        raise _refusal("file.not_a_file", where, f"{path!r} is not a regular file", "", "name a regular file")
     return place
 
 

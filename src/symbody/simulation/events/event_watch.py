@@ -1,4 +1,4 @@
-"""`EventWatch`: finds the events of a run, and where it has to be cut, by `symbody.kernels.event_watch`."""
+"""`EventWatch`: finds the events of a run, and where it has to be cut, by `kernels.events.event_watch`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.kernels import block as run_at
-from symbody.kernels import watch_block as at
+from symbody.kernels.events import watch_block as at
 from symbody.simulation.events.event_functions import EventFunctions
-from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.events import Event, EventSide, Occurrence
 from symbody.simulation.events.watch_arrays import event_rows, with_cut_fit
-from symbody.simulation.native.description import Record
+from symbody.simulation.native.description import LoopCall, Record
 from symbody.simulation.native.machine import address, watched_motion
 from symbody.simulation.native.segments import Cut, HeldValues
 from symbody.simulation.status import Status
@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 _ACTING_STEPS: Final = 64
 _RECORDING_STEPS: Final = 1024
 _FIRST_ROOM: Final = 64  # for what happens
+_ENDINGS: Final = {at.CHATTERS: Status.CHATTERING, at.SPOILS: Status.NOT_FINITE}
 
 
 class EventWatch:
@@ -36,20 +37,23 @@ class EventWatch:
         The events.
     span : float
         Length of the run [s].
-    just_happened : sequence of int
-        Places of the events that happened at its start: their values have to leave zero first.
+    sides : sequence of EventSide
+        Where the values of the first events stood when the motion was interrupted that goes on here.
 
     Attributes
     ----------
-    chattering : str
-        The event that happened again and again, empty if none did.
+    ending : str
+        What an event did that ended the run, in words: it happened again and again, or its action set a state
+        to what is not finite. Empty if none did.
     """
 
-    def __init__(self, functions: EventFunctions, span: float, just_happened: Sequence[int] = ()) -> None:
-        self.chattering = ""
+    def __init__(self, functions: EventFunctions, span: float, sides: Sequence[EventSide] = ()) -> None:
+        self.ending = ""
         self._functions = functions
         self._block = functions.make_block(span)
-        event_rows(self._block)[list(just_happened), at.JUST_HAPPENED] = 1.0
+        for row, given in zip(event_rows(self._block), sides, strict=False):
+            row[[at.GOES_THROUGH, at.SIDE]] = given.side
+            row[[at.JUST_HAPPENED, at.LARGEST]] = given.has_happened, given.largest
         self._happened = np.zeros((_FIRST_ROOM + at.ZEROS_PER_EVENT * len(functions.events), self._row))
 
     @property
@@ -69,9 +73,25 @@ class EventWatch:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Where values were no numbers, or passed a pole: nothing happened there."""
+        """Where values were not numbers, or passed a pole: nothing happened there."""
         labels = [event.label for event in self._functions.events]
         return value_notes(labels, event_rows(self._block)[:, at.NO_NUMBER : at.POLE_TIME + 1])
+
+    def sides_at(self, t: float) -> tuple[EventSide, ...]:
+        """Return where the values stand at the end of the run [s]: those of the last samples."""
+        own = self._block
+        seen = own.item(at.SEEN) != 0.0 and own.item(at.T_LAST) == t
+        rows = self._happened[: int(own[at.HAPPENED]), :2].tolist()
+        now = {int(place) for place, when in rows if when == t}
+        sides = []
+        for place, row in enumerate(event_rows(own).tolist()):
+            is_left = seen and row[at.AT_ZERO] == 0.0
+            has_happened = place in now or (not is_left and row[at.JUST_HAPPENED] != 0.0)
+            stands = is_left and not has_happened
+            value = row[at.G_LAST] if stands else 0.0
+            side = float((value > 0.0) - (value < 0.0))
+            sides.append(EventSide(side, float(has_happened), row[at.LARGEST]))
+        return tuple(sides)
 
     @property
     def most_steps(self) -> int:
@@ -110,47 +130,37 @@ class EventWatch:
             self._functions.raise_fault(int(block[at.FAULT]))
         n = self._row - 2
         before, after = (block[int(block[place]) :][:n].copy() for place in (at.BEFORE, at.AFTER))
-        self._note_chattering()
-        status = Status.CHATTERING if code == at.CHATTERS else Status.STOPPED
+        self._note_ending()
+        status = _ENDINGS.get(code, Status.STOPPED)
         return Cut(float(block[at.CUT]), before, after if code == at.GOES_ON else None, status)
 
-    def advance(
-        self,
-        rhs: int,
-        projector: int,
-        block: Floats,
-        record: Record,
-        trials: int,
-        held: HeldValues | None = None,
-    ) -> int:
+    def advance(self, call: LoopCall, held: HeldValues | None = None) -> int:
         """Try up to so many steps of the compiled loop, and let events happen; return the loop's code."""
-        self._prepare(block)
-        functions = (rhs, projector, *self._functions.addresses)
+        self._prepare(call.block)
+        functions = self._functions.addresses
         code = run_at.NO_EVENT_ROOM
         while code == run_at.NO_EVENT_ROOM:
             self._block[at.HAPPENED_ROOM] = len(self._happened)
             if held is not None:
-                blocks = block, self._block
-                code = held.advance_watched(functions, blocks, record, self._happened, trials)
+                code = held.advance_watched(call, functions, self._block, self._happened)
             else:
-                arrays = (block, self._block, *self._places(record), self._happened)
-                code = watched_motion().advance_watched(*functions, *map(address, arrays), trials)
+                arrays = map(address, (call.block, self._block, *call.record.arrays, self._happened))
+                code = watched_motion().advance_watched(
+                    call.rhs, call.projector, *functions, *arrays, call.trials
+                )
             if code == run_at.NO_EVENT_ROOM:
                 self._make_room()
         if code == run_at.EVENT_FAULT:
             self._functions.raise_fault(int(self._block[at.FAULT]))
-        self._note_chattering()
+        self._note_ending()
         return code
 
     def break_off(self, block: Floats, record: Record) -> None:
         """End an interrupted run at the event that would have changed it, if one was computed."""
         self._prepare(block)
-        _, *places = self._places(record)
+        _, *places = record.arrays
         arrays = (block, self._block, *places, self._happened)
         watched_motion().break_off(*self._functions.addresses, *map(address, arrays))
-
-    def _places(self, record: Record) -> tuple[Floats, ...]:
-        return record.wanted, record.t, record.x, record.breaks, record.pieces
 
     def _prepare(self, block: Floats) -> None:
         """Fit the block to a run of the compiled loop."""
@@ -159,16 +169,31 @@ class EventWatch:
             own = self._block = with_cut_fit(own, rows)
         own[at.DIRECTION], own[at.PIECE_ROWS] = block[run_at.DIRECTION], rows
 
-    def _note_chattering(self) -> None:
-        culprit = int(self._block[at.CULPRIT])
-        self.chattering = self._functions.events[culprit - 1].label if culprit else ""
+    def _note_ending(self) -> None:
+        block, culprit = self._block, int(self._block[at.CULPRIT])
+        if not culprit:
+            return
+        event, place = self._functions.events[culprit - 1], int(block[at.BAD_PLACE])
+        if place:
+            self.ending = spoiled_note(event, place - 1, float(block[at.BAD_VALUE]))
+        else:
+            self.ending = f"event {event.label!r} happens again and again"
 
     def _make_room(self) -> None:
         self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
 
 
+def spoiled_note(event: Event, place: int, value: float) -> str:
+    """Return what to say about an action that sets a state to what is not finite."""
+    name, formula = list(event.mapping.items())[place]
+    return (
+        f"the action of event {event.label!r} sets {name} to {value:g}: {str(formula)!r} has no finite value "
+        "in the state before; give a formula that has one wherever the event happens"
+    )
+
+
 def value_notes(labels: Sequence[str], seen: Floats) -> tuple[str, ...]:
-    """Return notes on values that were no numbers, or had poles.
+    """Return notes on values that were not numbers, or had poles.
 
     Parameters
     ----------

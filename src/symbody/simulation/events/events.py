@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
 from symbody.arguments import checked_fields
 from symbody.codegen.formation.names import Value
+from symbody.equations.elimination.coupled_coordinates import NONE_COUPLED
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
+from symbody.expr.parser import parse_angle
+from symbody.expr.printing.text import to_text
+from symbody.model.declarations.arguments import plain_value
 
 Action = Literal["record", "stop"] | Mapping[str, Value]
 
@@ -32,6 +36,24 @@ class Occurrence(NamedTuple):
     state: Mapping[str, float]
 
 
+class EventSide(NamedTuple):
+    """Where the value of an event stands when a motion is interrupted.
+
+    Attributes
+    ----------
+    side : float
+        Its sign, 0 where it is zero or not known.
+    has_happened : float
+        1 if the event has happened there and its value has not left zero yet.
+    largest : float
+        The largest value so far.
+    """
+
+    side: float = 0.0
+    has_happened: float = 0.0
+    largest: float = 0.0
+
+
 @checked_fields
 @dataclass(frozen=True, slots=True)
 class Event:
@@ -51,7 +73,8 @@ class Event:
         What follows: a note in ``run.events``; the end of the motion, which becomes its last sample; or new
         values of coordinates and speeds, all computed from the state before, for instance
         ``{"x_dot": "-e*x_dot"}``. Closed loops are closed again afterwards by the least move in the mass
-        matrix, but with `Baumgarte`: there new speeds have to fit each other.
+        matrix, but with `Baumgarte`: there new speeds have to fit each other. A substituted coordinate stands
+        for the one it follows from.
     name : str, optional
         By default the expression.
 
@@ -116,6 +139,7 @@ def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Eve
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
+    checked = tuple(_in_states(eqs, event) for event in checked)
     labels = [event.label for event in checked]
     problems = [
         Problem("simulation.event_name", f"event {label!r}", "another event has this name", "",
@@ -130,6 +154,23 @@ def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Eve
     if problems:
         raise UsageError(*problems)
     return checked
+
+
+def _in_states(eqs: EquationSet, event: Event) -> Event:
+    """Return an event whose action sets what gives a substituted coordinate, in place of this or its rate."""
+    coupled = eqs.formed.coupled if event.mapping else NONE_COUPLED
+    action: dict[str, Value] = {}
+    for name, value in event.mapping.items():
+        coordinate = name.removesuffix("_dot")
+        if coordinate not in coupled.leaders or name in eqs.state_names:
+            action[name] = value
+            continue
+        leader, factor, rest = coupled.leaders[coordinate]
+        less = "" if name.endswith("_dot") else f" - ({to_text(rest.graph, rest.index)})"
+        text = parse_angle(plain_value(value), where=name).text
+        target = leader + name.removeprefix(coordinate)
+        action[target] = f"(({text}){less})/({to_text(factor.graph, factor.index)})"
+    return replace(event, action=action) if event.mapping and coupled.leaders else event
 
 
 def _wrong(event: Event, what: str, fix: str) -> UsageError:

@@ -21,7 +21,7 @@ from symbody.errors import Problem, SimulationError, UsageError
 from symbody.expr import opcodes as op
 from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.saddle import solve_saddle
+from symbody.expr.sequences.saddle import solve_saddle
 from symbody.simulation.execution import execute
 from symbody.simulation.hybrid.concatenate import concatenate
 from symbody.simulation.hybrid.modes import evaluate_outputs

@@ -127,7 +127,10 @@ NO_BREAKPOINTS: Final = Breakpoints(np.zeros(0), np.full(1, np.inf), np.zeros(0,
 def find_breakpoints(
     functions: TimeFunctions, span: tuple[float, float], parameters: Floats | None = None
 ) -> list[Breakpoints]:
-    """Return the pieces of a span for each row of free parameters (cases, n_p), by default one without."""
+    """Return the pieces of a span for each row of free parameters (cases, n_p), by default one without.
+
+    Pieces also meet at the end of the span, its second time, if values jump there.
+    """
     p = np.zeros((1, 0)) if parameters is None else parameters
     if span[0] == span[1] or functions.are_straight:
         return [NO_BREAKPOINTS] * len(p)
@@ -167,6 +170,7 @@ class _PieceSearch:
     def __init__(self, functions: TimeFunctions, span: tuple[float, float], p: Floats) -> None:
         self._functions, self._p = functions, p
         self._start, self._end = sorted(span)
+        self._last = span[1]
         self._cases = p.shape[1]
         self.margin = _ROUNDINGS * EPSILON * max(abs(self._start), abs(self._end))
         self._known, self._open = functions.known_switches, functions.open_switches
@@ -343,8 +347,34 @@ class _PieceSearch:
         found = []
         for case in range(self._cases):
             own, is_own = leaves.select(leaves.case == case), owners == case
-            found.append(self._result(own, cuts[is_own], widths[is_own], case))
+            pieces = self._result(own, cuts[is_own], widths[is_own], case)
+            found.append(self._with_jump_at_end(pieces, case))
         return found
+
+    def _with_jump_at_end(self, pieces: Breakpoints, case: int) -> Breakpoints:
+        """Return pieces that also meet at the end of the motion if values jump there."""
+        t, margin = self._last, 2.0 * self.margin
+        if not self._jump(np.array([t - margin]), np.array([t + margin]), case).any():
+            return pieces
+        place = pieces.times.size if t == self._end else 0
+        return Breakpoints(
+            np.insert(pieces.times, place, t),
+            np.insert(pieces.longest, place, pieces.longest[place]),
+            np.insert(pieces.jumps, place, True),
+            np.insert(pieces.margins, place, margin),
+            pieces.is_complete,
+        )
+
+    def _jump(self, before: Floats, after: Floats, case: int) -> Flags:
+        """Return whether some value jumps between each of some pairs of times."""
+        shown = self._functions.shown
+        values = self._values(np.stack([before, after], axis=1), np.full(before.size, case))[shown]
+        whole = (self._most - self._least)[case, shown][:, np.newaxis]
+        with np.errstate(all="ignore"):
+            change = np.abs(values[:, :, 1] - values[:, :, 0])
+            moved = change > _JUMP * whole + _ROUNDED * np.abs(values).max(axis=2)
+        jumps: Flags = moved.any(axis=0)
+        return jumps
 
     def _result(self, leaves: _Pieces, cuts: Floats, widths: Floats, case: int) -> Breakpoints:
         if leaves.start.size < 2:
@@ -355,13 +385,7 @@ class _PieceSearch:
             place = np.clip(np.searchsorted(cuts, before), 0, cuts.size - 1)
             is_cut = (cuts[place] > before) & (cuts[place] < after)
             times, margins = np.where(is_cut, cuts[place], times), np.where(is_cut, widths[place], margins)
-        shown = self._functions.shown
-        values = self._values(np.stack([before, after], axis=1), np.full(before.size, case))[shown]
-        whole = (self._most - self._least)[case, shown][:, np.newaxis]
-        with np.errstate(all="ignore"):
-            change = np.abs(values[:, :, 1] - values[:, :, 0])
-            moved = change > _JUMP * whole + _ROUNDED * np.abs(values).max(axis=2)
-        is_jump = moved.any(axis=0) & (after > before)
+        is_jump = self._jump(before, after, case) & (after > before)
         return Breakpoints(times, leaves.end - leaves.start, is_jump, margins, self._is_complete)
 
 

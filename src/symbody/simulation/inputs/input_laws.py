@@ -45,7 +45,7 @@ class InputLaws:
     formulas : mapping of name to formula
         Part of the equations.
     callbacks : mapping of name to callable
-        Of t, q and u: what is no part of the equations.
+        Of t, q and u: what is not part of the equations.
     notes : tuple of str
         What is slow, and why.
     tables : mapping of place to Table

@@ -96,10 +96,10 @@ class Table:
         Raises
         ------
         ModelError
-            If the file cannot be read, or rows are no points, with their lines.
+            If the file cannot be read, or rows are not points, with their lines.
         """
         place = os.fsdecode(path)
-        # a text is one name, not its letters: "mm" is no pair of metres
+        # a text is one name, not its letters: "mm" is not a pair of metres
         given = (
             (columns,) if isinstance(columns, str) else tuple(columns),
             (units,) if isinstance(units, str) else tuple(units),

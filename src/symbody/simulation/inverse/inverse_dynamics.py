@@ -229,7 +229,7 @@ def _moving_light(eqs: EquationSet) -> Problem:
         "inverse.first_order", f"speed {names[0]}",
         f"no mass resists {', '.join(names)}: dampers say how fast it moves, and its place depends on all "
         "that was before",
-        "it follows from forces, and is no motion that can be given",
+        "it follows from forces, and is not a motion that can be given",
         "give mass to what moves there, or simulate with the input given",
     )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""The block of motions side by side, one in each lane of a register; see `symbody.kernels.lane_block`."""
+"""The block of motions side by side, one in each lane of a register; see `kernels.lanes.lane_block`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
-from symbody.kernels import lane_block as beside
+from symbody.kernels.lanes import lane_block as beside
 from symbody.simulation.native.blocks import method_numbers
 from symbody.simulation.native.description import Floats, RightHandSide
 from symbody.simulation.native.runge_kutta import Tableau
@@ -30,7 +30,7 @@ def make_lane_block(single: Floats, rhs: RightHandSide, work_size: int, tableau:
     numbers = beside.LANE_R + width * np.cumsum([rhs.inputs.size, rhs.parameters.size, rhs.constants.size])
     tables = function + int(numbers[-1]) + work_size
     first, size = _lines(tables + rhs.tables.size), _lines(single.size)
-    block = _aligned_zeros(first + width * size)
+    block = aligned_zeros(first + width * size)
     block[at.METHOD : at.METHOD + at.METHOD_SIZE] = method_numbers(tableau, n * width)
     block[[at.N, at.N_U, at.RTOL, at.PROJECTOR]] = single[[at.N, at.N_U, at.RTOL, at.PROJECTOR]]
     block[[at.FUNCTION, beside.SCRATCH]] = function, scratch
@@ -51,7 +51,7 @@ def _lines(size: int) -> int:
     return -(-size // _LINE) * _LINE
 
 
-def _aligned_zeros(size: int) -> Floats:
+def aligned_zeros(size: int) -> Floats:
     """Return zeros that begin at a line."""
     room = np.zeros(size + _LINE)
     first = -(room.ctypes.data // 8) % _LINE

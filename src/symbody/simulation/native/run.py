@@ -14,7 +14,7 @@ from symbody.errors import Problem, SimulationError
 from symbody.kernels import block as at
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.description import Floats, Record
+from symbody.simulation.native.description import Floats, LoopCall, Record
 from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.native.segments import HeldValues, Watch
 from symbody.simulation.status import Status
@@ -39,6 +39,7 @@ VERDICTS: Final[Mapping[int, Status]] = {
     at.STIFF: Status.STIFF,
     at.STOPPED: Status.STOPPED,
     at.CHATTERING: Status.CHATTERING,
+    at.SPOILED: Status.NOT_FINITE,
 }
 
 
@@ -93,11 +94,16 @@ class RawRun:
     kernel: int | None
     dense_output: DenseOutput | None
 
+    @property
+    def reach(self) -> str:
+        """How far the motion is known, in words."""
+        return f"the motion is known up to t = {self.reached:.9g} s"
+
     def stop_note(self, state_names: Sequence[str]) -> str:
         """Return where and on whose account the run ended early, empty if it did not."""
         if self.status.success:
             return ""
-        note = f"the motion is known up to t = {self.reached:.9g} s"
+        note = self.reach
         if self.state is not None:
             verb = "changes too fast" if self.status is Status.STEP_COLLAPSE else "has no finite derivative"
             note += f"; there {state_names[self.state]} {verb}"
@@ -135,13 +141,13 @@ class NativeRun(NamedTuple):
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         show_room(self.block, record)
+        call = LoopCall(self.rhs, self.projector, self.block, record, trials)
         if watch is not None:
-            return watch.advance(self.rhs, self.projector, self.block, record, trials, self.held)
+            return watch.advance(call, self.held)
         if self.held is not None:
-            return self.held.advance(self.rhs, self.projector, self.block, record, trials)
-        places = (record.wanted, record.t, record.x, record.breaks, record.pieces)
+            return self.held.advance(call)
         return step_machine().advance(
-            self.rhs, self.projector, address(self.block), *map(address, places), trials
+            self.rhs, self.projector, address(self.block), *map(address, record.arrays), trials
         )
 
 

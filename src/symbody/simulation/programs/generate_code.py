@@ -36,7 +36,7 @@ def generate_code(
     CompileError
         If the language or an output is unknown, or parameters have no value.
     UsageError, AssemblyError
-        If a motion is no Modelica model, or has no first state.
+        If a motion is not a Modelica model, or has no first state.
     """
     if isinstance(language, str) and language.lower() == "modelica":
         return modelica_model(eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), parameters)

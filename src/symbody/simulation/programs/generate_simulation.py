@@ -71,7 +71,7 @@ def generate_simulation(
     if reason:
         fix = "give formulas as inputs, or take simulate"
         raise UsageError(
-            Problem("simulation.program", "", f"this motion is no program of its own: {reason}", "", fix)
+            Problem("simulation.program", "", f"this motion is not a program of its own: {reason}", "", fix)
         )
     request = MotionRequest(
         initial or {}, parameters or {}, inputs or {}, integrator=integrator, constraints=constraints,

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.state import State
 from symbody.codegen.compile import compile
@@ -18,8 +18,8 @@ from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.texts.modelica import Declaration, ModelDeclarations, model_text
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.expr.folding import fold_constants
-from symbody.expr.program import written_out
+from symbody.expr.sequences.folding import fold_constants
+from symbody.expr.sequences.program import written_out
 from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte
@@ -40,7 +40,7 @@ def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mappi
     outputs : tuple of str
         What becomes an output, besides the constraints.
     parameters : mapping, optional
-        Values to put in; None leaves parameters that are no formulas of others as parameters.
+        Values to put in; None leaves parameters that are not formulas of others as parameters.
 
     Raises
     ------
@@ -82,14 +82,14 @@ def _check_motion(eqs: EquationSet) -> None:
     if reason:
         raise UsageError(
             Problem("modelica.motion", eqs.model.name,
-                    f"this mechanism is no Modelica model: {reason}",
+                    f"this mechanism is not a Modelica model: {reason}",
                     "a Modelica model keeps its equations",
                     "give friction a smooth law and springs in the place of ropes, or take simulate")
         )  # fmt: skip
 
 
 def _plain_parameters(eqs: EquationSet) -> tuple[str, ...]:
-    """Return the parameters that are no formulas of others."""
+    """Return the parameters that are not formulas of others."""
     formulas = eqs.model.parameters
     return tuple(
         name for name in eqs.parameter_names

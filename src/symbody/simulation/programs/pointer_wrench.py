@@ -57,6 +57,7 @@ def add_pointer_wrench(eqs: EquationSet) -> tuple[EquationSet, PointerWrench | N
         pulled,
         tree=Trees(sorted(topology.rotation_branches), sorted(topology.translation_branches)),
         dependent_speeds=dependent or None,
+        substitute=bool(eqs.formed.coupled.rows),
     )
     same = made.state_names == eqs.state_names and len(made.multiplier_names) == len(eqs.multiplier_names)
     return (made, wrench) if same else (eqs, None)

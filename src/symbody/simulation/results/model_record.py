@@ -14,7 +14,7 @@ from symbody.equations.outputs.input_formulas import input_formula
 from symbody.expr.parser import parse_angle
 from symbody.formats.native import model_from_toml, model_to_toml
 from symbody.graph.trees import Trees
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.results.provenance import Provenance
@@ -47,6 +47,7 @@ def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
         },
         "tables": {name: (table.kind, table.outside) for name, table in provenance.tables.items()},
         "switches": provenance.switches,
+        "substitutes": provenance.substitutes,
     }
     held = provenance.held
     if held is not None:
@@ -62,7 +63,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
     Raises
     ------
     FormatError, ModelError, ExpressionError
-        If the text is no model, or a formula is none, in file `where`.
+        If the text is not a model, or a formula is none, in file `where`.
     UsageError
         If points make no table.
     KeyError, TypeError, ValueError
@@ -84,6 +85,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
         tables,
         given["switches"],
         _held_record(given.get("held", []), arrays),
+        given.get("substitutes", False) is True,
     )
 
 

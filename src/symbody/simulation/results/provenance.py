@@ -38,6 +38,8 @@ class Provenance:
         Whether the equations change on the way, by sticking joints or slack ropes.
     held : HeldRecord, optional
         Values that were held between samples.
+    substitutes : bool
+        Whether coordinates that couplings give were substituted.
     """
 
     model: Model
@@ -48,6 +50,7 @@ class Provenance:
     tables: Mapping[str, Table] = field(default_factory=dict)
     switches: bool = False
     held: HeldRecord | None = None
+    substitutes: bool = False
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -92,6 +95,7 @@ def provenance_of(
         own_tables,
         switches,
         held,
+        bool(formed.coupled.rows),
     )
 
 

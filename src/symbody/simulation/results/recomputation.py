@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Final
 
 import numpy as np
@@ -87,7 +88,10 @@ class Recomputation:
         source = self.provenance
         try:
             eqs = form_equations(
-                source.model, tree=source.trees, dependent_speeds=source.dependent_speeds or None
+                source.model,
+                tree=source.trees,
+                dependent_speeds=source.dependent_speeds or None,
+                substitute=source.substitutes,
             )
         except TopologyError as error:  # the model lacks joints that gave the coordinates
             raise _another_model(source.model, error.problems[0].what) from error
@@ -119,14 +123,15 @@ def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) ->
         If no usual choice of trees has these coordinates and speeds.
     """
     choices: tuple[TreeChoice, ...] = (None, "joints", "absolute")
-    for choice in choices:
-        eqs = form_equations(model, tree=choice)
+    for substitutes, choice in product((False, True), choices):
+        eqs = form_equations(model, tree=choice, substitute=substitutes)
         if (eqs.coordinate_names, eqs.speed_names) == (coordinate_names, speed_names):
             topology = eqs.formed.topology
             joints = [joint.name for joint in model.joints]
             rotation = [name for name in joints if name in topology.rotation_branches]
             trees = Trees(rotation, [name for name in joints if name in topology.translation_branches])
-            return Provenance(model, {}, trees, inputs=dict.fromkeys(model.inputs, 0))
+            inputs = dict.fromkeys(model.inputs, 0)
+            return Provenance(model, {}, trees, inputs=inputs, substitutes=substitutes)
     check_names(form_equations(model), coordinate_names, speed_names)
     raise AssertionError("names that differ were refused")
 

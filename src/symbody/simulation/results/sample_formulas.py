@@ -13,7 +13,7 @@ from symbody.equations.outputs.output_roots import OF_MOTIONS
 from symbody.errors import ExpressionError, Problem, UsageError
 from symbody.expr.graph import TIME, Graph, Symbol, SymbolKind
 from symbody.expr.language.formula import Formula, build
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 
 Floats = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def evaluate_samples(
     Raises
     ------
     UsageError
-        If what it reads is no number at each sample.
+        If what it reads is not a number at each sample.
     """
     graph, columns = Graph(), dict[str, Floats]()
 
@@ -79,6 +79,6 @@ def _fits(inner: tuple[int, ...], outer: tuple[int, ...]) -> bool:
 
 
 def _not_a_number(formula: Formula, name: str, values: Floats) -> UsageError:
-    what = f"{name!r} is no number: its samples have shape {values.shape}"
+    what = f"{name!r} is not a number: its samples have shape {values.shape}"
     fix = "name one component, such as 'reaction A Fx'"
     return UsageError(Problem("trajectory.formula", formula.text, what, fix=fix))

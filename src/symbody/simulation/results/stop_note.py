@@ -29,7 +29,7 @@ _DEMANDED: Final = 1e-2
 
 def stop_note(problem: SimulationProblem, raw: RawRun) -> str:
     """Return where and on whose account a run ended early, empty if it did not."""
-    reached = f"the motion is known up to t = {raw.reached:.9g} s"
+    reached = raw.reach
     if raw.status in _COLLAPSES and problem.eqs.multiplier_names:
         position = _singular_position(problem, raw)
         cause = _open_constraints(problem, raw) if position is None else position.note

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError, nearest
 from symbody.model.model import Model
-from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
@@ -66,6 +66,8 @@ class Trajectory(SampleTable):
         States of signals.
     signal_state_names : tuple of str
         The names of its rows.
+    sides : tuple of EventSide
+        Where the values of events stand at its end.
     """
 
     t: Floats
@@ -85,6 +87,7 @@ class Trajectory(SampleTable):
     provenance: Provenance | None = None
     s: Floats = field(default_factory=lambda: np.zeros((0, 0)), kw_only=True)
     signal_state_names: tuple[str, ...] = field(default=(), kw_only=True)
+    sides: tuple[EventSide, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         if not self.signal_state_names:
@@ -325,7 +328,7 @@ class Trajectory(SampleTable):
         EnvironmentFault
             If the file cannot be opened.
         FormatError, ModelError
-            If it is no trajectory, or its model is none.
+            If it is not a trajectory, or its model is none.
         UsageError
             If the motion is not one of `model`.
         """

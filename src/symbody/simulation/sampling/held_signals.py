@@ -176,7 +176,7 @@ def held_signals(
     initial : mapping of name to number or formula
         Values before the first sample, among others; by default those of the model.
     inputs : mapping of name to law
-        Held values are no inputs of the caller.
+        Held values are not inputs of the caller.
 
     Raises
     ------

@@ -22,7 +22,7 @@ def sample_later(held: HeldSignals, problem: SimulationProblem, motion: DenseOut
     Raises
     ------
     FormulationError, UsageError
-        If a formula of a value has no meaning, or is no number.
+        If a formula of a value has no meaning, or is not a number.
     SimulationError
         If a function fails.
     """

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
+from symbody.codegen.llvm.native import NativeFunction
 from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
 from symbody.kernels import stepping
@@ -254,11 +255,7 @@ class CompiledSteps:
     def _new_block(self) -> Floats:
         """Return the block of a motion from time and state at present."""
         numbers, sizes, method = self._numbers, self._problem.sizes, self._problem.settings.method
-        nothing = np.zeros(0)
-        rhs = RightHandSide(
-            self._right_hand_side, len(self._problem.settings.eqs.speed_names), np.zeros(numbers.inputs.size),
-            nothing, self._function.constants(), self._function.work_size, self._problem.tables,
-        )  # fmt: skip
+        rhs = self.right_hand_side
         settings, span = self._problem.settings, (self._window, self._window_end)
         goal = make_goal(
             span, settings.rtol, np.array(sizes.tolerances), method.max_step, self._breakpoints()
@@ -266,6 +263,56 @@ class CompiledSteps:
         goal = goal._replace(max_trials=settings.max_steps)
         first = 0.0 if method.first_step is None else float(method.first_step)
         return make_block(rhs, self._projector, method.tableau, goal, numbers.x, numbers.t, first)
+
+    @property
+    def right_hand_side(self) -> RightHandSide:
+        """The function that is integrated, with the parameters of this motion."""
+        return RightHandSide(
+            self._right_hand_side, len(self._problem.settings.eqs.speed_names),
+            np.zeros(self._numbers.inputs.size), np.zeros(0), self._function.constants(),
+            self._function.work_size, self._problem.tables,
+        )  # fmt: skip
+
+    @property
+    def lane_function(self) -> NativeFunction:
+        """The same function for many motions side by side."""
+        return self._function.in_lanes()
+
+    @property
+    def projects_by(self) -> int:
+        """The address of what projects, 0 for none."""
+        return self._projector.address
+
+    @property
+    def calls_python(self) -> bool:
+        """Whether each step passes through Python."""
+        return self._laws is not None
+
+    @property
+    def reads_time(self) -> bool:
+        """Whether something has to be looked at before each step."""
+        return bool(self._problem.own_laws.tables) or self._depends_on_time
+
+    @property
+    def window_end(self) -> float:
+        """Until when what depends on time has been looked at [s]; tables are looked at before each step."""
+        return -math.inf if self._problem.own_laws.tables else self._window_end
+
+    @property
+    def block(self) -> Floats:
+        """The block of the motion."""
+        return self._block
+
+    def move_to(self, room: Floats) -> None:
+        """Keep the block in the first part of an array from now on."""
+        room[: self._block.size] = self._block
+        self._use_block(room[: self._block.size])
+
+    def look_ahead(self) -> None:
+        """Look ahead for the next step where nobody has looked yet, and check that tables reach so far."""
+        self._check_tables()
+        if self._depends_on_time:
+            self._look_ahead()
 
     def _renew_block(self, block: Floats, kept: Floats) -> None:
         """Go on with another block of the same motion."""

@@ -46,6 +46,12 @@ class StepNumbers:
         """Time [s]."""
         return self.array.item(at.NOW)
 
+    def move_to(self, row: Floats) -> None:
+        """Keep the numbers in another array of the same size from now on."""
+        row[:] = self.array
+        self.array, n = row, self.x.size
+        self.x, self.inputs = row[at.STATE_AT :][:n], row[at.STATE_AT + n :]
+
     def copy(self) -> StepNumbers:
         """Return the same numbers at another place."""
         return StepNumbers(self.array.copy(), self.x.size)

@@ -22,7 +22,7 @@ from symbody.simulation.stepper.settings import StepperSettings
 
 Floats = NDArray[np.float64]
 
-_FORMAT: Final = b"symbody stepper 1\n"
+_FORMAT: Final = b"symbody stepper 2\n"
 _DIGEST: Final = 32
 _REAL: Final = np.dtype("<f8")
 
@@ -68,20 +68,20 @@ def read_saved(saved: object) -> SavedStepper:
     Raises
     ------
     UsageError
-        If these are no bytes that `Stepper.save` returned, or not all of them.
+        If these are not bytes that `Stepper.save` returned, or not all of them.
     """
     if not isinstance(saved, bytes):
-        raise _refusal(f"{type(saved).__name__} is not what save() returns")
+        raise not_saved(f"{type(saved).__name__} is not what save() returns")
     if not saved.startswith(_FORMAT):
-        raise _refusal("these bytes do not come from save() of this version")
+        raise not_saved("these bytes do not come from save() of this version")
     digest, content = saved[len(_FORMAT) :][:_DIGEST], saved[len(_FORMAT) + _DIGEST :]
     if sha256(content).digest() != digest:
-        raise _refusal("the bytes were cut or changed")
+        raise not_saved("the bytes were cut or changed")
     line, _, values = content.partition(b"\n")
     try:
         return _read_content(json.loads(line), np.frombuffer(values, dtype=_REAL).astype(np.float64))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise _refusal("the bytes have a hash, but not the content of a stepper") from error
+        raise not_saved("the bytes have a hash, but not the content of a stepper") from error
 
 
 def kind_of(settings: StepperSettings) -> str:
@@ -92,6 +92,7 @@ def kind_of(settings: StepperSettings) -> str:
         eqs.model.name, eqs.state_names, eqs.input_names, eqs.parameter_names, eqs.multiplier_names,
         eqs.identity, settings.held, sorted(laws.items()), settings.integrator, settings.constraints,
         settings.events, settings.rtol, settings.atol, settings.scales, settings.max_steps,
+        *sorted(settings.fmus.items()),
     )  # fmt: skip
     return sha256(repr(fixed).encode()).hexdigest()
 
@@ -140,7 +141,8 @@ def other_kind() -> UsageError:
     )  # fmt: skip
 
 
-def _refusal(what: str) -> UsageError:
+def not_saved(what: str) -> UsageError:
+    """Return the refusal of bytes that are not what was saved."""
     return UsageError(
         Problem("stepper.not_saved", "saved", what, "nothing is read that is not whole",
                 "give the bytes that save() returned")

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.kernels import block as at
-from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.hybrid.rate_jumps import may_jump, run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.constraints import Baumgarte, Projection
-from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import MotionPlan
-from symbody.simulation.methods.overconstrained import is_overconstrained
-from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import Sampler
@@ -28,7 +28,7 @@ from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import Ending, Steps
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.step_problem import StepProblem
-from symbody.simulation.stepper.watched_steps import OTHERWISE, just_happened
+from symbody.simulation.stepper.watched_steps import OTHERWISE, no_sides, split_sides, with_sides
 
 Floats = NDArray[np.float64]
 
@@ -69,6 +69,7 @@ class SeparateMotions:
         self.occurrences: tuple[Occurrence, ...] = ()
         self._problem = problem
         self._numbers = numbers
+        self._sides: tuple[EventSide, ...] = no_sides(problem)
         self._last: Trajectory | None = None
         self._posed: tuple[bytes, SimulationProblem] | None = None
         self._sampler = self._make_sampler()
@@ -83,16 +84,11 @@ class SeparateMotions:
             self._sampler.begin_anew()
         x = np.append(numbers.x[:-1], 0.0)
         integration = self._problem.integration(x, (start, end), self._pose())
-        # An event that stopped the last step stands at zero: it is watched again from the next step on.
-        before = just_happened(settings.events, self.occurrences, start)
-        others = tuple(event for place, event in enumerate(settings.events) if place not in before)
-        integration = replace(integration, events=others)
-        if isinstance(settings.integrator, GeneralizedAlpha):  # to read jumps at the very end from before
-            watched = [str(event.expression) for event in others]
-            integration.problem.breakpoints((start, end + settings.dt), watched)
+        integration = replace(integration, sides=self._sides)
         plan = MotionPlan(integration, settings.integrator, settings.constraints)
         run = run_switching(plan) if switches(settings.moving.formed) else run_with_jumps(plan)
         self._last, self.occurrences = run, run.events
+        self._sides = run.sides[: len(settings.events)] or no_sides(self._problem)
         self._show_samples()
         arrived = run.status is Status.SUCCESS
         if run.t.size:
@@ -113,21 +109,25 @@ class SeparateMotions:
 
     def restart(self, initial: Mapping[str, Value]) -> None:
         """Begin anew from time and state at present, with other held values where `initial` has some."""
-        self.occurrences = ()
+        self.occurrences, self._sides = (), no_sides(self._problem)
         self._posed, self._sampler = None, self._make_sampler(initial)
 
     def snapshot(self) -> Floats:
-        """Return what samples follow from; each motion follows from its first state."""
-        return np.zeros(0) if self._sampler is None else self._sampler.snapshot()
+        """Return what samples and events follow from; else each motion follows from its first state."""
+        samples = np.zeros(0) if self._sampler is None else self._sampler.snapshot()
+        return with_sides(samples, self._sides)
 
     def resume(self, kept: Floats) -> None:
         """Go on from numbers that `snapshot` returned."""
+        samples, self._sides = split_sides(kept, self._problem)
         if self._sampler is not None:
-            self._sampler.resume(kept)
+            self._sampler.resume(samples)
             self._show_samples()
 
     def follow(self, others: Steps) -> None:
-        """Go on with the held values of others, which computed with other values of parameters."""
+        """Go on with held values and events of others, which computed with other values of parameters."""
+        if isinstance(others, SeparateMotions):
+            self._sides = others._sides
         if isinstance(others, SeparateMotions) and self._sampler is not None and others._sampler is not None:
             self._sampler.follow(others._sampler, self._numbers.t)
             self._show_samples()

@@ -32,7 +32,7 @@ def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, c
             laws.held_laws
         ),
         f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
-        f"{type(integrator).__name__} is no explicit method": not isinstance(
+        f"{type(integrator).__name__} is not an explicit method": not isinstance(
             integrator, Explicit | FixedStep | None
         ),
         f"{type(constraints).__name__} takes its steps in Python": not isinstance(

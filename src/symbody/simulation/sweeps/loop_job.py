@@ -161,12 +161,17 @@ def _breakpoints(
     return (pieces.jumps_alone() if isinstance(method, FixedStep) else pieces,)
 
 
+def _no_rows(values: Mapping[str, float]) -> tuple[bool, ...]:
+    return ()
+
+
 def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:
     """Return the cases whose values fulfil constraints that others do not; `simulate` treats these.
 
     A constraint that is zero but for rounding at some values of the parameters would be taken for one.
     """
-    if not (eqs.multiplier_names and table.parameter_names):
+    has_divisors = bool(eqs.formed.coupled.divisors)
+    if not table.parameter_names or not (eqs.multiplier_names or has_divisors):
         return []
     names = eqs.parameter_names
     columns = case_values(eqs, table, {name: name for name in names})
@@ -174,7 +179,9 @@ def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:
     varied = {name for k, name in enumerate(names) if (rows[:, k] != rows[0, k]).any()}
     known = {name: float(rows[0, k]) for k, name in enumerate(names) if name not in varied}
     check_parameter_constraints(eqs.formed, known)
-    rounding: RoundingRows = eqs.plans.get("rounding rows", lambda: RoundingRows(eqs))
+    rounding = _no_rows
+    if eqs.multiplier_names:
+        rounding = eqs.plans.get("rounding rows", lambda: RoundingRows(eqs))
     usual = rounding(known)
     different, place = np.unique(rows, axis=0, return_inverse=True)
     is_apart = []

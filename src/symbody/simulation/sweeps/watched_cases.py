@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
-from symbody.kernels import watch_block as watch_at
-from symbody.kernels import watched_cases as loop_at
+from symbody.kernels.events import watch_block as watch_at
+from symbody.kernels.events import watched_cases as loop_at
 from symbody.simulation.events.event_watch import value_notes
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block, with_cut_fit
@@ -134,7 +134,8 @@ class WatchedLoop:
             elif code == at.NO_EVENT_ROOM:
                 self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
             done[0] = self._block[at.CASES_ENDED]
-        verdicts[verdicts[:, at.CODE] == at.EVENT_FAULT, at.CODE] = at.STIFF  # `simulate` says what is wrong
+        is_fault = np.isin(verdicts[:, at.CODE], (at.EVENT_FAULT, at.SPOILED))
+        verdicts[is_fault, at.CODE] = at.STIFF  # `simulate` says what is wrong
 
     def _advance(self, verdicts: Floats) -> int:
         self._block[at.STEP_ROOM] = len(self._pieces)

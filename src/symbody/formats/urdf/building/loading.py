@@ -15,7 +15,7 @@ from symbody.formats.urdf.building.conversion import Parts, convert_robot
 from symbody.formats.urdf.building.loops import NO_LOOPS, Loops, read_loops
 from symbody.formats.urdf.file.robot import Robot
 from symbody.formats.urdf.file.robot_reading import robot_from_text
-from symbody.model.arguments import Value
+from symbody.model.declarations.arguments import Value
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import Model
@@ -59,7 +59,7 @@ def load_urdf(
     Raises
     ------
     FormatError
-        If a file cannot be read, is no XML, or has elements and numbers that do not fit.
+        If a file cannot be read, is not XML, or has elements and numbers that do not fit.
     ModelError
         If links and joints form no tree, or the mechanism contradicts itself.
     UsageError

@@ -18,8 +18,8 @@ from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.urdf.building.bodies import BodyPlan, rotation
 from symbody.formats.urdf.building.conversion import Parts
 from symbody.formats.urdf.file.placement import FramePlacement, numeral
-from symbody.model.arguments import Value
 from symbody.model.body import Body
+from symbody.model.declarations.arguments import Value
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping

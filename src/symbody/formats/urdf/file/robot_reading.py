@@ -35,7 +35,7 @@ def read_urdf(path: str | os.PathLike[str], snap_angles: float = 0) -> Robot:
     Raises
     ------
     FormatError
-        If the file cannot be read, is no XML, or has elements and numbers that do not fit.
+        If the file cannot be read, is not XML, or has elements and numbers that do not fit.
     ModelError
         If its links and joints form no tree. Both tell all problems, with their lines.
     """
@@ -52,7 +52,7 @@ def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> 
     """
     if not (math.isfinite(snap_angles) and 0 <= snap_angles <= _SNAP_LIMIT):
         raise UsageError(
-            Problem("urdf.snap_angles", "snap_angles", f"{snap_angles} rad is no tolerance for angles",
+            Problem("urdf.snap_angles", "snap_angles", f"{snap_angles} rad is not a tolerance for angles",
                     "multiples of pi/12 are 0.26 rad apart", f"give a number from 0 to {_SNAP_LIMIT}")
         )  # fmt: skip
     read = Attributes(where, snap_angles)
@@ -60,7 +60,7 @@ def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> 
     if root.tag != "robot":
         raise FormatError(
             Problem("urdf.not_a_robot", f"{where}:{root.line}",
-                    f"the file is no URDF: it begins with <{root.tag}>",
+                    f"the file is not URDF: it begins with <{root.tag}>",
                     _other_format(root.tag), 'name a file that begins with <robot name="..">')
         )  # fmt: skip
     _refuse_templates(read, root)
@@ -109,7 +109,7 @@ def _ignored_notes(root: XmlNode) -> Iterable[str]:
             first.setdefault(node.tag, node.line)
             count[node.tag] += 1
     for tag, line in first.items():
-        reason = _IGNORED.get(tag, "is no part of URDF")
+        reason = _IGNORED.get(tag, "is not part of URDF")
         yield f"line {line}: <{tag}> {reason} and is ignored" + (
             f" ({count[tag]} times)" if count[tag] > 1 else ""
         )

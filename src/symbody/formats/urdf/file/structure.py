@@ -82,7 +82,7 @@ def _root_problems(where: str, links: Sequence[UrdfLink], joints: Sequence[UrdfJ
     if len(roots) > 1:
         return [
             Problem("urdf.two_roots", f"{where}:{roots[1].line}, link {roots[1].name}",
-                    f"{len(roots)} links are no child of any joint: {', '.join(r.name for r in roots[:6])}",
+                    f"{len(roots)} links are children of no joint: {', '.join(r.name for r in roots[:6])}",
                     "one of them is the root, the others are not connected to it",
                     f"add joints, for instance a fixed one from {roots[0].name} to {roots[1].name}")
         ]  # fmt: skip
@@ -125,7 +125,7 @@ def _mimic_problems(where: str, joints: Sequence[UrdfJoint]) -> list[Problem]:
                 problems.append(Problem("urdf.mimic_cycle", place, what, "", fix))
                 break
             if leader not in single:
-                what = f"{leader!r} is no joint with one coordinate"
+                what = f"{leader!r} is not a joint with one coordinate"
                 problems.append(Problem("urdf.mimic_unknown", place, what, "", nearest(leader, single)))
                 break
             seen.append(leader)

@@ -47,7 +47,7 @@ def parse_xml(text: str, where: str) -> XmlNode:
     Raises
     ------
     FormatError
-        If it is no XML, declares a document type or entities, or is nested or long beyond all use.
+        If it is not XML, declares a document type or entities, or is nested or long beyond all use.
     """
     builder = _Builder(where)
     parser = expat.ParserCreate()
@@ -82,7 +82,7 @@ class _Builder:
             limit = f"nested more than {MAX_DEPTH} deep" if deep else f"more than {MAX_NODES} elements"
             raise FormatError(
                 Problem("file.too_complex", f"{self._where}:{line}", f"the file is too complex: {limit}",
-                        "this is no robot, or it was made by a program", "split it, or check the file")
+                        "this is not a robot, or it was made by a program", "split it, or check the file")
             )  # fmt: skip
         node = XmlNode(tag, dict(attributes), line)
         if self._open:

@@ -116,7 +116,8 @@ def _joint_problems(joint: Joint, values: Values) -> Iterator[Problem]:
                            "leave damping out")  # fmt: skip
     friction = joint.friction
     if friction is not None and (friction.force is None or friction.is_smooth or friction.static is not None):
-        yield _refusal(joint.name, "its friction is no plain strength", "", "write friction = { force = .. }")
+        fix = "write friction = { force = .. }"
+        yield _refusal(joint.name, "its friction is not a plain strength", "", fix)
 
 
 def _details(joint: Joint, values: Values, mimic: str | None) -> Iterator[str]:

@@ -6,9 +6,9 @@ from fractions import Fraction
 from math import factorial
 from typing import ClassVar, Final, final
 
-from symbody.model.arguments import Arguments
-from symbody.model.fields import OptionalQuantity, Quantity
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.fields import OptionalQuantity, Quantity
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
 from symbody.model.signals.blocks.transfer_function import realize
@@ -22,7 +22,7 @@ _EXACT: Final = 1e-9  # share by which times in decimals may miss a whole number
 @final
 @block
 class Delay(SignalBlock):
-    """A delay, by the approximation of Pade of an order: exact delays are no states.
+    """A delay, by the approximation of Pade of an order: exact delays are not states.
 
     Sampled, it is exact: what was sampled `time` ago, 0 before that.
     """
@@ -38,18 +38,19 @@ class Delay(SignalBlock):
     )
 
     def check(self, arguments: Arguments) -> None:
-        """Note an order that is none, and a delay that is no number of samples."""
+        """Note an order that is none, and a delay that is not a number of samples."""
         check_sample(arguments, self.sample)
         if self.sample is not None and self._samples is None:
             arguments.add(
-                "block.delay_samples", "time", f"{self.time} is no multiple of the sample time {self.sample}",
+                "block.delay_samples", "time",
+                f"{self.time} is not a multiple of the sample time {self.sample}",
                 f"a sampled delay keeps a value of each sample, {_MOST} at most",
                 "give both as numbers, such as time = 0.05, sample = 0.01",
             )  # fmt: skip
         order = self.order.constant()
         if not isinstance(order, int) or not 1 <= order <= _HIGHEST:
             arguments.add(
-                "block.order", "order", f"{self.order} is no order of an approximation",
+                "block.order", "order", f"{self.order} is not an order of an approximation",
                 "the delay becomes a ratio of two polynomials of this degree", f"write 1 to {_HIGHEST}",
             )  # fmt: skip
 
@@ -66,7 +67,7 @@ class Delay(SignalBlock):
 
     @property
     def _samples(self) -> int | None:
-        """How many samples the delay lasts; None where that is no number."""
+        """How many samples the delay lasts; None where that is not a number."""
         time, sample = self.time.constant(), None if self.sample is None else self.sample.constant()
         if time is None or sample is None or not sample > 0:
             return None

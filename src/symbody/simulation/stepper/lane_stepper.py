@@ -1,0 +1,353 @@
+"""`LaneStepper`: many motions of one mechanism that go on by one step together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any, Final, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.arguments import checked_arguments
+from symbody.codegen.formation.names import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, SimulationError, UsageError
+from symbody.kernels import block as at
+from symbody.kernels import stepping
+from symbody.simulation.events.events import Event, Occurrence
+from symbody.simulation.inputs.input_laws import Law
+from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.status import Status
+from symbody.simulation.stepper.input_values import missing_values
+from symbody.simulation.stepper.lane import Lane
+from symbody.simulation.stepper.lane_values import (
+    LaneValue,
+    chosen_lanes,
+    input_columns,
+    join_saved,
+    split_saved,
+    values_by_lane,
+)
+from symbody.simulation.stepper.numbers import read_only
+from symbody.simulation.stepper.side_by_side import LaneBlocks
+from symbody.simulation.stepper.stepper import Stepper
+
+Floats = NDArray[np.float64]
+
+_MOST_NAMED: Final = 5  # lanes that broke off
+
+
+class LaneStepper:
+    """Motions of one mechanism, each in a lane, that go on by one step of `dt` at each call of `step`.
+
+    It serves reinforcement learning, identification and Monte Carlo: steps of many motions by one call, where
+    the compiled loop can take them several in each register of the processor. Each lane is what a `Stepper`
+    with its values would be, to the bit.
+
+    Parameters
+    ----------
+    dt : float
+        How long each step is [s].
+    lanes : int
+        How many motions there are, N.
+    parameters, initial : mapping of name to number, formula, or N of them
+        As for `Stepper`, for all lanes or for each.
+    inputs, integrator, constraints, events, guess, t, rtol, atol, scales, max_steps : optional
+        As for `Stepper`. With events, Python functions, and where `notes` says so, lanes are stepped one
+        after the other.
+
+    Raises
+    ------
+    CompileError, FormulationError, UsageError, AssemblyError
+        If names, values or tables make no sense, or initial values do not fit.
+    """
+
+    _failed: dict[int, Problem]  # of the last step
+
+    @checked_arguments
+    def __init__(
+        self, eqs: EquationSet, dt: float, lanes: int,
+        parameters: Mapping[str, LaneValue] | None = None, initial: Mapping[str, LaneValue] | None = None,
+        inputs: Mapping[str, Law] | Iterable[str] | None = None, integrator: Integrator | None = None,
+        constraints: Constraints | None = None, events: Event | Sequence[Event] = (), *,
+        guess: Mapping[str, Value] | None = None, t: float = 0.0, rtol: float = 1e-8,
+        atol: float | None = None, scales: Mapping[str, float] | None = None, max_steps: int = 100_000,
+    ) -> None:  # fmt: skip
+        if isinstance(lanes, bool) or lanes < 1:
+            raise UsageError(
+                Problem("stepper.lanes", "lanes", f"lanes = {lanes!r} is not a number of motions", "",
+                        "give 1 or more")
+            )  # fmt: skip
+        given = inputs if inputs is None or isinstance(inputs, Mapping | str) else list(inputs)
+        each = zip(
+            values_by_lane("parameters", parameters, lanes),
+            values_by_lane("initial", initial, lanes),
+            strict=True,
+        )
+        self._adopt([
+            Lane(eqs, dt, own, first, given, integrator, constraints, events, guess=guess, t=t, rtol=rtol,
+                  atol=atol, scales=scales, max_steps=max_steps)
+            for own, first in each
+        ])  # fmt: skip
+
+    def step(self, values: ArrayLike | None = None, /, **inputs: ArrayLike) -> Self:
+        """Go on by `dt` in every lane; return this stepper.
+
+        Parameters
+        ----------
+        values : (N, n_inputs) array, optional
+            All inputs that steps give, in the order of `input_names`.
+        **inputs : float or (N,) array
+            Single ones, for all lanes or for each. Inputs keep their values for later steps.
+
+        Raises
+        ------
+        UsageError
+            If an input is unknown, has no value, or values that are not finite or do not fit the lanes;
+            nothing has moved then.
+        SimulationError
+            If motions cannot go on. All others are at the end of the step, these are as far as they came.
+        """
+        if values is not None or inputs:
+            for place, column in input_columns(values, inputs, self._places, len(self)):
+                self._rows[:, place] = column
+        self._check_inputs()
+        blocks = self._blocks
+        self._failed = (
+            self._conclude(lambda _, lane: lane.step()) if blocks is None else self._step_together(blocks)
+        )
+        if self._failed:
+            raise SimulationError(*list(self._failed.values())[:_MOST_NAMED])
+        return self
+
+    def __len__(self) -> int:
+        return len(self._lanes)
+
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """The inputs that steps give."""
+        return tuple(self._places)
+
+    @property
+    def dt(self) -> float:
+        """How long each step is [s]."""
+        return self._lanes[0].dt
+
+    @property
+    def t(self) -> Floats:
+        """Time of each lane (N,) [s], a view that steps renew; it differs after `reset` of some."""
+        return self._t
+
+    @property
+    def q(self) -> Floats:
+        """The coordinates (N, n_q), a view that steps renew."""
+        return self._q
+
+    @property
+    def u(self) -> Floats:
+        """The speeds (N, n_u), a view that steps renew."""
+        return self._u
+
+    @property
+    def x(self) -> Floats:
+        """The states x = (u, q, s), (N, n_x), a view that steps renew."""
+        return self._x
+
+    @property
+    def status(self) -> tuple[Status, ...]:
+        """How the last step of each lane ended."""
+        return tuple(lane.status for lane in self._lanes)
+
+    @property
+    def events(self) -> tuple[tuple[Occurrence, ...], ...]:
+        """What happened in the last step of each lane."""
+        return tuple(lane.events for lane in self._lanes)
+
+    @property
+    def parameters(self) -> tuple[dict[str, Value], ...]:
+        """The values of parameters of each lane that differ from the model."""
+        return tuple(lane.parameters for lane in self._lanes)
+
+    @property
+    def inputs(self) -> Floats:
+        """The inputs that steps give (N, n_inputs); NaN where none was given yet."""
+        values: Floats = self._rows[:, list(self._places.values())]
+        return values
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the reader should know, also why lanes are stepped one after the other where they are."""
+        alone = () if self._blocks is not None else ("lanes are stepped one after the other, by Python",)
+        return (*dict.fromkeys(note for lane in self._lanes for note in lane.notes), *alone)
+
+    @checked_arguments
+    def __getitem__(self, name: str) -> Floats:
+        """Return a coordinate, a speed, a signal, or any output or expression at present, (N, ...)."""
+        place = self._lanes[0].state_places.get(name)
+        if place is not None:
+            return self._rows[:, place].copy()
+        return np.array([lane[name] for lane in self._lanes])
+
+    def lane(self, number: int) -> Stepper:
+        """Return a stepper that goes on from the present of one lane by itself."""
+        (place,) = chosen_lanes(number, len(self))
+        return self._lanes[place].copy()
+
+    def set(self, only: ArrayLike | None = None, /, **values: LaneValue) -> Self:
+        """Change values of parameters, or of inputs, in all lanes or in some; return this stepper.
+
+        Parameters
+        ----------
+        only : int, sequence of int, or (N,) array of bool, optional
+            The lanes meant.
+        **values : number, formula, or as many as lanes are meant
+            See `Stepper.set`.
+        """
+        return self._change(only, values, Stepper.set)
+
+    def reset(self, only: ArrayLike | None = None, /, **values: LaneValue) -> Self:
+        """Go back to the start in all lanes or in some, there with other initial values; see `set`.
+
+        Parameters keep their values, inputs lose theirs.
+        """
+        return self._change(only, values, Stepper.reset)
+
+    def copy(self) -> LaneStepper:
+        """Return a stepper that goes on from here by itself; compiled functions are shared."""
+        other: LaneStepper = object.__new__(type(self))
+        copies = [lane.copy() for lane in self._lanes]
+        other._adopt([copy for copy in copies if isinstance(copy, Lane)])
+        return other
+
+    def save(self) -> bytes:
+        """Return all that further steps depend on, to the bit; see `restore`."""
+        return join_saved([lane.save() for lane in self._lanes])
+
+    @checked_arguments
+    def restore(self, saved: bytes) -> Self:
+        """Go on from what `save` returned, here or in another process; return this stepper.
+
+        Raises
+        ------
+        UsageError
+            If the bytes are damaged, or come from other equations, settings or another number of lanes;
+            nothing has changed then.
+        """
+        parts = split_saved(saved, len(self))
+        with self._unless_it_fails(range(len(self))) as lanes:
+            for lane, part in zip(lanes, parts, strict=True):
+                lane.restore(part)
+        return self
+
+    def __repr__(self) -> str:
+        t = self._t
+        return f"LaneStepper({len(self)} lanes, dt={self.dt:g}): t = {t.min():.9g} to {t.max():.9g} s"
+
+    @property
+    def _places(self) -> dict[str, int]:
+        return self._lanes[0].held_places
+
+    def _adopt(self, lanes: Sequence[Lane]) -> None:
+        """Step these from now on."""
+        self._lanes = tuple(lanes)
+        self._rows: Floats = np.stack([lane.numbers for lane in lanes])
+        for lane, row in zip(lanes, self._rows, strict=True):
+            lane.move_to(row)
+        n_u, n = lanes[0].u.size, lanes[0].u.size + lanes[0].q.size + lanes[0].s.size
+        states = self._rows[:, stepping.STATE_AT :]
+        self._t, self._x = read_only(self._rows[:, stepping.NOW]), read_only(states[:, :n])
+        self._u, self._q = self._x[:, :n_u], self._x[:, n_u : n_u + lanes[0].q.size]
+        self._failed = {}
+        self._blocks: LaneBlocks | None = None
+        self._settle(range(len(lanes)))
+
+    def _settle(self, places: Iterable[int]) -> None:
+        """Put the blocks of lanes that have new ones beside those of the others."""
+        self._has_all_inputs = False
+        compiled = [steps for steps in (lane.loop_steps for lane in self._lanes) if steps is not None]
+        if len(compiled) < len(self._lanes) or not self._x.shape[1]:
+            self._blocks = None
+            for lane in self._lanes:
+                lane.take_block()
+            return
+        blocks = self._blocks
+        if blocks is None or not all([blocks.take(place, compiled[place]) for place in places]):
+            self._blocks = LaneBlocks(compiled, self._rows, self._lanes[0].tableau)
+        for lane in self._lanes:
+            lane.take_block()
+        self._seen_until = min(steps.window_end for steps in compiled)
+        self._reads_time = any(steps.reads_time for steps in compiled)
+
+    def _check_inputs(self) -> None:
+        """Check that all inputs have values.
+
+        Raises
+        ------
+        UsageError
+            If one has none in some lane.
+        """
+        if self._has_all_inputs:
+            return
+        missing = [name for name, place in self._places.items() if np.isnan(self._rows[:, place]).any()]
+        if missing:
+            raise missing_values(missing)
+        for lane in self._lanes:
+            lane.begin()
+        self._has_all_inputs = True
+
+    def _step_together(self, blocks: LaneBlocks) -> dict[int, Problem]:
+        """Take a step in all lanes at once; return what is wrong with those that broke off."""
+        if self._reads_time and self._t.max() + 1.5 * self.dt > self._seen_until:
+            blocks = self._look_ahead(blocks)
+        codes = blocks.step()
+        if not self._failed and (codes == at.FINISHED).all():
+            return {}
+        return self._conclude(lambda place, lane: lane.conclude(int(codes[place])))
+
+    def _look_ahead(self, blocks: LaneBlocks) -> LaneBlocks:
+        """Look at what depends on time alone for further steps; return the blocks that have seen it."""
+        moved = []
+        for place, lane in enumerate(self._lanes):
+            steps = lane.loop_steps
+            if steps is not None:
+                before = steps.block
+                steps.look_ahead()
+                moved += [place] if steps.block is not before else []
+        self._settle(moved)
+        self._has_all_inputs = True
+        return self._blocks or blocks
+
+    def _conclude(self, end: Callable[[int, Lane], object]) -> dict[int, Problem]:
+        """End the step of each lane; return what is wrong with those that broke off."""
+        failed = {}
+        for place, lane in enumerate(self._lanes):
+            try:
+                end(place, lane)
+            except SimulationError as error:
+                first = error.problems[0]
+                failed[place] = replace(first, where=f"lane {place}, {first.where}")
+        return failed
+
+    def _change(self, only: ArrayLike | None, values: Mapping[str, Any], call: Callable[..., object]) -> Self:
+        places = chosen_lanes(only, len(self))
+        each = values_by_lane("values", values, len(places))
+        with self._unless_it_fails(places) as lanes:
+            for lane, own in zip(lanes, each, strict=True):
+                call(lane, **own)
+        return self
+
+    @contextmanager
+    def _unless_it_fails(self, places: Sequence[int]) -> Iterator[list[Lane]]:
+        """Give the lanes meant; they stay what they were if what follows raises."""
+        lanes = [self._lanes[place] for place in places]
+        before = [lane.save() for lane in lanes]
+        try:
+            yield lanes
+        except BaseException:
+            for lane, saved in zip(lanes, before, strict=True):
+                lane.restore(saved)
+            raise
+        finally:
+            self._settle(places)

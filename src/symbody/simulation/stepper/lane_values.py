@@ -1,0 +1,140 @@
+"""Values of many motions: for all lanes or for each, and what saves them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.codegen.formation.names import Value
+from symbody.errors import Problem, UsageError
+from symbody.simulation.stepper.saved_stepper import not_saved, other_kind
+from symbody.simulation.stepper.settings import unknown_name
+
+Floats = NDArray[np.float64]
+LaneValue = Value | Sequence[Value] | NDArray[np.float64]
+
+_FORMAT: Final = b"symbody lanes 1\n"
+_SIZE: Final = 8  # bytes that say how long the next part is
+
+
+def values_by_lane(what: str, values: Mapping[str, Any] | None, lanes: int) -> list[dict[str, Any]]:
+    """Return the values of each lane.
+
+    Raises
+    ------
+    UsageError
+        If there are neither one nor as many as lanes.
+    """
+    by_lane: list[dict[str, Any]] = [{} for _ in range(lanes)]
+    if values is not None and not isinstance(values, Mapping):
+        values = dict.fromkeys(("",), values)  # refused with the words of a single stepper
+    for name, value in (values or {}).items():
+        is_each = isinstance(value, list | tuple | np.ndarray) and np.ndim(value) > 0
+        each = list(value) if is_each else [value] * lanes
+        if len(each) != lanes:
+            raise _wrong_count(f"{what}: {name}", f"{len(each)} values", lanes)
+        for own, single in zip(by_lane, each, strict=True):
+            own[name] = float(single) if isinstance(single, np.number) else single
+    return by_lane
+
+
+def input_columns(
+    values: ArrayLike | None, named: Mapping[str, ArrayLike], places: Mapping[str, int], lanes: int
+) -> list[tuple[int, Floats]]:
+    """Return inputs by their places among the numbers, each (N,) or one for all.
+
+    Raises
+    ------
+    UsageError
+        With every name that is unknown, and every value that is no finite number or does not fit the lanes.
+    """
+    problems, columns = [], []
+    if values is not None:
+        table = _numbers("step", values, (lanes, len(places)))
+        columns += list(zip(places.values(), table.T, strict=True))
+    for name, value in named.items():
+        if name not in places:
+            problems.append(unknown_name("input", name, places, "steps give inputs that have no law"))
+            continue
+        shape = () if np.ndim(value) == 0 else (lanes,)
+        columns.append((places[name], _numbers(name, value, shape)))
+    if problems:
+        raise UsageError(*problems)
+    return columns
+
+
+def chosen_lanes(only: ArrayLike | None, lanes: int) -> tuple[int, ...]:
+    """Return the lanes that a caller means.
+
+    Raises
+    ------
+    UsageError
+        If these are no lanes.
+    """
+    if only is None:
+        return tuple(range(lanes))
+    array = np.atleast_1d(np.asarray(only))
+    if array.dtype == np.bool_ and array.shape == (lanes,):
+        return tuple(np.flatnonzero(array).tolist())
+    is_fit = array.ndim == 1 and (array.dtype.kind in "iu" or not array.size)
+    if not is_fit or (array < -lanes).any() or (array >= lanes).any():
+        raise UsageError(
+            Problem("stepper.lanes", "lanes", f"{only!r} names no lanes", f"there are {lanes}, from 0",
+                    f"give numbers below {lanes}, or an array of {lanes} times True or False")
+        )  # fmt: skip
+    return tuple(dict.fromkeys(int(place) % lanes for place in array))
+
+
+def join_saved(parts: Sequence[bytes]) -> bytes:
+    """Return what single steppers have saved as one."""
+    return _FORMAT + b"".join(len(part).to_bytes(_SIZE, "little") + part for part in parts)
+
+
+def split_saved(saved: bytes, lanes: int) -> list[bytes]:
+    """Return the parts that `join_saved` put together.
+
+    Raises
+    ------
+    UsageError
+        If the bytes are not whole, or those of another number of lanes.
+    """
+    if not saved.startswith(_FORMAT):
+        raise not_saved("these bytes do not come from save() of this version")
+    parts = list(_parts(saved[len(_FORMAT) :]))
+    if len(parts) != lanes:
+        raise other_kind()
+    return parts
+
+
+def _parts(content: bytes) -> Iterator[bytes]:
+    while content:
+        end = _SIZE + int.from_bytes(content[:_SIZE], "little")
+        if len(content) < end:
+            raise not_saved("the bytes were cut or changed")
+        yield content[_SIZE:end]
+        content = content[end:]
+
+
+def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.full(shape, np.nan)
+    if array.shape != shape:
+        raise _wrong_count(name, f"an array of shape {array.shape}", shape[0] if shape else 1, shape)
+    if not np.isfinite(array).all():
+        raise UsageError(
+            Problem("stepper.input_value", name, f"{name} is not finite in every lane", "",
+                    f"give finite numbers, as step({name}=values)")
+        )  # fmt: skip
+    return array
+
+
+def _wrong_count(where: str, what: str, lanes: int, shape: tuple[int, ...] = ()) -> UsageError:
+    fits = f"one value, or an array of shape {shape or (lanes,)}"
+    return UsageError(
+        Problem("stepper.lane_values", where, f"{what} do not fit {lanes} lanes", "", f"give {fits}")
+    )

@@ -1,0 +1,104 @@
+"""Blocks of steppers that are stepped side by side: one for each register, all in one array."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.llvm.kernel_library import load_kernels
+from symbody.codegen.llvm.machine import lanes
+from symbody.kernels import block as at
+from symbody.kernels.lanes import lane_block as beside
+from symbody.simulation.native.lane_blocks import aligned_zeros, make_lane_block
+from symbody.simulation.native.machine import address
+from symbody.simulation.native.runge_kutta import Tableau
+from symbody.simulation.stepper.compiled_steps import CompiledSteps
+from symbody.single_flight import once
+
+Floats = NDArray[np.float64]
+
+_POINTER: Final = ctypes.c_void_p
+_INTEGER: Final = ctypes.c_int64
+# Trials of each lane between two looks at Ctrl-C.
+_SLICE: Final = 1000
+
+
+@once
+def step_all() -> Callable[..., int]:
+    """Return the kernel that steps all lanes, ready to be called."""
+    kind = ctypes.CFUNCTYPE(_INTEGER, *[_POINTER] * 4, _INTEGER, _POINTER, *[_INTEGER] * 4)
+    return kind(load_kernels("lane_stepping", ("step_all",), light=True)["step_all"])
+
+
+class LaneBlocks:
+    """The blocks of motions that are stepped together, and what steps them.
+
+    Parameters
+    ----------
+    steps : sequence of CompiledSteps
+        One for each lane; their blocks lie in this one from now on.
+    rows : (N, size) array
+        The numbers of the lanes, which steps renew.
+    tableau : Tableau
+        The method.
+    """
+
+    def __init__(self, steps: Sequence[CompiledSteps], rows: Floats, tableau: Tableau) -> None:
+        first, width = steps[0], lanes()
+        largest = max((motion.block for motion in steps), key=len)
+        wide = first.lane_function
+        pattern = make_lane_block(largest, first.right_hand_side, wide.work_size, tableau)
+        self._count, groups = len(steps), -(-len(steps) // width)
+        self._all = aligned_zeros(groups * pattern.size).reshape(groups, pattern.size)
+        self._all[:] = pattern
+        begin, size = int(pattern[beside.LANE_BLOCKS]), int(pattern[beside.LANE_SIZE])
+        self._own = self._all[:, begin:].reshape(groups, width, size)
+        self._width, self._size = width, size
+        self._state = (at.VECTOR_ROWS + len(tableau.A)) * int(pattern[at.N])
+        self._functions = first  # keeps the compiled code alive
+        self._under_way = False
+        self._arguments = (
+            first.right_hand_side.address, wide.address, first.projects_by, address(self._all), pattern.size,
+            address(rows), rows.shape[1], self._count,
+        )  # fmt: skip
+        for lane in range(groups * width):  # lanes without a motion compute what the first one does
+            self._fill(lane, steps[lane if lane < self._count else 0].block)
+        for lane, motion in enumerate(steps):
+            motion.move_to(self._row(lane))
+
+    def take(self, lane: int, steps: CompiledSteps) -> bool:
+        """Let other steps go on in a lane; return whether there is room for them."""
+        if steps.block.size > self._size:
+            return False
+        self._row(lane)[at.CASE] = -1.0
+        self._fill(lane, steps.block)
+        steps.move_to(self._row(lane))
+        return True
+
+    def step(self) -> Floats:
+        """Take a step in all lanes; return the code of each."""
+        begins = not self._under_way
+        self._under_way = True
+        while step_all()(*self._arguments, int(begins), _SLICE) == at.RUNNING:
+            begins = False
+        self._under_way = False
+        codes: Floats = self._own[:, :, at.LANE_CODE].ravel()[: self._count]
+        return codes
+
+    def _row(self, lane: int) -> Floats:
+        row: Floats = self._own[lane // self._width, lane % self._width]
+        return row
+
+    def _fill(self, lane: int, block: Floats) -> None:
+        """Fill the registers of a lane from the block of its motion."""
+        common, place = self._all[lane // self._width], lane % self._width
+        registers = common[beside.LANE_VECTORS :][: self._state * self._width]
+        registers.reshape(-1, self._width)[:, place] = block[at.VECTORS :][: self._state]
+        function, wide = block[int(block[at.FUNCTION]) :], common[int(common[at.FUNCTION]) :]
+        first, end = int(function[at.P_PLACE]), int(function[at.WORK_PLACE])
+        constants = wide[int(wide[at.P_PLACE]) :][: (end - first) * self._width]
+        constants.reshape(-1, self._width)[:, place] = function[first:end]
