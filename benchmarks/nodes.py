@@ -17,10 +17,10 @@ from benchmarks.problems import Step, random_program, serial_chain
 from benchmarks.table import Table
 from benchmarks.timing import Settings, in_turns, medians, processor_seconds
 from symbody.expr.canonical import add, apply, mul, sub
-from symbody.expr.fingerprint import fingerprints
+from symbody.expr.fingerprints.fingerprint import fingerprints
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.opcodes import COS, SIN
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 
 _COUNT: Final = 1_000_000
 _INPUTS: Final = 8

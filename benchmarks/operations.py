@@ -18,7 +18,7 @@ import symbody as sb
 from benchmarks.table import Table, ratio_text, seconds_text
 from benchmarks.timing import Settings, seconds
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.expr.folding import fold_constants
+from symbody.expr.sequences.folding import fold_constants
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,16 +1,14 @@
-"""Draw the gallery: `python docs/draw_gallery.py` shows examples, course notes, robots and mechanisms.
+"""Draw the gallery: `python docs/draw_gallery.py` shows examples, course notes and robots.
 
 Each motion is written as a page by `animate`, opened in Chromium, and shown at three times, light and dark.
 The sheets are docs/pictures/gallery_GROUP.webp, the third time dark; `--keep DIR` keeps pages and pictures.
-The mechanisms of examples/gallery are drawn without a browser, one picture each in docs/pictures/gallery, and
-described on docs/mechanisms.md by their own first lines: `python docs/draw_gallery.py mechanisms`.
+The mechanisms of examples/gallery are drawn by docs/draw_mechanisms.py.
 Chromium and the packages playwright, pillow, symbody[meshes] and example-robot-data are needed.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
 import contextlib
 import io
 import os
@@ -23,7 +21,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from matplotlib.figure import Figure
 from PIL import Image
 
 import symbody as sb
@@ -37,25 +34,6 @@ SHARES: Final = (0.0, 0.37, 0.9)  # of a motion, when it is shown
 COLUMNS: Final = 2  # of exhibits in a sheet
 FLAGS: Final = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader")
 GROUPS: Final = ("examples", "notes", "robots")
-MECHANISMS: Final = sorted(EXAMPLES.glob("gallery/*/*.py"))
-HEADINGS: Final[Mapping[str, str]] = {"linkages": "Linkages", "drives": "Drives", "motions": "Motions"}
-MECHANISMS_HEAD: Final = """# Mechanisms with a check
-
-Twenty mechanisms, each a script of one screen that builds it, moves it, and compares the motion with a closed
-form from a publication. `pytest -m exhaustive tests/gallery` repeats all comparisons. Each motion can be seen
-[as a page that moves](animation.md).
-
-```python
-import runpy
-
-entry = runpy.run_path("examples/gallery/linkages/watt.py")
-run = entry["motion"]()
-computed, formula = entry["comparison"](run)
-print(abs(computed - formula).max() < entry["TOLERANCE"])
-```
-
-The pictures and this page are written by `python docs/draw_gallery.py mechanisms`.
-"""
 
 # Notes that have nothing to show.
 STILL: Final[Mapping[str, str]] = {
@@ -229,58 +207,13 @@ def draw_group(browser: Any, group: str, folder: Path) -> None:
     contact_sheet(rows).save(PICTURES / f"gallery_{group}.webp", quality=52, method=6)
 
 
-def draw_mechanism(path: Path) -> None:
-    """Write the picture of a mechanism with a check: as its script draws it, or as its bodies look."""
-    entry = runpy.run_path(str(path))
-    run, picture = entry["motion"](), PICTURES / "gallery" / f"{path.stem}.png"
-    if "draw" not in entry:
-        sb.save_animation(run, picture, size=(600, 400), progress=False, **entry["LOOK"])
-        return
-    figure = Figure(figsize=(6, 4), layout="constrained")
-    entry["draw"](run, figure.subplots())
-    figure.savefig(picture, dpi=100)
-
-
-def mechanisms_page() -> str:
-    """Return the page of the mechanisms with a check as Markdown, from the first lines of their scripts."""
-    lines = [MECHANISMS_HEAD]
-    for group, heading in HEADINGS.items():
-        lines.append(f"## {heading}\n")
-        for path in (each for each in MECHANISMS if each.parent.name == group):
-            module = ast.parse(path.read_text(encoding="utf-8"))
-            title, *paragraphs = (ast.get_docstring(module) or "").split("\n\n")
-            lines += [
-                f"### {title.rstrip('.')}\n",
-                f"![{title.rstrip('.')}](pictures/gallery/{path.stem}.png)\n",
-            ]
-            lines += [
-                f"{text}\n".replace("Check: ", "**Check**: ").replace("^", r"\^") for text in paragraphs
-            ]
-            lines.append(f"Script: `{path.relative_to(EXAMPLES.parent).as_posix()}`\n")
-    return "\n".join(lines)
-
-
-def draw_mechanisms() -> None:
-    """Write the pictures and the page of the mechanisms with a check."""
-    (PICTURES / "gallery").mkdir(exist_ok=True)
-    for path in MECHANISMS:
-        draw_mechanism(path)
-        print(path.stem, flush=True)
-    (HERE / "mechanisms.md").write_text(mechanisms_page(), encoding="utf-8")
-
-
 def main() -> None:
     """Draw the groups that are named, or all."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("groups", nargs="*", help=", ".join((*GROUPS, "mechanisms")))
+    parser.add_argument("groups", nargs="*", help=", ".join(GROUPS))
     parser.add_argument("--keep", type=Path, help="folder for pages and pictures in full size")
     words = parser.parse_args()
-    groups = words.groups or [*GROUPS, "mechanisms"]
-    if "mechanisms" in groups:
-        draw_mechanisms()
-    sheets = [group for group in groups if group != "mechanisms"]
-    if sheets:
-        draw_sheets(sheets, words.keep)
+    draw_sheets(words.groups or list(GROUPS), words.keep)
 
 
 def draw_sheets(groups: list[str], keep: Path | None) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -12,54 +13,62 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from rich.console import Console
 
-from benchmarks.stiff import Point, measure, problems, table
+from benchmarks.stiff import LIMIT, Diagram, measure, summary, table
+from benchmarks.stiff_problems import PROBLEMS
 from benchmarks.table import show
 from benchmarks.timing import Settings
 
 PICTURE = Path(__file__).parent / "pictures" / "stiff.png"
+COLUMNS = 4
 STYLES = {
-    "Explicit": ("#1f4e79", "o"),
-    "GeneralizedAlpha(step=h)": ("#c55a11", "s"),
-    "GeneralizedAlpha": ("#e0a030", "D"),
-    "Stiff (CVODE)": ("#7f7f7f", "^"),
-    "SciPy Radau": ("#548235", "v"),
+    "Explicit": ("#1f4e79", "o", "-"),
+    "GeneralizedAlpha(step=h)": ("#c55a11", "s", "-"),
+    "GeneralizedAlpha": ("#e0a030", "D", "-"),
+    "Stiff (CVODE)": ("#7f7f7f", "^", "-"),
+    "SciPy Radau": ("#548235", "v", "--"),
+    "Exudyn": ("#7030a0", "P", "--"),
+    "MuJoCo RK4": ("#c00000", "X", "--"),
+    "MuJoCo implicitfast": ("#e07070", "x", "--"),
 }
 
 
-def draw(results: Mapping[str, Sequence[Point]]) -> None:
+def draw(results: Mapping[str, Diagram]) -> None:
     """Write the picture of all problems."""
+    rows = math.ceil((len(results) + 1) / COLUMNS)
     figure, panels = plt.subplots(
-        2, 3, figsize=(10.5, 6.6), sharex=True, sharey=True, constrained_layout=True
+        rows, COLUMNS, figsize=(13.5, 3.4 * rows), sharex=True, sharey=True, constrained_layout=True
     )
-    for panel, (name, points) in zip(panels.flat, results.items(), strict=False):
-        for method, (color, marker) in STYLES.items():
-            chosen = [point for point in points if point.method == method]
+    for panel, (name, diagram) in zip(panels.flat, results.items(), strict=False):
+        for method, (color, marker, line) in STYLES.items():
+            chosen = [point for point in diagram.points if point.method == method]
             panel.loglog(
                 [point.error for point in chosen], [1e3 * point.seconds for point in chosen], color=color,
-                marker=marker, markersize=4, linewidth=1.2, label=method,
+                marker=marker, markersize=4, linewidth=1.1, linestyle=line, label=method,
             )  # fmt: skip
         panel.set_title(name, fontsize=10)
         panel.set_xlim(1.0, 1e-12)
         panel.set_xticks([10.0**-k for k in range(0, 13, 2)])
         panel.grid(which="major", color="#dddddd", linewidth=0.6)
         panel.tick_params(labelsize=8, labelbottom=True)
-    for panel in (panels[0, 2], *panels[1, :2]):
-        panel.set_xlabel("error at the end [m], of the bushing [rad]", fontsize=8)
+        panel.set_xlabel(f"error at the end [{'rad' if name == 'bushing' else 'm'}]", fontsize=8)
     for panel in panels[:, 0]:
-        panel.set_ylabel("processor time of a call [ms]", fontsize=8)
+        panel.set_ylabel("processor time of a run [ms]", fontsize=8)
     handles, labels = panels[0, 0].get_legend_handles_labels()
-    panels[1, 2].axis("off")
-    panels[1, 2].legend(handles, labels, loc="center", fontsize=9, frameon=False)
+    for panel in panels.flat[len(results) :]:
+        panel.axis("off")
+    panels.flat[len(results)].legend(handles, labels, loc="center", fontsize=9, frameon=False)
     figure.savefig(PICTURE, dpi=100)
+    plt.close(figure)
 
 
 def main() -> None:
     """Measure, print the tables and write the picture."""
-    console = Console(width=150)
+    console = Console(width=200)
     results = {}
-    for problem in problems():
-        results[problem.name] = measure(problem, Settings(limit=4.0, rounds=5))
-        show(table(problem.name, results[problem.name]), console)
+    for name in PROBLEMS:
+        results[name] = measure(name, Settings(limit=LIMIT, rounds=3))
+        show(table(name, results[name]), console)
+    show(summary(results), console)
     draw(results)
 
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-CODE = re.compile(r"[a-z]+\.[a-z][a-z0-9_]*")
+CODE = re.compile(r"[a-z][a-z_]*\.[a-z][a-z0-9_]*")
 
 
 def messages() -> dict[str, tuple[str, str]]:

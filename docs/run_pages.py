@@ -3,7 +3,8 @@
 The Python blocks of a page are one script, run from top to bottom in an empty folder, and so are the commands
 of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what it prints. A block in
 ``toml`` or ``xml`` whose first line is a comment with the name of a file is written to that file. A picture
-that the script writes takes the place of the one in ``docs/pictures/tutorial``.
+that the script writes takes the place of the one in ``docs/pictures/tutorial``, those of the course in
+``docs/pictures/course``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from typing import Any
 
 from symbody.cli import run as run_command
 
-PICTURES = Path(__file__).parent / "pictures" / "tutorial"
+PICTURES = Path(__file__).parent / "pictures"
 BLOCK = re.compile(
     r"^```(?P<language>python|sh|toml|xml|text)\n(?P<text>.*?)^```\n", re.MULTILINE | re.DOTALL
 )
@@ -113,7 +114,8 @@ def renew(path: Path) -> None:
             if output.shown:
                 text = text[: output.shown.start] + output.printed + text[output.shown.end :]
         for picture in [*Path(folder).glob("*.svg"), *Path(folder).glob("*.png")]:
-            shutil.copy(picture, PICTURES / picture.name)
+            part = "course" if path.parent.name == "course" else "tutorial"
+            shutil.copy(picture, PICTURES / part / picture.name)
     path.write_text(text, encoding="utf-8")
 
 

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.visual.film.annotations import arrow
 from symbody.visual.film.camera import Camera
 from symbody.visual.film.drawing import Caption, Drawing, Mark, Stroke
-from symbody.visual.film.layer import Grid
-from symbody.visual.film.painting import make_backdrop, paint
+from symbody.visual.film.files.svg import svg_text
 from symbody.visual.film.pictures import TONE_WIDTH
 from symbody.visual.film.stage import make_stage, pose_at, stage_at
-from symbody.visual.film.svg import svg_text
+from symbody.visual.film.surfaces.layer import Grid
+from symbody.visual.film.surfaces.painting import make_backdrop, paint
 from symbody.visual.scene.scene import Scene, SceneBody, SceneMesh, SceneMotion, Solid
 
 Array = NDArray[np.float64]

@@ -18,6 +18,8 @@ HOW_TO = sorted((DOCS / "how_to").glob("[!i]*.md"))
 PAGES += [
     page if k % 3 == 0 else pytest.param(page, marks=pytest.mark.exhaustive) for k, page in enumerate(HOW_TO)
 ]
+COURSE = sorted((DOCS / "course").glob("[0-9]*.md"))
+PAGES += [pytest.param(page, marks=pytest.mark.exhaustive) for page in COURSE]
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
 
 

@@ -16,7 +16,7 @@ import pytest
 import symbody
 
 ROOT = Path(symbody.__file__).parent
-HEAVY = {"llvmlite", "matplotlib", "networkx", "numpy", "pandas", "pydantic", "scipy", "sympy"}
+HEAVY = {"llvmlite", "matplotlib", "numpy", "pandas", "pydantic", "scipy", "sympy"}
 SURFACES = ["symbody"] + [f"symbody.{stub.parent.name}" for stub in sorted(ROOT.glob("*/__init__.pyi"))]
 NAMES = [(surface, name) for surface in SURFACES for name in importlib.import_module(surface).__all__]
 

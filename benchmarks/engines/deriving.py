@@ -20,7 +20,7 @@ from benchmarks.engines.counting import count_operations
 from benchmarks.mechanisms import Mechanism
 from benchmarks.process import Floats, Step, Task
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
 
 # What an engine is asked: to derive and count, to compute accelerations, to compile.
 DERIVE: Final = "derive"

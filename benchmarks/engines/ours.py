@@ -15,7 +15,7 @@ from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.expr import calculus
 from symbody.expr.expression import Expr, cos, number, sin, symbol
 from symbody.expr.graph import Graph, Symbol
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 
 Rows = list[list[Scalar]]
 

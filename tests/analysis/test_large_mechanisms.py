@@ -13,7 +13,7 @@ import pytest
 
 import symbody as sb
 from benchmarks.large_mechanisms import chain, ring, tree, truss
-from symbody.analysis import plain_assembly
+from symbody.analysis.configurations import plain_assembly
 from symbody.analysis.linear import directional_slopes
 from symbody.expr.deadline import watch_stages
 

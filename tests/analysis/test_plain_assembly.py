@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.analysis.assembly import assemble_taut
+from symbody.analysis.configurations.assembly import assemble_taut
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PATHS = sorted(EXAMPLES.glob("*/*.toml"))

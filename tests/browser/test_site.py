@@ -50,8 +50,20 @@ WORDS = {
     "parameter fit": "how_to/fit_parameters.html",
     "jacobian": "notation.html",
     "report": "report.html",
+    "course": "course/index.html",
+    "virtual work": "course/9_virtual_work.html",
 }
-PAGES = ("index.html", "tutorial/1_spring_mass_damper.html", "model_file.html", "signals.html", "limits.html")
+PAGES = (
+    "index.html",
+    "tutorial/1_spring_mass_damper.html",
+    "course/6_lagrange.html",
+    "model_file.html",
+    "signals.html",
+    "limits.html",
+)
+# How far the window, and the column of text in it, can be scrolled sideways [pixels].
+SIDEWAYS = """() => [document.documentElement, document.querySelector('.content')].map(
+    (element) => element ? element.scrollWidth - element.clientWidth : 0)"""
 
 
 @pytest.fixture(scope="module")
@@ -109,3 +121,19 @@ def test_all_can_read_it(chromium: Any, site: Path) -> None:
                 if each["impact"] in ("serious", "critical"):
                     faults.append(f"{name}, {scheme}, {each['id']}: {each['nodes'][0]['html'][:160]}")
     assert not faults
+
+
+def test_no_page_scrolls_sideways(chromium: Any, site: Path) -> None:
+    names = [
+        path for path in sorted(site.rglob("*.html")) if not path.relative_to(site).parts[0].startswith("_")
+    ]
+    wide = []
+    for width in (1350, 1100, 800, 390):
+        page = chromium.new_page(viewport={"width": width, "height": 900})
+        for path in names:
+            page.goto(path.as_uri())
+            window, column = page.evaluate(SIDEWAYS)
+            if window > 0 or column > 1:
+                wide.append(f"{path.relative_to(site)} at {width}: {max(window, column)}")
+        page.close()
+    assert len(names) > 100 and not wide

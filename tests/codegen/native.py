@@ -8,7 +8,7 @@ from collections.abc import Sequence as Items
 
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.pieces import plan_pieces
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 
 GROUPS = ("t", "q", "u", "r", "p", "c")
 

@@ -17,7 +17,7 @@ import llvmlite.binding as binding
 from symbody.codegen.llvm import runtime
 from symbody.codegen.llvm.machine import QUICK, SMALL, THOROUGH, object_codes, target_machine
 from symbody.codegen.llvm.native import BATCH_NAME, NAME, compile_sequence
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 
 LOAD = re.compile(r"^\s*\S+ = load ([^,]+), ptr (\S+?)(, align \d+)?$")
 STORE = re.compile(r"^\s*store (<.+?>|\S+) .+, ptr (\S+?)(, align \d+)?$")

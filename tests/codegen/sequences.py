@@ -9,10 +9,10 @@ from fractions import Fraction
 from typing import Any
 
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import FLOATS, integer_power
 from symbody.expr.graph import Constant
-from symbody.expr.saddle import solve_saddle
-from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
+from symbody.expr.sequences.evaluate import FLOATS, integer_power
+from symbody.expr.sequences.saddle import solve_saddle
+from symbody.expr.sequences.sequence import Input, KernelNode, Operation, Output, Sequence
 
 GROUPS = {"t": 1, "q": 7, "u": 6, "r": 2, "p": 9, "c": 3}
 

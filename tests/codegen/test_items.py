@@ -18,11 +18,11 @@ from symbody.codegen.pieces import plan_pieces
 from symbody.codegen.signature import Signature, source_text
 from symbody.codegen.stored_sequence import read_sequence, store_sequence
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, maximum, sqrt, symbol
 from symbody.expr.graph import Graph, Symbol
-from symbody.expr.program import map_program, written_out
-from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.program import map_program, written_out
+from symbody.expr.sequences.sequence import Input, Roots, Sequence, build_sequence
 from symbody.storage import VARIABLE
 from tests.codegen.native import SIGNATURE as CALL
 from tests.codegen.native import call, doubles

@@ -15,7 +15,7 @@ from symbody.codegen.llvm.machine import lanes
 from symbody.codegen.llvm.native import compile_sequence
 from symbody.codegen.signature import Signature
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Output, Sequence
+from symbody.expr.sequences.sequence import Output, Sequence
 from tests.codegen.native import call
 from tests.codegen.sequences import EXACT, LIBRARY, TRIGONOMETRIC, random_sequence, same_bits, single
 from tests.codegen.test_llvm import NUMBERS, kernels

@@ -17,8 +17,8 @@ from symbody.codegen.llvm import native
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import FLOATS, Arithmetic, evaluate_sequence
-from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
+from symbody.expr.sequences.evaluate import FLOATS, Arithmetic, evaluate_sequence
+from symbody.expr.sequences.sequence import Input, KernelNode, Operation, Output, Sequence
 from tests.codegen.native import BATCH, GROUPS, call, doubles, pieces_of
 from tests.codegen.sequences import (
     EXACT,

@@ -9,8 +9,8 @@ import pytest
 from symbody.codegen.lowering import double_bits, integer_exponent, power_products, round_to_double
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import integer_power
 from symbody.expr.rewrite import multiplications
+from symbody.expr.sequences.evaluate import integer_power
 from tests.codegen.sequences import single
 
 

@@ -9,7 +9,7 @@ from benchmarks.mechanisms import spatial_chain
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.llvm.order import order_operations
 from symbody.expr.opcodes import LEAVES
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 
 
 def alive(sequence: Sequence) -> float:

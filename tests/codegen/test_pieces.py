@@ -6,7 +6,7 @@ import pytest
 
 from symbody.codegen.pieces import Plan, plan_pieces
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Input, Operation, Output, Sequence
+from symbody.expr.sequences.sequence import Input, Operation, Output, Sequence
 from tests.codegen.sequences import EXACT, LIBRARY, MECHANICAL, TRIGONOMETRIC, random_sequence
 
 ALL = (*EXACT, *LIBRARY, *TRIGONOMETRIC)

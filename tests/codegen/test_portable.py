@@ -20,7 +20,7 @@ import symbody as sb
 from symbody.codegen.signature import Signature
 from symbody.expr.expression import Expr, cos, saddle_entry, sin, sqrt, symbol
 from symbody.expr.graph import Graph, KernelNode, Symbol
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 
 Floats = NDArray[np.float64]
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -23,8 +23,8 @@ from symbody.codegen.llvm.loops import INTEGER, POINTER, REAL, Array, count, int
 from symbody.codegen.llvm.machine import optimized_code, target_machine
 from symbody.codegen.llvm.runtime import address
 from symbody.codegen.llvm.saddles import saddle_function
-from symbody.expr.saddle import solve_saddle
-from symbody.kernels.solve_saddle import work_size
+from symbody.expr.sequences.saddle import solve_saddle
+from symbody.kernels.linear.solve_saddle import work_size
 from tests.saddle_systems import systems
 
 Arguments = tuple[list[float], list[float], list[float], list[float]]

@@ -14,7 +14,7 @@ from symbody.codegen.kernels.llvm_kernels import kernel_name
 from symbody.codegen.llvm.machine import lanes
 from symbody.codegen.llvm.runtime import address
 from symbody.codegen.llvm.saddles import saddle_function
-from symbody.kernels.solve_saddle import work_size
+from symbody.kernels.linear.solve_saddle import work_size
 from tests.codegen.test_saddle_kernels import Arguments, bits, edge_cases, kernel_library, reference
 from tests.saddle_systems import System, systems
 

@@ -15,8 +15,8 @@ from symbody.codegen.llvm import native
 from symbody.codegen.llvm.machine import lanes
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.codegen.texts.c import generate
-from symbody.expr.program import written_out
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Sequence
 from tests.codegen.native import BATCH, GROUPS, SIGNATURE, doubles
 from tests.codegen.scratch_reads import Watched, watched
 from tests.codegen.sequences import EXACT, TRIGONOMETRIC, Inputs, random_sequence

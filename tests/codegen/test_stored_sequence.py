@@ -26,7 +26,7 @@ from symbody.equations import form as forming
 from symbody.errors import CompileError, FormulationError
 from symbody.expr import opcodes as op
 from symbody.expr.graph import Constant
-from symbody.expr.sequence import Operation, Sequence
+from symbody.expr.sequences.sequence import Operation, Sequence
 from symbody.model.content import content_bytes
 from symbody.storage import VARIABLE
 from tests.codegen.sequences import EXACT, LIBRARY, TRIGONOMETRIC, random_sequence, same_bits

@@ -15,8 +15,8 @@ from symbody.equations.recursive.chains import TOGETHER, chains
 from symbody.equations.recursive.udot_derivatives import FEWEST_SPEEDS
 from symbody.equations.solving.slopes import acceleration_slopes
 from symbody.expr import opcodes as op
-from symbody.expr.program import written_out
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Roots
 
 EPS = float(np.finfo(float).eps)
 # A solution with M multiplies the roundings of its entries by its condition; the rest is how many there are.

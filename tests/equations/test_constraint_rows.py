@@ -11,10 +11,10 @@ import pytest
 import symbody as sb
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.drift_correction import velocity_residual
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr
 from symbody.expr.graph import SymbolKind
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 from symbody.model.constraint import ConstraintElement
 
 A = sb.Body("A", mass=1, inertia=(1, 2, 2), frames={"P": sb.Frame(at=("a", 0, "0.3"), rotate=[("x", "0.4")])})

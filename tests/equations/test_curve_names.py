@@ -18,8 +18,8 @@ from symbody.builder.tasks.equations import equation_tabs
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.outputs import textbook
 from symbody.equations.outputs.curve_names import CurveFunction, curve_functions, name_curves
-from symbody.expr.closed_form import readable
 from symbody.expr.graph import Graph
+from symbody.expr.sympy.closed_form import readable
 from symbody.expr.written_function import write_out
 from symbody.formats.native import to_data
 from tests.formulations import UNLIMITED, name_of

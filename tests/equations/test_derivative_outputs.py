@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 import symbody as sb
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.precise_numbers import MPMATH
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.precise_numbers import MPMATH
 from symbody.formats import model_from_urdf
 from tests.problems.mechanisms import EXAMPLES, equations_of, random_values, state_of
 

@@ -13,7 +13,7 @@ import sympy as sp
 import symbody as sb
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.newton_euler import NewtonEuler, solve_free_bodies
-from symbody.expr.sympy_bridge import SympyMatrix
+from symbody.expr.sympy.sympy_bridge import SympyMatrix
 from symbody.graph.trees import TreeChoice
 from tests.laws.evaluation import EPS, condition, evaluator
 from tests.laws.formulations import OTHERS, compared, multiplier_condition

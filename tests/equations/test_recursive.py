@@ -13,9 +13,9 @@ from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.equations.formulations.recursive import RecursiveDynamics
 from symbody.equations.solving.slopes import acceleration_slopes, inverse_dynamics
-from symbody.expr.folding import fold_constants
 from symbody.expr.rewrite import substitute
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.folding import fold_constants
+from symbody.expr.sequences.sequence import Roots
 from tests.laws.building import build_model
 from tests.laws.consistent_states import consistent_state
 from tests.laws.evaluation import EPS, values_at

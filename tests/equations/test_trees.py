@@ -7,7 +7,7 @@ import pytest
 
 import symbody as sb
 from symbody.expr.canonical import sub
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph
 from symbody.graph.trees import Trees
 

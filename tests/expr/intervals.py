@@ -14,7 +14,7 @@ from typing import Any
 import mpmath
 
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import Arithmetic
+from symbody.expr.sequences.evaluate import Arithmetic
 
 FLOAT_UNIT = Fraction(1, 2**53)
 TINY = Fraction(1, 2**1074)  # what underflow can add

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import make
 from symbody.expr.graph import Graph, Symbol, SymbolKind
-from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+from symbody.expr.sequences.sequence import Input, Roots, Sequence, build_sequence
 
 both_tiers = pytest.mark.usefixtures("tier")
 

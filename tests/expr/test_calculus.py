@@ -23,11 +23,11 @@ from symbody.expr.calculus import (
     time_derivative,
 )
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, select, sub
-from symbody.expr.evaluate import Arithmetic, evaluate_sequence
 from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind, UserFunction
-from symbody.expr.precise_numbers import MPMATH
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.evaluate import Arithmetic, evaluate_sequence
+from symbody.expr.sequences.precise_numbers import MPMATH
+from symbody.expr.sequences.sequence import Sequence
 from tests.expr.intervals import Interval, Undecided, interval, interval_arithmetic
 from tests.expr.strategies import (
     DIGITS,

@@ -15,11 +15,11 @@ from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, sub
 from symbody.expr.constants import fold_function, fold_power, fold_product, fold_quotient, fold_sum
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Constant, Graph
 from symbody.expr.language.formula import build
 from symbody.expr.parser import parse
-from symbody.expr.precise_numbers import MPMATH
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.precise_numbers import MPMATH
 from tests.expr.strategies import both_tiers, sequence_of
 
 EXACT = st.one_of(st.integers(), st.fractions())

@@ -14,9 +14,9 @@ from hypothesis import given
 from symbody.expr import opcodes as op
 from symbody.expr.calculus import gradient, jacobian
 from symbody.expr.canonical import add, apply, div, mul, select, sub
-from symbody.expr.fingerprint import fingerprints
+from symbody.expr.fingerprints.fingerprint import fingerprints
 from symbody.expr.graph import Graph, Symbol, SymbolKind
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 from symbody.expr.trigonometry.normal_form import trigonometric_form
 from tests.expr.strategies import Sample, both_tiers, built_shuffled, samples, sequence_of
 

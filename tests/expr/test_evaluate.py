@@ -12,10 +12,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import FLOATS, evaluate_sequence, integer_power
 from symbody.expr.graph import Graph, KernelNode
-from symbody.expr.precise_numbers import MPMATH
 from symbody.expr.rewrite import multiplications
+from symbody.expr.sequences.evaluate import FLOATS, evaluate_sequence, integer_power
+from symbody.expr.sequences.precise_numbers import MPMATH
 from tests.expr.intervals import FLOAT_UNIT, Interval, Undecided, interval, interval_arithmetic
 from tests.expr.strategies import (
     DIGITS,

@@ -14,9 +14,9 @@ from hypothesis import assume, given
 
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, select, sub
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.fingerprint import PRIME, drop_sign, fingerprints, hash_words
+from symbody.expr.fingerprints.fingerprint import PRIME, drop_sign, fingerprints, hash_words
 from symbody.expr.graph import Graph, Symbol, SymbolKind
+from symbody.expr.sequences.evaluate import evaluate_sequence
 from tests.expr.intervals import Undecided, interval, interval_arithmetic
 from tests.expr.strategies import DIGITS, Sample, both_tiers, built, samples, sequence_of
 

@@ -12,12 +12,12 @@ from hypothesis import assume, given
 
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, sub
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, number, sin, symbol
+from symbody.expr.fingerprints.merging import contract_products, merge_equal
 from symbody.expr.graph import Graph, KernelNode, Symbol, copy_nodes
-from symbody.expr.merging import contract_products, merge_equal
 from symbody.expr.rewrite import operation_count
-from symbody.expr.sequence import Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Roots, build_sequence
 from tests.expr.intervals import FLOAT_UNIT, Undecided, interval, interval_arithmetic
 from tests.expr.strategies import (
     DIGITS,

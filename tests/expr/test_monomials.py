@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
+from symbody.expr.fingerprints.monomials import MOST, Monomials, monomials
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.language.formula import Formula, build
-from symbody.expr.monomials import MOST, Monomials, monomials
 
 
 def products(*texts: str) -> list[Monomials]:

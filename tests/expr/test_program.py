@@ -11,12 +11,12 @@ import pytest
 from symbody.expr import opcodes as op
 from symbody.expr.calculus import forward, gradient
 from symbody.expr.canonical import ONE
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, number, symbol
 from symbody.expr.graph import Graph, Symbol
-from symbody.expr.program import map_program, unroll, written_out
 from symbody.expr.rewrite import substitute, substitute_into
-from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.program import map_program, unroll, written_out
+from symbody.expr.sequences.sequence import Input, Roots, Sequence, build_sequence
 
 COUNT = 5
 

@@ -11,7 +11,6 @@ from hypothesis import assume, given
 from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, sub
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind, copy_nodes
 from symbody.expr.rewrite import (
     dependence,
@@ -23,6 +22,7 @@ from symbody.expr.rewrite import (
     symbols_of,
     tree_size,
 )
+from symbody.expr.sequences.evaluate import evaluate_sequence
 from tests.expr.intervals import Undecided, interval, interval_arithmetic
 from tests.expr.strategies import (
     DIGITS,

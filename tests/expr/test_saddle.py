@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from symbody.expr.saddle import SaddleSolution, solve_saddle
+from symbody.expr.sequences.saddle import SaddleSolution, solve_saddle
 from tests.saddle_systems import System, exact_solution, gauss, scale_factors, sensitivity, systems
 
 EPS = 2.0**-52

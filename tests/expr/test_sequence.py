@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, power, select, sub
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind
-from symbody.expr.sequence import Input, Operation, Output, Roots, Sequence, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Operation, Output, Roots, Sequence, build_sequence
 from tests.expr.strategies import SYMBOLS, Sample, both_tiers, built, samples, sequence_of
 
 GROUPS = ("q", "p", "u")

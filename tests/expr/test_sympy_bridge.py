@@ -14,13 +14,13 @@ from sympy.physics.vector import dynamicsymbols
 from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, add, apply, div, mul, neg, power, select, sub
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, sin, symbol
-from symbody.expr.fingerprint import fingerprints
+from symbody.expr.fingerprints.fingerprint import fingerprints
 from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind
-from symbody.expr.precise_numbers import MPMATH
 from symbody.expr.rewrite import substitute, tree_size
-from symbody.expr.sympy_bridge import (
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.precise_numbers import MPMATH
+from symbody.expr.sympy.sympy_bridge import (
     from_sympy,
     nodes_from_sympy,
     sympy_equations,

@@ -23,17 +23,17 @@ from symbody.equations.formulations.virtual_work import VirtualWork
 from symbody.errors import TimeLimitError, UsageError
 from symbody.expr import deadline
 from symbody.expr.calculus import derivative
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.language.formula import Formula, build
 from symbody.expr.opcodes import COS, FLOAT, SIN
 from symbody.expr.rewrite import substitute
-from symbody.expr.sequence import Roots, build_sequence
-from symbody.expr.sympy_bridge import from_sympy
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Roots, build_sequence
+from symbody.expr.sympy.sympy_bridge import from_sympy
 from symbody.formats import load_model
 from symbody.model import Body, Drive, Frame, Free, Model, Prismatic, Revolute, Spherical, SpringDamper
-from symbody.simulation.methods.gear_gupta_leimkuhler import GGL
-from symbody.simulation.methods.stiff import Stiff
+from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL
+from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.simulate import simulate
 from tests.effort import limited
 from tests.faults.refusals import refused

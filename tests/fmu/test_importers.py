@@ -238,6 +238,38 @@ def test_two_coupled_fmus_come_to_the_whole_model(tmp_path: Path) -> None:
     assert errors[0] > 1.8 * errors[1] > 3.2 * errors[2] > 0.0, errors
 
 
+def stiff() -> sb.EquationSet:
+    """A swinging rod with a small mass on a stiff, damped spring in its middle."""
+    end = sb.Body("End", mass=0.02)
+    whole = pendulum().model
+    pin = sb.Revolute("pin", "ground", "Rod.pin", coordinate="theta")
+    spring = sb.Drive(stiffness="1e6", damping="1")
+    slide = sb.Prismatic("slide", "Rod", end, axis="x", coordinate="s", force=spring)
+    elements = [whole.body("Rod"), end, pin, slide]
+    start = {"theta": 0.3, "s": 1e-4}
+    return sb.form_equations(sb.Model("stiff", elements, (0, -9.81, 0), {"m": 2.0, "l": 1.5}, [], start))
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("make", [stiff, lambda: example("slider_crank")], ids=["stiff", "crank"])
+def test_generalized_alpha_in_co_simulation(make: object, version: str, tmp_path: Path) -> None:
+    eqs = make()  # type: ignore[operator]
+    free = dict.fromkeys(eqs.input_names, 0)
+    made = sb.save_fmu(
+        eqs,
+        tmp_path / "implicit.fmu",
+        version,
+        integrator=sb.GeneralizedAlpha(),  # type: ignore[arg-type]
+    )
+    times = np.linspace(0.0, 0.2, 21)
+    exact = states(sb.simulate(eqs, 0.2, times=times, rtol=1e-10, inputs=free, integrator=sb.Stiff()))
+    ours = sb.simulate(eqs, 0.2, times=times, rtol=1e-5, inputs=free, integrator=sb.GeneralizedAlpha())
+    seen = simulate(made.path, "CoSimulation", 0.2, eqs.state_names, 1e-5)
+    sizes = np.abs(exact).max(axis=1, keepdims=True)
+    error = np.abs(states(ours) - exact) / sizes
+    assert (np.abs(seen - exact) / sizes).max() < 2.0 * error.max()
+
+
 @pytest.mark.parametrize("version", VERSIONS)
 def test_library_needs_the_c_library_alone(version: str, tmp_path: Path) -> None:
     made = sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu", version)

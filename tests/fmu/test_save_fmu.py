@@ -6,12 +6,16 @@ import shutil
 import zipfile
 from pathlib import Path
 
+import mpmath
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
 import symbody as sb
 from symbody.cli.entry import run
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.precise_numbers import MPMATH
 from tests.fmu.importer import EXAMPLES, check_archive, example, instance, pendulum, simulate, states
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -87,6 +91,30 @@ def test_derivatives_are_those_of_the_model(crank: tuple[sb.EquationSet, sb.Fmu]
         seen = np.array([fmu.derivative(unknowns, name) for name in (*eqs.state_names, "F")]).T
         # the text computes in another order of roundings than machine code that fuses products
         np.testing.assert_allclose(seen, np.vstack([slopes, shown]), rtol=1e-10, atol=1e-9)
+
+
+def test_derivatives_are_those_of_60_digits(crank: tuple[sb.EquationSet, sb.Fmu]) -> None:
+    eqs, made = crank
+    with instance(made.path, "ModelExchange") as fmu:
+        fmu.initialize({"theta": 0.7, "theta_dot": 1.3, "F": 2.0})
+        x = fmu.get(*eqs.state_names)
+        p = fmu.get(*eqs.parameter_names)
+        rates = [f"der({name})" for name in eqs.state_names]
+        seen = np.array([fmu.derivative(rates, name) for name in eqs.state_names]).T
+    sequence, _ = form_sequence(sb.Baumgarte().applied(eqs), ["xdot"], {}, eqs.parameter_names)
+    n_u, step = len(eqs.speed_names), mpmath.mpf(10) ** -25
+
+    def slopes(place: int, sign: int) -> list[mpmath.mpf]:
+        moved = [mpmath.mpf(value) + (sign * step if k == place else 0) for k, value in enumerate(x)]
+        point = {"t": [0], "q": moved[n_u:], "u": moved[:n_u], "r": [2], "p": [mpmath.mpf(v) for v in p]}
+        return evaluate_sequence(sequence, point, MPMATH)[0]
+
+    with mpmath.workdps(60):
+        pairs = [(slopes(k, 1), slopes(k, -1)) for k in range(len(x))]
+        exact = np.array(
+            [[float((a - b) / (2 * step)) for a, b in zip(*pair, strict=True)] for pair in pairs]
+        ).T
+    assert np.abs(seen - exact).max() < 1e-10 * np.abs(exact).max()
 
 
 def test_copy_of_the_state_repeats_the_bits(crank: tuple[sb.EquationSet, sb.Fmu]) -> None:
@@ -192,6 +220,22 @@ def test_integrators_in_python_are_refused(tmp_path: Path) -> None:
     with pytest.raises(sb.UsageError) as caught:
         sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu", constraints=sb.Partition())  # type: ignore[arg-type]
     assert caught.value.problems[0].code in ("fmu.motion", "call.wrong_argument", "call.type")
+
+
+@pytest.mark.exhaustive
+def test_steps_of_generalized_alpha_are_those_of_simulate(tmp_path: Path) -> None:
+    method = sb.GeneralizedAlpha(rho=0.8, step=0.01)
+    run = sb.simulate(pendulum(), 1.0, times=np.linspace(0.0, 1.0, 21), rtol=1e-6, integrator=method)
+    made = sb.save_fmu(pendulum(), tmp_path / "pendulum.fmu", integrator=method)
+    assert b'tolerance="1e-05"' in zipfile.ZipFile(made.path).read("modelDescription.xml")
+    seen = simulate(made.path, "CoSimulation", 1.0, ["theta_dot", "theta"], 1e-6)
+    np.testing.assert_allclose(seen, states(run), rtol=1e-12, atol=1e-13)
+
+
+def test_implicit_steps_take_no_samples(tmp_path: Path) -> None:
+    with pytest.raises(sb.UsageError, match="GeneralizedAlpha does not sample lean") as caught:
+        sb.save_fmu(example("cart_pole_pid"), tmp_path / "cart.fmu", integrator=sb.GeneralizedAlpha())
+    assert caught.value.problems[0].code == "fmu.motion"
 
 
 def test_folder_that_is_not_there_is_a_fault(tmp_path: Path) -> None:

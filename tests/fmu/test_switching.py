@@ -165,6 +165,22 @@ def test_motion_through_conditions(kind: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.exhaustive
+def test_slack_rope_may_start_where_its_ends_coincide(tmp_path: Path) -> None:
+    eqs = swing("L")
+    start = {"x": 0, "y": 0, "x_dot": 1.0}
+    run = sb.simulate(eqs, 1.0, initial=start, times=np.linspace(0.0, 1.0, 21), rtol=1e-10)
+    assert run.events  # it goes taut
+    made = sb.save_fmu(eqs, tmp_path / "swing.fmu", outputs=["reaction rope 0"], initial=start)
+    for kind in KINDS:
+        assert np.abs(simulate(made.path, kind, 1.0, eqs.state_names, 1e-9) - states(run)).max() < 1e-6
+    with instance(made.path, "ModelExchange") as fmu:
+        fmu.initialize()
+        shown = [v.name for v in made.variables if v.causality == "output"]
+        assert np.isfinite(fmu.get(*shown)).all()
+        assert np.isfinite(fmu.derivative([*shown, "der(y_dot)"], "y")).all()
+
+
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize(
     ("make", "end", "outputs"),

@@ -1,8 +1,10 @@
-"""The mechanisms of examples/gallery: each moves as its publication says, and its check notices a wrong size."""
+"""The mechanisms of examples/gallery: each moves as its closed form says, and its check notices a wrong size."""
 
 from __future__ import annotations
 
 import importlib.util
+import runpy
+import sys
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -11,31 +13,46 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from docs import draw_gallery
+from docs import draw_mechanisms
 
 FOLDER = Path(__file__).parents[2] / "examples" / "gallery"
 # A size in each closed form.
 SIZES = {
     "bennett": "BETA",
+    "bricard": "TWIST",
     "chebyshev_lambda": "ROCKER",
     "crank_rocker": "COUPLER",
+    "double_wishbone": "UPPER",
+    "geneva": "CRANK",
     "pantograph": "RATIO",
     "peaucellier": "SIDE",
     "quick_return": "RADIUS",
     "sarrus": "LENGTH",
     "scissor_lift": "STAGES",
+    "stephenson": "REACH",
     "toggle": "LENGTH",
     "watt": "ARM",
+    "block_and_tackle": "INERTIA",
+    "cardan_gears": "INNER",
+    "cycloid_drive": "OFFSET",
     "delta_robot": "ROD",
     "differential": "SHAFT",
+    "double_cardan": "BEND",
+    "oldham": "OFFSET",
     "planetary_gear": "RING",
     "swash_plate": "TILT",
     "universal_joint": "BEND",
+    "coin": "RADIUS",
     "foucault": "LATITUDE",
+    "governor": "SLEEVE",
     "gyroscope": "SPIN",
+    "hill_muscle": "A",
+    "huygens": "RADIUS",
+    "rattleback": "SKEW",
     "rimless_wheel": "SLOPE",
     "single_track": "YAW",
     "stick_slip": "STATIC",
+    "tumbling": "OFF",
 }
 FAST = {"crank_rocker", "planetary_gear", "stick_slip"}
 NAMES = [name if name in FAST else pytest.param(name, marks=pytest.mark.exhaustive) for name in sorted(SIZES)]
@@ -81,14 +98,36 @@ def test_check_notices_a_size_that_is_one_percent_off(name: str) -> None:
 
 def test_nothing_is_left_out() -> None:
     assert {path.stem for path in FOLDER.glob("*/*.py")} == SIZES.keys()
-    assert {path.parent.name for path in draw_gallery.MECHANISMS} == draw_gallery.HEADINGS.keys()
+    assert {path.parent.name for path in draw_mechanisms.MECHANISMS} == draw_mechanisms.HEADINGS.keys()
+    assert draw_mechanisms.PLAYED.keys() < SIZES.keys()
 
 
-def test_page_says_what_the_scripts_say() -> None:
-    """Run: python docs/draw_gallery.py mechanisms."""
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", sorted(SIZES))
+def test_model_file_is_the_mechanism_of_the_script(name: str) -> None:
+    """Run: python docs/draw_mechanisms.py."""
+    (path,) = FOLDER.glob(f"*/{name}.toml")
+    assert sb.load_model(path) == module_of(name).model()
+
+
+@pytest.mark.exhaustive
+def test_page_is_what_the_scripts_give() -> None:
+    """Run: python docs/draw_mechanisms.py."""
     page = (FOLDER.parents[1] / "docs" / "mechanisms.md").read_text(encoding="utf-8")
-    assert page == draw_gallery.mechanisms_page()
+    assert page == draw_mechanisms.mechanisms_page()
     for name in SIZES:
-        picture = draw_gallery.PICTURES / "gallery" / f"{name}.png"
-        assert f"(pictures/gallery/{name}.png)" in page
+        picture = draw_mechanisms.PICTURES / f"{name}.png"
+        assert page.count(f"pictures/gallery/{name}.png") == 2  # card and section
         assert 2_000 < picture.stat().st_size < 100_000
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("words", [["huygens"], ["huygens", "--live"]])
+def test_one_command_shows_a_mechanism(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["show.py", *words])
+    runpy.run_path(str(FOLDER / "show.py"), run_name="__main__")
+    assert "from the closed form" in capsys.readouterr().out
+    assert "</html>" in (tmp_path / "huygens.html").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ import numpy as np
 import symbody as sb
 from symbody.expr.calculus import gradient
 from symbody.expr.graph import TIME
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 from tests.laws.agreement import SYSTEM
 from tests.laws.consistent_states import State
 from tests.laws.contact_wrenches import contact_errors, contact_outputs, coupled_efforts, wrench_on_end

@@ -10,11 +10,11 @@ import numpy as np
 from scipy.linalg import qr
 
 import symbody as sb
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME
-from symbody.expr.precise_numbers import MPMATH
-from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.expr.sequence import Sequence as Program
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.precise_numbers import MPMATH
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.sequence import Sequence as Program
 from symbody.graph.trees import TreeChoice
 from symbody.model import resolve_parameters
 from tests.laws.building import build_model

@@ -16,7 +16,7 @@ import numpy as np
 import symbody as sb
 from symbody.expr.calculus import gradient
 from symbody.expr.graph import TIME
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 from tests.formulations import FORMULATIONS, name_of
 from tests.laws.agreement import SYSTEM
 from tests.laws.evaluation import EPS, Condition, condition, evaluator

@@ -11,7 +11,7 @@ from scipy.linalg import null_space
 
 import symbody as sb
 from symbody.expr.calculus import jacobian
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 from tests.laws.agreement import SYSTEM
 from tests.laws.consistent_states import State
 from tests.laws.evaluation import EPS, arguments, condition, evaluator

@@ -10,7 +10,7 @@ import pytest
 
 import symbody as sb
 from symbody.errors import UsageError
-from symbody.model.declaration import Declared
+from symbody.model.declarations.declaration import Declared
 from symbody.model.element import Element
 from symbody.model.model import KINDS
 from symbody.model.registry import element_types, shape_types

@@ -10,11 +10,10 @@ from scipy.integrate import solve_ivp
 
 import symbody as sb
 from symbody.expr.language.formula import Formula
-from symbody.model.element_fields import element
-from symbody.model.fields import Flag, Quantity
-from symbody.model.formula_site import Triple
-from symbody.model.joint import Joint
-from symbody.model.joint_fields import (
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import Flag, Quantity
+from symbody.model.declarations.formula_site import Triple
+from symbody.model.declarations.joint_fields import (
     AS_CONSTRAINT,
     TREE,
     Coordinate,
@@ -22,6 +21,7 @@ from symbody.model.joint_fields import (
     PrescribedAngle,
     TreeMembership,
 )
+from symbody.model.joint import Joint
 from symbody.model.simple_rotation import SimpleRotation, in_plane, unit_axis
 
 MASS, INERTIA, A, B, G = 2.0, 0.3, 1.2, 0.5, 9.81

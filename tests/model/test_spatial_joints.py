@@ -12,7 +12,7 @@ import pytest
 
 from symbody.errors import ModelError
 from symbody.model import Body, Drive, Force, Free, Model, Planar, Prismatic, Revolute, Spherical, Torque
-from symbody.model.formula_site import Triple
+from symbody.model.declarations.formula_site import Triple
 from symbody.model.joint import Joint, QuasiSpeeds
 from symbody.model.numbers import as_float, formula_value
 from symbody.model.simple_rotation import LETTERS

@@ -15,7 +15,7 @@ from sympy.physics.vector import dynamicsymbols
 
 import symbody as sb
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
 from tests.codegen.native import call_address
 from tests.problems.mechanisms import (
     EPS,

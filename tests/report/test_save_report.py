@@ -139,6 +139,8 @@ def test_large_mechanisms_are_counted(tmp_path: Path) -> None:
         ({"path": "x"}, "report.format"),
         ({"path": "x.html", "sections": ["dynamic"]}, "report.section"),
         ({"path": "x.html", "run": "other"}, "report.run"),
+        ({"path": "x.html", "sections": ["motion"]}, "report.no_motion"),
+        ({"path": "x.ipynb", "template": "x.txt"}, "report.template_kind"),
         ({"path": "x.html", "parameters": {"no_such": 1}}, "parameters.unknown"),
     ],
 )
@@ -199,3 +201,49 @@ def test_no_equilibrium_of_a_hundred_speeds_and_more(tmp_path: Path) -> None:
         ]
     eqs = sb.form_equations(sb.Model("chain", parts, (0, -9.81, 0)))
     assert "there are 101 speeds" in write(eqs, tmp_path / "x.html", sections=["equilibrium"])
+
+
+@pytest.mark.parametrize(
+    ("suffix", "head"),
+    [("html", "<title>{{ title }}</title>"), ("tex", r"\section*{{{ title }}}"), ("md", "# Mine: {{title}}")],
+)
+def test_a_template_is_filled(suffix: str, head: str, tmp_path: Path) -> None:
+    eqs = load("spring_mass_damper")
+    frame = tmp_path / "frame.txt"
+    frame.write_text(
+        f"first {head}\n{{{{ equations }}}} between {{{{motion}}}}{{{{ parts }}}} last", encoding="utf-8"
+    )
+    text = write(eqs, tmp_path / f"x.{suffix}", title="A & B", template=frame)
+    plain = write(eqs, tmp_path / f"y.{suffix}", title="A & B")
+    first, last = text.index("first"), text.rindex("last")
+    between = text.index(" between ")
+    assert first < text.index("B", first) < between < last and "{{ " not in text
+    shown = text[between + len(" between ") : last].strip()
+    assert shown and shown in plain
+
+
+@pytest.mark.parametrize(
+    ("content", "code"),
+    [("{{ bodi }}", "report.template_name"), ("nothing", "report.template_empty"), (None, "file.missing")],
+)
+def test_templates_that_cannot_be_filled(content: str | None, code: str, tmp_path: Path) -> None:
+    frame = tmp_path / "frame.html"
+    if content is not None:
+        frame.write_text(content, encoding="utf-8")
+    with pytest.raises(sb.SymbodyError) as caught:
+        sb.save_report(
+            load("spring_mass_damper"), tmp_path / "x.html", template=frame, sections=["parameters"]
+        )
+    assert [problem.code for problem in caught.value.problems] == [code]
+    assert not (tmp_path / "x.html").exists()
+
+
+def test_a_section_motion_needs_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from symbody.cli import run
+
+    model = str(EXAMPLES / "spring_mass_damper" / "spring_mass_damper.toml")
+    out = ["-o", str(tmp_path / "x.html"), "--section", "motion"]
+    assert run(["report", model, *out]) != 0
+    assert "--end" in capsys.readouterr().err
+    assert run(["report", model, *out, "--end", "1"]) == 0
+    assert "Coordinates over time" in (tmp_path / "x.html").read_text(encoding="utf-8")

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
-from symbody.simulation.methods.change_point import _Passages
+from symbody.simulation.methods.closed_loops.change_point import _Passages
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.integration import Integration, end_run
-from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import RawRun, Statistics
 from symbody.simulation.simulation_problem import SimulationProblem

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.kernels import event_watch
-from symbody.kernels import watch_block as at
+from symbody.kernels.events import event_watch
+from symbody.kernels.events import watch_block as at
 from symbody.kernels.language import Reals
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, event_rows, make_watch_block
 from tests.simulation.test_events import at_rest, times_of

@@ -268,10 +268,85 @@ def test_files_that_cannot_be_stepped_here(controller: Maker, tmp_path: Path) ->
     assert missing.code == "fmu_input.file"
 
 
+# Steppers
+
+
+def stepped(law: sb.FmuInput, dt: float = STEP, **more: Any) -> sb.Stepper:
+    return sb.Stepper(
+        equations_of("cart_pole"), dt, initial={"theta": 0.2}, inputs={"F": law}, rtol=1e-11, **more
+    )
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+@pytest.mark.parametrize("is_late", [False, True])
+def test_steppers_step_fmus(controller: Maker, version: Version, is_late: bool) -> None:
+    stepper = stepped(sb.FmuInput(controller(version), "F", READS, STEP, is_late=is_late))
+    assert not stepper.inputs  # steps give none
+    expected = in_python(1.0, is_late=is_late)
+    for _ in range(100):
+        stepper.step()
+    assert stepper.q == pytest.approx(expected.q, abs=1e-9)
+    assert stepper["F"] == pytest.approx(expected["F"], abs=1e-7)
+    with pytest.raises(sb.UsageError):
+        stepper.step(F=1.0)
+
+
+@pytest.mark.parametrize("dt", [0.004, 0.025])
+def test_steps_need_not_fit_samples(controller: Maker, dt: float) -> None:
+    stepper = stepped(sb.FmuInput(controller("2.0"), "F", READS, STEP), dt)
+    for _ in range(round(0.5 / dt)):
+        stepper.step()
+    assert stepper.t == pytest.approx(0.5, abs=1e-12)
+    assert stepper.q == pytest.approx(in_python(0.5).q, abs=1e-9)
+
+
+def test_saved_and_copied_steppers_go_on_with_their_fmus(controller: Maker) -> None:
+    law = sb.FmuInput(controller("3.0"), "F", READS, STEP)
+    stepper, other = stepped(law, 0.004), stepped(law, 0.004)
+    for _ in range(36):
+        stepper.step()
+    saved, copied = stepper.save(), stepper.copy()
+    other.restore(saved)
+    for _ in range(40):
+        for each in (stepper, copied, other):
+            each.step()
+    assert stepper.q.tolist() == copied.q.tolist() == other.q.tolist()
+    stepper.set(m=1.1).restore(saved)
+    for _ in range(40):
+        stepper.step()
+    assert stepper.q.tolist() == other.q.tolist()
+    stepper.reset()
+    for _ in range(125):
+        stepper.step()
+    assert stepper.q == pytest.approx(in_python(0.5).q, abs=1e-9)
+
+
+def test_event_stops_a_step_between_samples(controller: Maker) -> None:
+    law = sb.FmuInput(controller("2.0"), "F", READS, STEP)
+    event = sb.Event("theta - 0.1", action="stop")
+    stepper = stepped(law, 0.025, events=event)
+    while stepper.status is sb.Status.SUCCESS:
+        stepper.step()
+    run = balance(law, events=[event])
+    assert stepper.t == pytest.approx(float(run.t[-1]), abs=1e-9)
+    stepper.step()
+    assert stepper.status is sb.Status.SUCCESS
+
+
+def test_fmu_without_states_is_not_saved(controller: Maker, tmp_path: Path) -> None:
+    def forget(entry: str, data: bytes) -> tuple[str, bytes]:
+        return entry, data.replace(b'canSerializeFMUstate="true"', b"")
+
+    path = rewrite(controller("2.0"), tmp_path / "forgetful.fmu", forget)
+    stepper = stepped(sb.FmuInput(path, "F", READS, STEP)).step()
+    for call in (stepper.save, stepper.copy):
+        assert problem_of(call).code == "fmu_input.no_state"
+    assert stepper.reset().step().t == STEP
+
+
 def test_where_no_motion_is_computed_at_once(controller: Maker) -> None:
     eqs, law = equations_of("cart_pole"), sb.FmuInput(controller("2.0"), "F", READS, STEP)
     calls: list[Callable[[], object]] = [
-        lambda: sb.Stepper(eqs, 0.01, inputs={"F": law}),
         lambda: sb.sweep(eqs, 1.0, {"m": [1.0, 2.0]}, inputs={"F": law}),
         lambda: sb.generate_simulation(eqs, 1.0, inputs={"F": law}),
     ]

@@ -9,10 +9,10 @@ import pytest
 
 from symbody.codegen.llvm.kernel_library import compile_kernels
 from symbody.kernels import block as at
-from symbody.kernels import implicit_block as beside
-from symbody.kernels.dense_factors import factor_dense, solve_dense
-from symbody.kernels.implicit_machine import advance_implicit, begin_implicit
+from symbody.kernels.implicit import implicit_block as beside
+from symbody.kernels.implicit.implicit_machine import advance_implicit, begin_implicit
 from symbody.kernels.language import Reals
+from symbody.kernels.linear.dense_factors import factor_dense, solve_dense
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS
 from symbody.simulation.methods.explicit import NO_FUNCTION, NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.native.blocks import make_block, state_of

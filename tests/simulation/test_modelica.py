@@ -15,8 +15,8 @@ from symbody.cli import run
 from symbody.codegen.texts.modelica import Declaration, ModelDeclarations, model_text
 from symbody.errors import SymbodyError
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.sequence import Output
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Output
 from tests.codegen.sequences import EXACT, LIBRARY, random_sequence
 from tests.problems.mechanisms import EXAMPLES, equations_of
 from tests.problems.test_mobility import parallelograms_inside

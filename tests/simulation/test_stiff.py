@@ -12,7 +12,7 @@ from symbody.analysis.scales import Scales
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods import integration
 from symbody.simulation.methods.explicit import integrate
-from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.simulation_problem import SimulationProblem
 from tests.simulation.loops import damped_slider, example, held_pendulum, pushed_mass, turning_pendulum
 
@@ -65,6 +65,26 @@ def test_without_integrator_stiff_motions_change_over_on_the_way(times: np.ndarr
 def test_motions_that_are_not_stiff_stay_explicit() -> None:
     run = sb.simulate(example("slider_crank"), 1.0)
     assert run.success and not any("Stiff" in note for note in run.notes)
+
+
+def trembling_pendulum() -> sb.EquationSet:
+    """A pendulum whose pivot hangs in springs without damping: rad/s in the hundred thousands."""
+    arm = sb.Body("Arm", mass=2, inertia=(0, 0, 0.5), frames={"pivot": sb.Frame(at=(0, 1, 0))})
+    spring = sb.Drive(stiffness=1e10)
+    force = {"x": spring, "y": spring}
+    mount = sb.Planar("mount", "ground", "Arm.pivot", coordinates=["x", "y", "theta"], force=force)
+    return sb.form_equations(sb.Model("bushing", [arm, mount], gravity=(0, -9.81, 0), initial={"theta": 1.5}))
+
+
+@pytest.mark.parametrize("event", [(), pytest.param(sb.Event("theta - 1.4"), marks=pytest.mark.exhaustive)])
+def test_vibrations_without_damping_stay_explicit(event: sb.Event | tuple[()]) -> None:
+    """Backward differentiation of higher order is unstable for them, and takes minutes."""
+    eqs, options = trembling_pendulum(), {"events": event, "atol": 1e-8}
+    run = sb.simulate(eqs, 0.5, **options)
+    assert run.success and any("sb.Explicit() integrates the motion" in note for note in run.notes)
+    explicit = sb.simulate(eqs, 0.5, **options, integrator=sb.Explicit())
+    assert np.array_equal(run.t, explicit.t) and np.array_equal(run.q, explicit.q)
+    assert len(run.events) == len(explicit.events) == (1 if event else 0)
 
 
 def test_a_short_rest_is_left_to_explicit_steps() -> None:

@@ -10,11 +10,11 @@ import pytest
 from scipy.spatial.transform import Rotation as Reference
 
 from symbody.errors import FrameError
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import operation_count
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 from symbody.spatial.frame import FrameTree
 from symbody.spatial.rotation import AxisRotation, Rotation, Triple, compose_steps, rotation_matrix
 from symbody.spatial.vector import Vector, components, cross, dot, express, vector

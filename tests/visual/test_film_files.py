@@ -17,7 +17,7 @@ from PIL import Image
 import symbody as sb
 from symbody.errors import EnvironmentFault, UsageError
 from symbody.simulation import Trajectory
-from symbody.visual.film.animated_images import frame_delays
+from symbody.visual.film.files.animated_images import frame_delays
 from symbody.visual.film.pictures import write_film, write_still
 from symbody.visual.film.save_animation import resample
 from symbody.visual.film.studio import Look

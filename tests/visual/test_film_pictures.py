@@ -15,16 +15,16 @@ from numpy.testing import assert_allclose
 from symbody.errors import UsageError
 from symbody.visual.film.annotations import round_number, with_unit
 from symbody.visual.film.drawing import Caption, Drawing, Stroke
-from symbody.visual.film.item_buffer import rasterize
+from symbody.visual.film.files.raster import pixels_of
+from symbody.visual.film.files.svg import svg_text
 from symbody.visual.film.labels import named_points, place_labels
 from symbody.visual.film.palette import LIGHT
 from symbody.visual.film.pictures import draw_scene, vector_drawing
-from symbody.visual.film.polylines import join_lines
-from symbody.visual.film.raster import pixels_of
-from symbody.visual.film.regions import trace_regions
 from symbody.visual.film.stage import pose_at
 from symbody.visual.film.studio import Look, Studio, make_studio
-from symbody.visual.film.svg import svg_text
+from symbody.visual.film.surfaces.item_buffer import rasterize
+from symbody.visual.film.surfaces.polylines import join_lines
+from symbody.visual.film.surfaces.regions import trace_regions
 from symbody.visual.film.text_metrics import text_width
 from symbody.visual.scene.scene import Anchor, Connector, MotionVector, Scene, SceneMotion
 from tests.visual.film_scenes import ball, box, motion_of, scene_of

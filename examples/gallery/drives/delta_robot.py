@@ -3,10 +3,9 @@
 Three motors on the ceiling move a plate by arms and pairs of rods, which keep the plate parallel to the
 ceiling; nothing heavy moves, so it picks many things a second.
 
-Check: the arms' angles for a place of the plate are roots of E cos(q) + F sin(q) + G = 0, from the length
-of the rods alone: R. Clavel, Device for the movement and positioning of an element in space, US patent
-4,976,582 (1990); formula in R. L. Williams II, The Delta Parallel Robot: Kinematics Solutions, Ohio
-University 2016.
+Check: the arms' angles for a place of the plate are roots of E cos(q) + F sin(q) + G = 0, from the length of
+the rods alone: R. Clavel, Device for the movement and positioning of an element in space, US patent 4,976,582
+(1990); formula in R. L. Williams II, The Delta Parallel Robot: Kinematics Solutions, Ohio University 2015.
 """
 
 import numpy as np
@@ -19,8 +18,8 @@ LOOK = {"times": (0.1, 0.4), "traces": ["Plate"], "view": (1.0, -1.4, 0.5)}
 WAY = ("0.2*cos(2*pi*t)", "0.15*sin(2*pi*t)", "-0.6 + 0.08*cos(4*pi*t)")  # of the plate
 
 
-def motion():
-    """Return the arms while the plate goes around."""
+def model():
+    """Return the mechanism."""
     joints = {f"j{k}": sb.Frame(rotate=[("z", f"2*pi*{k}/3")]) for k in range(3)}
     mounts = {
         f"m{k}": sb.Frame((f"{PLATE}*cos(2*pi*{k}/3)", f"{PLATE}*sin(2*pi*{k}/3)", 0)) for k in range(3)
@@ -43,11 +42,15 @@ def motion():
             sb.Distance(f"rod{k}", f"Arm{k}.elbow", f"Plate.m{k}", ROD),
         ]
     box = sb.Cylinder(BASE, 0.02, at=(0, 0, 0.02), opacity=0.4)
-    model = sb.Model(
+    return sb.Model(
         "delta robot", parts, gravity=(0, 0, -9.81), ground=posts, ground_shapes=[box],
         initial={"q0": 0.3, "q1": 0.3, "q2": 0.3},
     )  # fmt: skip
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+
+
+def motion():
+    """Return the arms while the plate goes around."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

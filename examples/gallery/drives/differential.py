@@ -3,10 +3,10 @@
 A bevel gear on the carrier meshes with one on each half shaft: the wheels of a car may turn at different
 speeds, and get the same torque.
 
-Check: the carrier turns at the mean of the half shafts and its torque goes to both in equal parts, so the
-motion against two unequal brakes is that of two linear equations, solved by the matrix exponential; at its
-end each wheel turns at half of the torque over its brake. R. L. Norton, Design of Machinery, McGraw-Hill,
-section on differentials.
+Check: the carrier turns at the mean of the half shafts and, as power in is power out at any speeds, its
+torque goes to both in equal parts, so the motion against two unequal brakes is that of two linear equations,
+solved by the matrix exponential; at its end each wheel turns at half of the torque over its brake. Derived
+here.
 """
 
 import numpy as np
@@ -20,8 +20,8 @@ TOLERANCE = 1e-6
 LOOK = {"times": (0.0,), "view": (1.0, -1.3, 0.6)}
 
 
-def motion():
-    """Return three seconds from rest."""
+def model():
+    """Return the mechanism."""
     carrier = sb.Body(
         "Carrier", 4.0, (CARRIER, CARRIER, CARRIER), frames={"pin": sb.Frame((0, 0, 0.06)),
         "left": sb.Frame((-0.05, 0, 0)), "right": sb.Frame((0.05, 0, 0))},
@@ -39,7 +39,12 @@ def motion():
         sb.Torque("left brake", "Left", (f"-{BRAKES[0]}*(phi_dot + left_dot)", 0, 0)),
         sb.Torque("right brake", "Right", (f"-{BRAKES[1]}*(phi_dot + right_dot)", 0, 0)),
     ]
-    eqs = sb.form_equations(sb.Model("differential", parts))
+    return sb.Model("differential", parts)
+
+
+def motion():
+    """Return three seconds from rest."""
+    eqs = sb.form_equations(model())
     return sb.simulate(eqs, 3.0, times=np.linspace(0, 3, 151), rtol=1e-10, atol=1e-12)
 
 

@@ -3,7 +3,8 @@
 A sun, three planets on a carrier, a ring: two of the three shafts drive the third. With the ring held it is
 the gear of hub motors and wind turbines; with all three shafts it divides power in hybrid cars.
 
-Check: z_s w_sun + z_r w_ring = (z_s + z_r) w_carrier, R. Willis, Principles of Mechanism, 1841.
+Check: against the carrier sun and ring turn as two gears do, (w_sun - w_carrier) z_s = -(w_ring - w_carrier)
+z_r, so z_s w_sun + z_r w_ring = (z_s + z_r) w_carrier, R. Willis, Principles of Mechanism, 1841.
 """
 
 import numpy as np
@@ -16,8 +17,8 @@ TOLERANCE = 1e-7  # rad/s
 LOOK = {"times": (0.0,), "view": (0.35, 0.5, 1.0)}
 
 
-def motion():
-    """Return two seconds under torques on sun and ring, the carrier against a brake."""
+def model():
+    """Return the mechanism."""
     module = 0.004  # m
     axis = module * (SUN + PLANET) / 2
     frames = {
@@ -41,9 +42,12 @@ def motion():
             sb.Revolute(f"axle{k}", f"Carrier.axle{k}", planet, coordinate=f"planet{k}"),
             sb.Gear(f"outer{k}", [f"planet{k}", "sun"], f"-{SUN}/{PLANET}", offset=f"pi/{PLANET}"),
         ]
-    return sb.simulate(
-        sb.form_equations(sb.Model("planetary gear", parts)), 2.0, times=np.linspace(0, 2, 201)
-    )
+    return sb.Model("planetary gear", parts)
+
+
+def motion():
+    """Return two seconds under torques on sun and ring, the carrier against a brake."""
+    return sb.simulate(sb.form_equations(model()), 2.0, times=np.linspace(0, 2, 201))
 
 
 def comparison(run):

@@ -1,10 +1,10 @@
 """Swash plate with five pistons.
 
-A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there
-is no crank, and the stroke follows the tilt.
+A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there is
+no crank, and the stroke follows the tilt.
 
-Check: the piston at an angle p moves by -R tan(alpha) cos(phi - p), a pure sine; stroke 2 R tan(alpha). J.
-Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, Akademia 2001, kinematics of axial pistons.
+Check: the shoe at (R cos(p), R sin(p)) is in the plane across (sin(a) cos(phi), sin(a) sin(phi), cos(a)), a
+the tilt, so that the piston is at -R tan(a) cos(phi - p), a pure sine; stroke 2 R tan(a). Derived here.
 """
 
 import numpy as np
@@ -16,8 +16,8 @@ TOLERANCE = 1e-9
 LOOK = {"times": (0.13,), "view": (0.8, -1.2, 0.45)}
 
 
-def motion():
-    """Return one turn of the shaft."""
+def model():
+    """Return the mechanism."""
     plate = sb.Body(
         "Plate", 1.0, (0.001, 0.001, 0.002), frames={"face": sb.Frame(rotate=[("y", TILT)])},
         shapes=[sb.Cylinder(0.09, 0.01, rotate=[("y", TILT)], color="steelblue"),
@@ -35,8 +35,12 @@ def motion():
             sb.Prismatic(f"guide{k}", f"ground.bore{k}", piston, "z", f"s{k}"),
             sb.PointOnPlane(f"shoe{k}", "Plate.face", piston, axis="z"),
         ]
-    model = sb.Model("swash plate", parts, ground=posts)
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("swash plate", parts, ground=posts)
+
+
+def motion():
+    """Return one turn of the shaft."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -1,10 +1,10 @@
 """Universal joint between two shafts.
 
-Cardan's or Hooke's joint: two forks and a cross. The second shaft turns as often as the first, but
-unevenly, the more so the larger the angle between the shafts.
+Cardan's or Hooke's joint: two forks and a cross. The second shaft turns as often as the first, but unevenly,
+the more so the larger the angle between the shafts.
 
-Check: tan(phi2) = tan(phi1)/cos(beta) with phi1 from the position where the first fork lies across the
-plane of the shafts; R. L. Norton, Design of Machinery, McGraw-Hill, section on universal joints.
+Check: the two arms of the cross stay at right angles, which is tan(phi2) = tan(phi1)/cos(beta), with phi1
+from the position where the arm in the first fork lies in the plane of the shafts. Derived here.
 """
 
 import numpy as np
@@ -16,8 +16,8 @@ TOLERANCE = 1e-8
 LOOK = {"times": (0.1,), "view": {"direction": (0.5, -1.0, 1.2), "zoom": 1.1}}
 
 
-def motion():
-    """Return one turn of the first shaft."""
+def model():
+    """Return the mechanism."""
     end = {"fork": sb.Frame((0.2, 0, 0)), "tail": sb.Frame((-0.2, 0, 0))}
     parts = [
         sb.Body("Drive", 1.0, (0.001, 0.01, 0.01), frames=end),
@@ -28,8 +28,12 @@ def motion():
     ]
     far = sb.Frame((float(0.2 + 0.4 * np.cos(BEND)), float(0.4 * np.sin(BEND)), 0), rotate=[("z", BEND)])
     posts = {"first": sb.Frame((-0.2, 0, 0)), "second": far}
-    model = sb.Model("universal joint", parts, ground=posts)
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("universal joint", parts, ground=posts)
+
+
+def motion():
+    """Return one turn of the first shaft."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

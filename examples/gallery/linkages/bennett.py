@@ -1,7 +1,7 @@
 """Bennett's linkage.
 
-Four hinges in space whose axes are neither parallel nor meet: opposite links are equal, and their twists
-are as sin(alpha)/a = sin(beta)/b. A count of constraints says that it cannot move; it moves.
+Four hinges in space whose axes are neither parallel nor meet: opposite links are equal, and their twists are
+as sin(alpha)/a = sin(beta)/b. A count of constraints says that it cannot move; it moves.
 
 Check: tan(t1/2) tan(t4/2) = sin((beta + alpha)/2)/sin((beta - alpha)/2), all around. G. T. Bennett, A new
 mechanism, Engineering 76 (1903), 777-778.
@@ -26,8 +26,8 @@ def link(name, length, twist):
     return sb.Body(name, 1.0, (0.01, 0.1, 0.1), frames=frames)
 
 
-def motion():
-    """Return three seconds of free motion from a first speed."""
+def model():
+    """Return the mechanism."""
     parts = [
         *(link("Input", "b", "beta"), link("Coupler", "a", "alpha"), link("Output", "b", "beta")),
         sb.Revolute("A", "ground.far", "Input.inner", coordinate="t1"),
@@ -35,14 +35,16 @@ def motion():
         sb.Revolute("C", "Coupler.outer", "Output.inner", coordinate="t3"),
         sb.Revolute("D", "Output.outer", "ground", coordinate="t4"),
     ]
-    model = sb.Model(
+    return sb.Model(
         "Bennett's linkage", parts, parameters={"a": A, "b": B, "alpha": ALPHA, "beta": BETA},
         ground={"far": sb.Frame(("a", 0, 0), rotate=[("x", "alpha")])},
+        initial={"t1": 1.0, "t2": 2.9, "t4": -2.9, "t1_dot": 2.0},
     )  # fmt: skip
-    first = {"t1": 1.0, "t1_dot": 2.0}
-    return sb.simulate(
-        sb.form_equations(model), 3.0, first, {"t2": 2.9, "t4": -2.9}, times=np.linspace(0, 3, 201)
-    )
+
+
+def motion():
+    """Return three seconds of free motion from a first speed."""
+    return sb.simulate(sb.form_equations(model()), 3.0, times=np.linspace(0, 3, 201))
 
 
 def comparison(run):

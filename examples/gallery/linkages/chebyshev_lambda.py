@@ -1,12 +1,12 @@
-"""Chebyshev's lambda linkage.
+"""Chebyshev's lambda linkage, or Hoecken's.
 
-A crank-rocker with bars of 1 : 2.5 : 2.5 and posts 2 apart, the coupler as long again beyond the rocker.
-Its end draws a flat line for half a turn and comes back in an arc, as the foot of a walking machine does.
+A crank-rocker with bars of 1 : 2.5 : 2.5 and posts 2 apart, the coupler as long again beyond the rocker. Its
+end draws a flat line for half a turn and comes back in an arc, as the foot of a walking machine does.
 
 Check: the rocker's pin is equally far from crank pin, post and end, so the angle at the post is right
-(Thales) and the height of the end is (2 - cos(t)) sqrt(25/(5 - 4 cos(t)) - 1); it is 4 at t = 90, 180 and
-270 degrees. Proportions: R. L. Norton, Design of Machinery, McGraw-Hill, section on straight-line linkages,
-under Hoeken's name.
+(Thales) and the height of the end is (2 - cos(t)) sqrt(25/(5 - 4 cos(t)) - 1); it is 4 at t = 90, 180 and 270
+degrees. Derived here; P. L. Chebyshev showed such a walking machine in Paris in 1878, and K. Hoecken
+published the linkage in 1926.
 """
 
 import numpy as np
@@ -26,8 +26,8 @@ def bar(name, length, **points):
     )
 
 
-def motion():
-    """Return one turn of the crank."""
+def model():
+    """Return the mechanism."""
     parts = [
         *(
             bar("Crank", CRANK),
@@ -39,11 +39,15 @@ def motion():
         sb.Revolute("C", "Coupler.pin", "Rocker.b"),
         sb.Revolute("D", "ground.D", "Rocker.a", coordinate="phi"),
     ]
-    model = sb.Model(
+    return sb.Model(
         "lambda linkage", parts, gravity=(0, -9.81, 0), ground={"D": sb.Frame((POSTS, 0, 0))},
         initial={"beta": "78 deg", "phi": "102 deg"},
     )  # fmt: skip
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+
+
+def motion():
+    """Return one turn of the crank."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

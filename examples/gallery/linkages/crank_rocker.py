@@ -1,7 +1,7 @@
 """Four-bar linkage, a crank-rocker.
 
-The crank turns, the rocker swings: the shortest and the longest bar together are shorter than the two
-others (Grashof). Wiper drives, oil pumps and steering linkages are four-bars.
+The crank turns, the rocker swings: the shortest and the longest bar together are shorter than the two others
+(Grashof). Wiper drives, oil pumps and steering linkages are four-bars.
 
 Check: K1 cos(phi) - K2 cos(theta) + K3 = cos(theta - phi) with K1 = d/a, K2 = d/c, K3 = (a^2 - b^2 + c^2 +
 d^2)/(2 a c), F. Freudenstein, Approximate synthesis of four-bar linkages, Trans. ASME 77 (1955), 853-861.
@@ -24,8 +24,8 @@ def bar(name, length, **points):
     )
 
 
-def motion():
-    """Return two turns of the crank."""
+def model():
+    """Return the mechanism."""
     parts = [
         *(bar("Crank", CRANK), bar("Coupler", COUPLER, P=(0, 0.25, 0)), bar("Rocker", ROCKER)),
         sb.Revolute("A", "ground", "Crank.a", coordinate="theta", motion="2*pi*t"),
@@ -33,11 +33,15 @@ def motion():
         sb.Revolute("C", "Coupler.b", "Rocker.b"),
         sb.Revolute("D", "ground.D", "Rocker.a", coordinate="phi"),
     ]
-    model = sb.Model(
+    return sb.Model(
         "four-bar", parts, gravity=(0, -9.81, 0), ground={"D": sb.Frame((POSTS, 0, 0))},
         initial={"beta": "60 deg", "phi": "120 deg"},
     )  # fmt: skip
-    return sb.simulate(sb.form_equations(model), 2.0, times=np.linspace(0, 2, 201))
+
+
+def motion():
+    """Return two turns of the crank."""
+    return sb.simulate(sb.form_equations(model()), 2.0, times=np.linspace(0, 2, 201))
 
 
 def comparison(run):

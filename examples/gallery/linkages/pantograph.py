@@ -3,8 +3,9 @@
 A parallelogram of four bars on one fixed point: what the tracer draws, the pen draws larger. It copied
 drawings, engraved letters, and carries the current collectors of trains.
 
-Check: fixed point, tracer and pen lie on a line, and the pen is k times as far as the tracer; C. Scheiner,
-Pantographice, Rome 1631.
+Check: the bars from the tracer are parallel to the others, so that the triangles fixed point - elbow - pen
+and fixed point - joint - tracer are similar: the pen is in the direction of the tracer, k times as far. C.
+Scheiner, Pantographice, Rome 1631.
 """
 
 import numpy as np
@@ -24,8 +25,8 @@ def bar(name, length, **points):
     return sb.Body(name, 1.0, (0, 0, length**2 / 12), frames=frames)
 
 
-def motion():
-    """Return a figure that tracer and pen draw."""
+def model():
+    """Return the mechanism."""
     parts = [
         bar("Inner", LONG, joint=SHORT),  # from the fixed point to the elbow
         bar("Outer", LONG, joint=SHORT),  # from the elbow to the pen
@@ -37,8 +38,12 @@ def motion():
         sb.Revolute("F", "Outer.joint", "Far.a", coordinate="far"),
         sb.Revolute("tracer", "Near.b", "Far.b"),
     ]
-    model = sb.Model("pantograph", parts, initial={"near": -1.6, "far": -1.54})
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("pantograph", parts, initial={"near": -1.6, "far": -1.54})
+
+
+def motion():
+    """Return a figure that tracer and pen draw."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -1,10 +1,13 @@
 """Peaucellier's inversor.
 
-Eight bars and no slide: the first linkage that turned a rotation into an exact straight line (1864). Two
-long arms and a rhombus keep the product of the distances of B and D from O; B goes on a circle through O,
-so D goes on a line.
+Eight bars and no slide: the first linkage that turned a rotation into an exact straight line (1864). Two long
+arms and a rhombus keep the product of the distances of B and D from O; B goes on a circle through O, so D
+goes on a line.
 
-Check: D stays at x = (arm^2 - side^2)/(2 crank), A. B. Kempe, How to Draw a Straight Line, Macmillan 1877.
+Check: O, B and D lie on a line by symmetry, and Pythagoras twice gives OB OD = arm^2 - side^2. B goes round
+at 2 crank cos(b) from O in the direction b, so D is at (arm^2 - side^2)/(2 crank cos(b)), whose part along x
+is constant: D stays at x = (arm^2 - side^2)/(2 crank). A. B. Kempe, How to Draw a Straight Line, Macmillan
+1877.
 """
 
 import numpy as np
@@ -32,8 +35,8 @@ def first_positions():
             "c_b": half - inner, "c_d": half - outer}  # fmt: skip
 
 
-def motion():
-    """Return one swing of the crank."""
+def model():
+    """Return the mechanism."""
     bars = {"Crank": CRANK, "ArmA": ARM, "ArmC": ARM, "AB": SIDE, "Upper": SIDE, "CB": SIDE, "Lower": SIDE}
     parts = [
         *(bar(name, length) for name, length in bars.items()),
@@ -49,8 +52,12 @@ def motion():
         sb.Revolute("D", "Upper.b", "Lower.b"),
     ]
     posts = {"Q": sb.Frame((CRANK, 0, 0))}
-    model = sb.Model("Peaucellier's inversor", parts, ground=posts, initial=first_positions())
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("Peaucellier's inversor", parts, ground=posts, initial=first_positions())
+
+
+def motion():
+    """Return one swing of the crank."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -3,9 +3,9 @@
 The pin of a crank of radius r slides in the slot of an arm, pivoted a distance d below: the arm goes forth
 slowly and back quickly. Shaping machines cut on the slow way.
 
-Check: tan(arm) = (d + r sin(t))/(r cos(t)), and the times of the two strokes are as 180 + 2 asin(r/d) to
-180 - 2 asin(r/d) degrees of the crank, R. L. Norton, Design of Machinery, McGraw-Hill, section on
-quick-return.
+Check: the pin is at (r cos(t), d + r sin(t)) from the arm's pivot, so tan(arm) = (d + r sin(t))/(r cos(t)).
+The arm turns back where it touches the circle of the pin, and the times of the two strokes are as 180 + 2
+asin(r/d) to 180 - 2 asin(r/d) degrees of the crank. Derived here.
 """
 
 import numpy as np
@@ -17,8 +17,8 @@ TOLERANCE = 1e-6
 LOOK = {"times": (0.0, 0.2, 0.4), "traces": ["Arm.tip"]}
 
 
-def motion():
-    """Return two turns of the crank at one turn a second."""
+def model():
+    """Return the mechanism."""
     parts = [
         sb.Body("Crank", 1.0, (0, 0, 0.01), frames={"pin": sb.Frame((RADIUS, 0, 0))}),
         sb.Body(
@@ -28,12 +28,16 @@ def motion():
         sb.Revolute("B", "ground.B", "Arm.foot", coordinate="phi"),
         sb.PinSlot("slot", "Arm.foot", "Crank.pin", axes=("z", "x"), coordinates=["turn", "along"]),
     ]
-    model = sb.Model(
+    return sb.Model(
         "quick return", parts, gravity=(0, -9.81, 0), ground={"B": sb.Frame((0, -POSTS, 0))},
         initial={"phi": "68 deg"},
     )  # fmt: skip
+
+
+def motion():
+    """Return two turns of the crank at one turn a second."""
     turning = sb.Event("phi_dot", name="turns back")
-    return sb.simulate(sb.form_equations(model), 2.0, times=np.linspace(0, 2, 401), events=[turning])
+    return sb.simulate(sb.form_equations(model()), 2.0, times=np.linspace(0, 2, 401), events=[turning])
 
 
 def comparison(run):

@@ -1,12 +1,12 @@
 """Sarrus linkage.
 
-Two chains of three hinges, the hinges of one across those of the other, hold a plate parallel to the
-ground: the first linkage for an exact straight line (1853), and a motion in space. A count of constraints
-says that it cannot move.
+Two chains of three hinges, the hinges of one across those of the other, hold a plate parallel to the ground:
+the first linkage for an exact straight line (1853), and a motion in space. A count of constraints says that
+it cannot move.
 
-Check: the plate does not turn and its centre stays above that of the base, at a height 2 l sin(a). P. T.
-Sarrus, Note sur la transformation des mouvements rectilignes alternatifs, C. R. Acad. Sci. 36 (1853),
-1036-1038.
+Check: each chain keeps the plate parallel to its own hinges, so the plate does not turn; each also keeps its
+centre in the plane across them, and both planes meet above the centre of the base: the height is 2 l sin(a).
+P. F. Sarrus told the Academy in Paris of it in 1853 (Comptes rendus, volume 36).
 """
 
 import numpy as np
@@ -25,8 +25,8 @@ def panel(name):
     return sb.Body(name, 1.0, (0.005, 0.014, 0.018), frames=frames, shapes=shapes)
 
 
-def motion():
-    """Return the plate going up and down."""
+def model():
+    """Return the mechanism."""
     sides = {"east": sb.Frame((EDGE / 2, 0, 0)), "north": sb.Frame((0, EDGE / 2, 0), rotate=[("z", "pi/2")])}
     plate = sb.Body("Plate", 2.0, (0.02, 0.02, 0.04), frames=sides, shapes=[sb.Box((EDGE, EDGE, 0.02))])
     parts = [plate, *(panel(name) for name in ("East1", "East2", "North1", "North2"))]
@@ -38,8 +38,12 @@ def motion():
             sb.Revolute(f"{side} top", f"Plate.{side}", f"{name}2.b", "y", f"{side}3"),
         ]
     first = {"east2": -0.94, "north1": -1.1, "north2": -0.94, "east3": -2.04, "north3": -2.04}
-    model = sb.Model("Sarrus linkage", parts, gravity=(0, 0, -9.81), ground=sides, initial=first)
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 101))
+    return sb.Model("Sarrus linkage", parts, gravity=(0, 0, -9.81), ground=sides, initial=first)
+
+
+def motion():
+    """Return the plate going up and down."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 101))
 
 
 def comparison(run):

@@ -3,9 +3,9 @@
 Two equal bars form a knee; as it is pushed straight, the ram at the end of the second goes ever more slowly
 and presses ever harder. Stone crushers, locking pliers and moulding machines end their strokes so.
 
-Check: power in is power out, so ram speed over knee speed is 2 tan(a), a the angle of the bars from the
-line of the ram; the force ratio, its inverse, has no bound at the dead point a = 0. R. L. Norton, Design of
-Machinery, McGraw-Hill, section on mechanical advantage and toggles.
+Check: the ram is at 2 l cos(a) and the knee at l sin(a) from its line, so ram speed over knee speed is 2
+tan(a), and the force ratio, its inverse because power in is power out, has no bound at the dead point a = 0.
+Derived here.
 """
 
 import numpy as np
@@ -23,17 +23,21 @@ def bar(name, length):
     return sb.Body(name, 1.0, (0, 0, length**2 / 12), frames=frames)
 
 
-def motion():
-    """Return the way from a bent knee through the dead point."""
+def model():
+    """Return the mechanism."""
     parts = [
         *(bar("Upper", LENGTH), bar("Lower", LENGTH), sb.Body("Ram", 2.0, (0.01, 0.01, 0.01))),
-        sb.Revolute("post", "ground", "Upper.a", coordinate="alpha", motion="0.9 - 0.95*t"),
+        sb.Revolute("post", "ground", "Upper.a", coordinate="alpha", motion="0.4 + 0.5*cos(pi*t)"),
         sb.Revolute("knee", "Upper.b", "Lower.a", coordinate="bend"),
         sb.Prismatic("guide", "ground", "Ram", axis="x", coordinate="s"),
         sb.Revolute("wrist", "Ram", "Lower.b"),
     ]
-    model = sb.Model("toggle press", parts, initial={"bend": -1.8, "s": 0.37})
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("toggle press", parts, initial={"bend": -1.8, "s": 0.37})
+
+
+def motion():
+    """Return the way from a bent knee through the dead point."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -5,7 +5,7 @@ straight up and down. It guided the piston rods of steam engines, and it guides 
 
 Check: the whole curve of that point, r^2 = b^2 - (a sin(t) -+ sqrt(c^2 - a^2 cos(t)^2))^2 in polar
 coordinates about the middle of the posts, which are 2 a apart, with arms b and bar 2 c; here times r^2,
-squared, without the root: J. D. Lawrence, A Catalog of Special Plane Curves, Dover 1972, Watt's curve.
+squared, without the root. Watt's curve in E. H. Lockwood, A Book of Curves, Cambridge University Press 1967.
 """
 
 import numpy as np
@@ -24,8 +24,8 @@ def bar(name, length):
     return sb.Body(name, 1.0, (0, 0, length**2 / 12), frames=frames)
 
 
-def motion():
-    """Return one swing of the left arm, to and fro."""
+def model():
+    """Return the mechanism."""
     lean = float(np.arctan2(HALF_BAR, ARM))
     parts = [
         *(bar("Left", ARM), bar("Right", ARM), bar("Bar", 2 * HALF_BAR)),
@@ -36,8 +36,12 @@ def motion():
     ]
     posts = {"A": sb.Frame((-HALF_POSTS, 0, 0)), "D": sb.Frame((HALF_POSTS, 0, 0))}
     first = {"turn": -np.pi / 2, "right": np.pi + lean}
-    model = sb.Model("Watt's linkage", parts, ground=posts, initial=first)
-    return sb.simulate(sb.form_equations(model), 1.0, times=np.linspace(0, 1, 201))
+    return sb.Model("Watt's linkage", parts, ground=posts, initial=first)
+
+
+def motion():
+    """Return one swing of the left arm, to and fro."""
+    return sb.simulate(sb.form_equations(model()), 1.0, times=np.linspace(0, 1, 201))
 
 
 def comparison(run):

@@ -3,8 +3,9 @@
 The plane of a pendulum turns against the floor, because the floor turns: on an Earth that turns 100 times
 faster than ours, so that little time is enough.
 
-Check: the plane turns at -Omega sin(latitude), all around in 24 h/sin(latitude) on Earth. L. Foucault,
-Demonstration physique du mouvement de rotation de la Terre, C. R. Acad. Sci. 32 (1851), 135-138.
+Check: the plane turns at -Omega sin(latitude), the part of the Earth's turning about the vertical, all around
+in 24 h/sin(latitude) on Earth. L. Foucault gave the formula with his experiment to the Academy in Paris on 3
+February 1851 (Comptes rendus, volume 32).
 """
 
 import numpy as np
@@ -13,10 +14,11 @@ import symbody as sb
 
 LATITUDE, OMEGA, LENGTH = float(np.radians(48.85)), 0.00729, 10.0  # Paris; rad/s; m
 TOLERANCE = 1e-3  # rad; the formula leaves out (Omega/omega)^2 and the turn of a large ellipse by itself
+LOOK = {}
 
 
-def motion():
-    """Return five minutes of the swing, the ground being at rest among the stars."""
+def model():
+    """Return the mechanism."""
     up = (
         float(np.cos(LATITUDE)),
         0.0,
@@ -36,8 +38,12 @@ def motion():
         sb.Universal("hook", "Earth.site", "Bob.eye", axes=("x", "y"), coordinates=["a", "b"]),
         sb.Force("weight", "Bob", (0, 0, -9.81), resolved_in="Earth.site"),
     ]
-    eqs = sb.form_equations(sb.Model("Foucault's pendulum", parts))
-    return sb.simulate(eqs, 300.0, {"b": -0.02, "a": 0.0}, times=np.linspace(0, 300, 30001))
+    return sb.Model("Foucault's pendulum", parts, initial={"b": -0.02})
+
+
+def motion():
+    """Return five minutes of the swing, the ground being at rest among the stars."""
+    return sb.simulate(sb.form_equations(model()), 300.0, times=np.linspace(0, 300, 30001))
 
 
 def comparison(run):

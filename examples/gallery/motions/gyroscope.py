@@ -3,8 +3,9 @@
 A wheel that spins fast does not fall when one end of its axle is held: it goes around the post. From the
 right first speed it does so evenly.
 
-Check: with a level axle the rate is m g l/(C w), exactly, w the spin; H. Goldstein, C. Poole and J. Safko,
-Classical Mechanics, 3rd edition, section 5.7.
+Check: the weight's moment m g l about the post turns the angular momentum C w of the spin, which is level, at
+the rate m g l/(C w); exactly, since with a level axle the angular momentum of the precession is upright and
+does not turn. Derived here.
 """
 
 import numpy as np
@@ -17,8 +18,8 @@ TOLERANCE = 1e-6  # rad
 LOOK = {"times": (0.0, 0.6), "traces": ["Wheel"], "view": (1.0, -1.2, 0.6)}
 
 
-def motion():
-    """Return two seconds of even precession."""
+def model():
+    """Return the mechanism."""
     rate = MASS * 9.81 * ARM / (AXIAL * SPIN)
     wheel = sb.Body(
         "Wheel", MASS, (AXIAL, ACROSS, ACROSS), frames={"tip": sb.Frame((-ARM, 0, 0))},
@@ -31,9 +32,13 @@ def motion():
     post = sb.Cylinder(0.008, 0.2, at=(0, 0, -0.1), color="gray")
     angles = ["precession", "nutation", "spin"]
     parts = [wheel, sb.Spherical("post", "ground", "Wheel.tip", angles="321", coordinates=angles)]
-    model = sb.Model("gyroscope", parts, gravity=(0, 0, -9.81), ground_shapes=[post])
     first = {"spin_dot": SPIN, "precession_dot": rate}
-    return sb.simulate(sb.form_equations(model), 2.0, first, times=np.linspace(0, 2, 201))
+    return sb.Model("gyroscope", parts, gravity=(0, 0, -9.81), ground_shapes=[post], initial=first)
+
+
+def motion():
+    """Return two seconds of even precession."""
+    return sb.simulate(sb.form_equations(model()), 2.0, times=np.linspace(0, 2, 201))
 
 
 def comparison(run):

@@ -1,12 +1,13 @@
 """Rimless wheel.
 
-A hub with eight spokes rolls down a slope, spoke after spoke, and comes to one speed whatever it began
-with: the simplest of the passive walkers. A landing is an event, whose loss of speed is that of the angular
+A hub with eight spokes rolls down a slope, spoke after spoke, and comes to one speed whatever it began with:
+the simplest of the passive walkers. A landing is an event, whose loss of speed is that of the angular
 momentum about the new foot.
 
-Check: each landing leaves cos(2 alpha) of the speed, and the speed after landing tends to sqrt(4 g/l
-sin(alpha) sin(slope)) cot(2 alpha), 2 alpha the angle between spokes, all mass in the hub: T. McGeer,
-Passive dynamic walking, Int. J. Robotics Research 9(2) (1990), 62-82.
+Check: at a landing the angular momentum about the new foot leaves cos(2 a) of the speed, 2 a the angle
+between spokes, all mass in the hub; over a step the weight adds 4 g/l sin(a) sin(slope) to the square of it.
+So each square follows from the one before, and the speed after landing tends to sqrt(4 g/l sin(a) sin(slope))
+cot(2 a): T. McGeer, Passive dynamic walking, Int. J. Robotics Research 9(2) (1990), from page 62.
 """
 
 import numpy as np
@@ -19,8 +20,8 @@ TOLERANCE = 1e-5  # rad/s
 LOOK = {"times": (0.0, 1.5, 3.0, 4.5, 6.0, 7.5), "view": "front"}
 
 
-def motion():
-    """Return eight seconds from a first speed; axes x down the slope, y away from it."""
+def model():
+    """Return the mechanism."""
     spokes = [
         sb.Capsule(0.025, LENGTH, at=(float(LENGTH / 2 * np.sin(a)), float(LENGTH / 2 * np.cos(a)), 0),
                    rotate=[("z", float(-a)), ("x", "pi/2")], color="steelblue")
@@ -35,15 +36,19 @@ def motion():
     ]
     gravity = (9.81 * np.sin(SLOPE), -9.81 * np.cos(SLOPE), 0)
     floor = [sb.Box((13.5, 0.1, 1.0), at=(5.2, -0.05, 0), opacity=0.4)]
-    model = sb.Model("rimless wheel", parts, gravity=gravity, ground_shapes=floor)
+    first = {"theta": -ALPHA, "theta_dot": 2.5}
+    return sb.Model("rimless wheel", parts, gravity=gravity, ground_shapes=floor, initial=first)
+
+
+def motion():
+    """Return eight seconds from a first speed; axes x down the slope, y away from it."""
     landing = sb.Event(
         f"theta - {ALPHA}", 1, name="lands",
         action={
             "theta": -ALPHA, "theta_dot": f"cos(2*{ALPHA})*theta_dot", "x": f"x + 2*{LENGTH}*sin({ALPHA})",
         },
     )  # fmt: skip
-    first = {"theta": -ALPHA, "theta_dot": 2.5}
-    return sb.simulate(sb.form_equations(model), 8.0, first, events=[landing], rtol=1e-10)
+    return sb.simulate(sb.form_equations(model()), 8.0, events=[landing], rtol=1e-10)
 
 
 def comparison(run):

@@ -3,10 +3,10 @@
 Both wheels of an axle are one, whose side force grows with its slip angle: the model with which a car's
 steering is laid out, and most lane-keeping controllers are.
 
-Check: side speed and yaw rate after a step of the steering wheel are those of the linear equations m (v' +
-U r) = F_f + F_r, I r' = a F_f - b F_r by the matrix exponential, and end at r = U delta/(L + K U^2) with K
-= m (b/C_f - a/C_r)/L, the understeer gradient: P. Riekert and T. E. Schunck, Zur Fahrmechanik des
-gummibereiften Kraftfahrzeugs, Ingenieur-Archiv 11 (1940), 210-224.
+Check: side speed and yaw rate after a step of the steering wheel are those of the linear equations m (v' + U
+r) = F_f + F_r, I r' = a F_f - b F_r by the matrix exponential, and end at r = U delta/(L + K U^2) with K = m
+(b/C_f - a/C_r)/L, the understeer gradient, by setting v' = r' = 0. Model: P. Riekert and T. E. Schunck, Zur
+Fahrmechanik des gummibereiften Kraftfahrzeugs, Ingenieur-Archiv 11 (1940).
 """
 
 import numpy as np
@@ -20,8 +20,8 @@ TOLERANCE = 1e-6
 LOOK = {"times": (0.0, 1.0, 2.0, 3.0, 4.0), "traces": ["Car"]}
 
 
-def motion():
-    """Return four seconds after the step, at constant forward speed."""
+def model():
+    """Return the mechanism."""
     side = "(cos(psi)*y_dot - sin(psi)*x_dot)"
     axles = {"front": sb.Frame((FRONT, 0, 0)), "rear": sb.Frame((-REAR, 0, 0))}
     tyre = {"color": "black", "rotate": [("x", "pi/2")]}
@@ -38,8 +38,12 @@ def motion():
                  (0, f"-{C_FRONT}*(({side} + {FRONT}*psi_dot)/{SPEED} - {STEERING})", 0), "Car"),
         sb.Force("rear tyre", "Car.rear", (0, f"-{C_REAR}*({side} - {REAR}*psi_dot)/{SPEED}", 0), "Car"),
     ]  # fmt: skip
-    eqs = sb.form_equations(sb.Model("single track", parts, gravity=(0, 0, -9.81)))
-    return sb.simulate(eqs, 4.0, {"x_dot": SPEED, "y_dot": 0.0, "psi_dot": 0.0}, times=np.linspace(0, 4, 201))
+    return sb.Model("single track", parts, gravity=(0, 0, -9.81), initial={"x_dot": SPEED})
+
+
+def motion():
+    """Return four seconds after the step, at constant forward speed."""
+    return sb.simulate(sb.form_equations(model()), 4.0, times=np.linspace(0, 4, 201))
 
 
 def comparison(run):

@@ -1,4 +1,6 @@
-from .assembly import assemble as assemble
+from .configurations.assembly import assemble as assemble
+from .configurations.position_solutions import PositionSolutions as PositionSolutions
+from .configurations.position_solutions import solve_positions as solve_positions
 from .equilibrium.find_equilibrium import Equilibrium as Equilibrium
 from .equilibrium.find_equilibrium import find_equilibrium as find_equilibrium
 from .index_one import IndexOneSolution as IndexOneSolution
@@ -13,8 +15,6 @@ from .linear.linearization import Linearization as Linearization
 from .linear.linearization import LinearMatrices as LinearMatrices
 from .linear.linearize import linearize as linearize
 from .linear.modes import Mode as Mode
-from .position_solutions import PositionSolutions as PositionSolutions
-from .position_solutions import solve_positions as solve_positions
 from .redundancy import Redundancy as Redundancy
 from .redundancy import redundancy as redundancy
 from .state import State as State

@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.configurations.plain_assembly import PlainState
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
-from symbody.analysis.plain_assembly import PlainState
 from symbody.analysis.scales import Scales
 from symbody.analysis.signal_values import signals_by_name
 from symbody.analysis.state import State

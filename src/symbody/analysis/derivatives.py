@@ -12,7 +12,7 @@ from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import substitute
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 
 
 def with_outputs(

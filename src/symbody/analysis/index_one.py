@@ -24,8 +24,8 @@ from symbody.equations.index_reduction.index_one_form import IndexOneForm, index
 from symbody.errors import CompileError, FormulationError, Problem, SimulationError, nearest
 from symbody.expr.graph import TIME
 from symbody.expr.rewrite import substitute
-from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.expr.sympy_bridge import SympyEquation, SympyExpr
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
+from symbody.expr.sympy.sympy_bridge import SympyEquation, SympyExpr
 
 Floats = NDArray[np.float64]
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.analysis.assembly import find_configuration
+from symbody.analysis.configurations.assembly import find_configuration
+from symbody.analysis.configurations.ropes import rope_assumptions
 from symbody.analysis.constraint_evaluator import constraint_evaluator
 from symbody.analysis.named_values import named_values, refuse_unknown
-from symbody.analysis.ropes import rope_assumptions
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from symbody.analysis.plain_assembly import PlainState
+from symbody.analysis.configurations.plain_assembly import PlainState
 from symbody.analysis.value_lines import values_line
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
@@ -92,15 +93,36 @@ class State(Displayed):
         FormulationError
             If the name is neither an output nor an expression.
         """
-        for values in (self.q, self.u, self.udot, self.multipliers, self.s):
-            if name in values:
-                return values[name]
+        return self.values_of([name])[name]
 
-        def compile_output() -> CompiledFunction:
+    def values_of(
+        self, names: Sequence[str]
+    ) -> dict[str, float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
+        """Return several of what ``state[name]`` gives, by their names: outputs are compiled together.
+
+        Raises
+        ------
+        FormulationError
+            If a name is neither an output nor an expression.
+        """
+        groups = (self.q, self.u, self.udot, self.multipliers, self.s)
+        values: dict[str, Any] = {
+            name: next((group[name] for group in groups if name in group), None) for name in names
+        }
+        outputs = tuple(name for name, value in values.items() if value is None)
+        if outputs:
+            values |= dict(zip(outputs, self._evaluate(outputs), strict=True))
+        return values
+
+    def _evaluate(self, outputs: tuple[str, ...]) -> list[Any]:
+        """Return numbers and arrays of outputs."""
+
+        def compile_outputs() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
-            return bound_function(self.eqs, name, self.parameters, (), inputs, quick=True)
+            return bound_function(self.eqs, outputs, self.parameters, (), inputs, quick=True)
 
-        function = self._functions.get(name, compile_output)
+        function = self._functions.get(outputs, compile_outputs)
         q, u, s = (list(values.values()) for values in (self.q, self.u, self.s))
-        value = np.asarray(function(self.t, q, u, s=s))
-        return float(value) if value.ndim == 0 else value
+        results = function(self.t, q, u, s=s)
+        arrays = [np.asarray(each) for each in (results if len(outputs) > 1 else (results,))]
+        return [float(array) if array.ndim == 0 else array for array in arrays]

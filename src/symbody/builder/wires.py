@@ -12,9 +12,9 @@ from symbody.builder.formulas import formula_texts
 from symbody.equations.outputs.output_words import output_words
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.formats.checking import check_structure
 from symbody.formats.entries import read_element
-from symbody.formats.schema import VERSION
+from symbody.formats.schema_fit import check_structure
+from symbody.formats.version import VERSION
 from symbody.model.body import Body
 from symbody.model.checks.structure import free_joints
 from symbody.model.checks.symbols import Meaning, constraint_entries, joint_entries, signal_entries

@@ -12,6 +12,7 @@ from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.stages import StageBar
 from symbody.equations.form import form_equations
+from symbody.errors import Problem, UsageError
 from symbody.formats.model_files import load_model
 from symbody.report.save_report import save_report
 from symbody.simulation.simulate import simulate
@@ -27,6 +28,10 @@ def report(
     sections: Annotated[
         Pairs, option("--section", metavar="NAME", text="What is in it; repeatable; all.")
     ] = None,
+    template: Annotated[
+        Path | None,
+        option("--template", metavar="FILE", text="Text around the report, with {{ body }} in it."),
+    ] = None,
     parameters: Settings = None,
     inputs: Inputs = None,
     initial: Initials = None,
@@ -36,6 +41,11 @@ def report(
     """Write the derivation of a mechanism in the order of a textbook."""
     target = model.with_suffix(".html") if out is None else out
     refuse_overwriting(target, force)
+    if end is None and "motion" in (sections or ()):
+        what = "there is no motion to be shown"
+        raise UsageError(
+            Problem("report.no_motion", "--section motion", what, fix="add --end with a time in s")
+        )
     bar = StageBar()
     with bar.stage("forming the equations"):
         eqs = form_equations(load_model(model), tree=None if tree is None else tree.value)
@@ -52,5 +62,5 @@ def report(
                 eqs, (0.0, end), parameters=given.parameters, inputs=given.laws(), initial=given.initial
             )
     with bar.stage("writing"):
-        save_report(eqs, target, run, sections=sections, parameters=given.parameters)
+        save_report(eqs, target, run, sections=sections, parameters=given.parameters, template=template)
     typer.echo(str(target))

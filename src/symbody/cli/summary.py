@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.redundancy import redundancy
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, SymbodyError

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.errors import CompileError, Problem
-from symbody.expr.sequence import Output
+from symbody.expr.sequences.sequence import Output
 
 Floats = NDArray[np.float64]
 WORDS: Final = {

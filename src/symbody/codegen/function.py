@@ -25,12 +25,12 @@ from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import SinglePoint
 from symbody.codegen.portable_text import portable_text
-from symbody.codegen.results import result_type, split_outputs
+from symbody.codegen.results import CallLayout, call_layout, split_outputs
 from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.signature import Signature as Signature
 from symbody.codegen.signature import source_text
 from symbody.errors import CompileError
-from symbody.expr.sequence import Output, Sequence
+from symbody.expr.sequences.sequence import Output, Sequence
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -72,8 +72,9 @@ class CompiledFunction:
 
     @classmethod
     def from_code(
-        cls, code: SharedCode, signature: Signature, values: Floats, specialize: Specialize | None = None
-    ) -> CompiledFunction:
+        cls, code: SharedCode, signature: Signature, values: Floats, specialize: Specialize | None = None,
+        constants: Floats | None = None,
+    ) -> CompiledFunction:  # fmt: skip
         """Return a function of code that others share.
 
         Parameters
@@ -84,9 +85,12 @@ class CompiledFunction:
             The other parameters of the code, behind the free ones.
         specialize : callable, optional
             Returns the sequence with the values put in, for source text.
+        constants : (n_c,) array, optional
+            What the code computes from the values, where that is known.
         """
         made = cls.__new__(cls)
         made._bind_code(code, signature, values, specialize)
+        made._bound = constants
         return made
 
     def _bind_code(
@@ -96,15 +100,14 @@ class CompiledFunction:
         self._code = code
         self._values = values
         self._specialize = specialize
-        self._result = result_type(code.sequence)
-        n_q = len(signature.q)  # states of signals stand behind the coordinates
-        self._reads_s = any(x.group == "q" and x.position >= n_q for x in code.sequence.inputs)
+        key = "layout", len(signature.p)
+        layout: CallLayout = code.notes.get(key, lambda: call_layout(code.sequence, signature))
+        self._result, self._reads_s, self._sizes = layout
         # Made when they are first needed: what follows from the values, and calls at a point.
         self._made: SingleFlight[str, Any] = SingleFlight()
+        self._bound: Floats | None = None
         self._at_point: Callable[..., Any] | None = None
         self._calls = 0
-        sizes = (n_q + len(signature.s), *(len(signature.names(group)) for group in "urp"))
-        self._sizes = list(zip("qurp", sizes, strict=True))
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -202,8 +205,9 @@ class CompiledFunction:
     @property
     def bound_constants(self) -> Floats:
         """The numbers c (n_c,) of a function without free parameters."""
-        values: Floats = self._made.get("c", lambda: self._code.constants(self._values))
-        return values
+        if self._bound is None:  # two threads may both compute them
+            self._bound = self._code.constants(self._values)
+        return self._bound
 
     def _all_parameters(self, p: Floats) -> Floats:
         """Return free parameters (..., n_p) with the others behind them."""

@@ -8,7 +8,7 @@ import struct
 from symbody.errors import CompileError, Problem
 from symbody.expr.graph import Constant
 from symbody.expr.opcodes import CALL, FLOAT, PI, RATIONAL
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 
 
 def round_to_double(constant: Constant) -> float:

@@ -17,7 +17,7 @@ from symbody.codegen.llvm.machine import lanes as widest
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.codegen.llvm.portable import compile_portable
 from symbody.errors import Problem, SimulationError
-from symbody.expr.sequence import KernelNode, Sequence
+from symbody.expr.sequences.sequence import KernelNode, Sequence
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]

@@ -17,8 +17,8 @@ from typing import Final
 
 from symbody.codegen.lowering import constant_values, refuse_user_functions
 from symbody.expr.opcodes import LEAVES, MAP, PICK, SADDLE
-from symbody.expr.sequence import KernelNode, Sequence
-from symbody.kernels.solve_saddle import work_size as saddle_work_size
+from symbody.expr.sequences.sequence import KernelNode, Sequence
+from symbody.kernels.linear.solve_saddle import work_size as saddle_work_size
 
 # LLVM takes the same time for 50,000 operations in pieces of 500 to 4,000, three times as long for one.
 PIECE_SIZE: Final = 2000

@@ -16,9 +16,9 @@ from symbody.codegen.kernels.python_kernels import PYTHON
 from symbody.codegen.kernels.sequence_kernel import GROUPS, sequence_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.errors import CompileError, Problem
-from symbody.expr.folding import fold_constants
-from symbody.expr.program import written_out
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.folding import fold_constants
+from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Sequence
 
 KERNEL: Final = "portable"
 Names = Mapping[str, tuple[str, ...]]

@@ -6,12 +6,13 @@ from collections import namedtuple
 from collections.abc import Callable
 from collections.abc import Sequence as Items
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.expr.sequence import Output, Sequence
+from symbody.codegen.signature import Signature
+from symbody.expr.sequences.sequence import Output, Sequence
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +26,31 @@ def split_outputs(outputs: Items[Output], flat: Floats, batch: tuple[int, ...] =
         results.append(part if part.shape == shape else part.reshape(shape))
         start = stop
     return results
+
+
+class CallLayout(NamedTuple):
+    """What all calls of a sequence have in common.
+
+    Attributes
+    ----------
+    result : callable or None
+        Makes the result of several outputs.
+    reads_s : bool
+        Whether states of signals are read.
+    sizes : list of (group, count)
+    """
+
+    result: Callable[..., Any] | None
+    reads_s: bool
+    sizes: list[tuple[str, int]]
+
+
+def call_layout(sequence: Sequence, signature: Signature) -> CallLayout:
+    """Return what all calls of a sequence have in common."""
+    n_q = len(signature.q)  # states of signals stand behind the coordinates
+    reads_s = any(x.group == "q" and x.position >= n_q for x in sequence.inputs)
+    sizes = (n_q + len(signature.s), *(len(signature.names(group)) for group in "urp"))
+    return CallLayout(result_type(sequence), reads_s, list(zip("qurp", sizes, strict=True)))
 
 
 def result_type(sequence: Sequence) -> Callable[..., Any] | None:

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from symbody.codegen.native_call import GROUPS, NativeCall
 from symbody.codegen.portable_text import portable_sequence
 from symbody.expr.deadline import begin
-from symbody.expr.folding import fold_constants
 from symbody.expr.opcodes import DIV, POW, SYMBOL
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.folding import fold_constants
+from symbody.expr.sequences.sequence import Sequence
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
 _MOST_NOTES: Final = 16
 _NOTHING: Final = np.zeros(0)
 
@@ -45,7 +46,7 @@ class SharedCode:
         Computes c from the parameters; None where nothing depends on them.
     tail : NativeCall
         Computes the outputs from t, q, u, r and c.
-    divisors : tuple of int
+    divisors : (n,) array of int
         Places of c by which the outputs are divided as they stand.
     notes : SingleFlight
         What others have learned from the sequence.
@@ -94,7 +95,7 @@ class SharedCode:
         return self.head(given, p.shape[:-1])
 
 
-def _divisors(tail: Sequence) -> tuple[int, ...]:
+def _divisors(tail: Sequence) -> Places:
     """Return the places of c that stand below a fraction line, or have a negative exponent."""
     places = {
         k: tail.inputs[operation.datum].position
@@ -106,4 +107,4 @@ def _divisors(tail: Sequence) -> tuple[int, ...]:
         exponent = tail.constant_value(operation.operands[1]) if operation.op == POW else None
         if exponent is not None and exponent < 0:
             below.add(operation.operands[0])
-    return tuple(sorted(places[k] for k in below & places.keys()))
+    return np.array(sorted(places[k] for k in below & places.keys()), dtype=np.intp)

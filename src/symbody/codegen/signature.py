@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 from symbody.codegen.texts.languages import TEXTS
 from symbody.errors import CompileError, Problem, nearest
-from symbody.expr.program import written_out
-from symbody.expr.sequence import Input, Sequence
+from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Input, Sequence
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from symbody.codegen.llvm.machine import environment
 from symbody.codegen.llvm.stored_module import written_by
 from symbody.codegen.signature import Signature
 from symbody.expr.graph import Constant
-from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
+from symbody.expr.sequences.sequence import Input, KernelNode, Operation, Output, Sequence
 from symbody.storage import load_stored, store
 
 SMALLEST: Final = 500  # operations

@@ -35,7 +35,7 @@ from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
 from symbody.expr.rewrite import tree_sizes
 from symbody.model.body import Body
-from symbody.model.declaration import Declared
+from symbody.model.declarations.declaration import Declared
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.model import Model

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field, replace
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.textbook import Reaction
 from symbody.errors import Problem, UsageError
-from symbody.expr.closed_form import closed_forms
 from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.printing.definitions import EXPAND_LIMIT
-from symbody.expr.sympy_writer import SympyEquation, SympyExpr, SympyMatrix, symbol_to_sympy, to_sympy
+from symbody.expr.sympy.closed_form import closed_forms
+from symbody.expr.sympy.sympy_writer import SympyEquation, SympyExpr, SympyMatrix, symbol_to_sympy, to_sympy
 
 Substitutions = Mapping[SympyExpr, object] | Iterable[SympyEquation]
 

@@ -14,7 +14,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.signature import source_text
 from symbody.dynaflexpro.exports import ModelEquations
 from symbody.errors import Problem, UsageError, nearest
-from symbody.expr.sympy_writer import SympyEquation
+from symbody.expr.sympy.sympy_writer import SympyEquation
 
 # DynaFlexPro's languages; what is not a procedure of this process is source text.
 _PROCEDURES: Final = ("PythonProc", "MapleProc")

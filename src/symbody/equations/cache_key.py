@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
@@ -21,9 +21,10 @@ from symbody.model.model import Model
 from symbody.single_flight import SingleFlight, once
 from symbody.storage import folder, load_stored, store
 
-# The folders whose code forms equations and sequences, and the packages that change their results.
+# The folders whose code forms equations and sequences, and the version of SymPy, which changes them, too: a
+# file, as `importlib.metadata` takes longer to load than all of this to be hashed.
 _ROOMS: Final = ("expr", "spatial", "manifold", "kernels", "model", "graph", "equations")
-_PACKAGES: Final = ("networkx", "sympy")
+_VERSION: Final = ("sympy", "release.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,11 +75,12 @@ def _key(equations: bytes) -> bytes:
 def _sources() -> bytes:
     """Return a hash of the files whose code forms equations; empty if they cannot be read."""
     package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    try:
-        versions = [version(name) for name in _PACKAGES]
-    except PackageNotFoundError:
+    sympy = find_spec(_VERSION[0])
+    if sympy is None or not sympy.origin:
         return b""
-    found = sha256(f"{sys.version} {versions}".encode())
+    digest = sha256(sys.version.encode())
+    with open(os.path.join(os.path.dirname(sympy.origin), _VERSION[1]), "rb") as file:
+        digest.update(file.read())
     count = 0
     for room in _ROOMS:
         for place, folders, files in os.walk(os.path.join(package, room)):
@@ -86,6 +88,6 @@ def _sources() -> bytes:
             for name in sorted(files):
                 if name.endswith(".py"):
                     with open(os.path.join(place, name), "rb") as file:
-                        found.update(sha256(file.read()).digest())
+                        digest.update(sha256(file.read()).digest())
                     count += 1
-    return found.digest() if count else b""
+    return digest.digest() if count else b""

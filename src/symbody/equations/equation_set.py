@@ -6,8 +6,9 @@ from collections.abc import Callable, Hashable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import symbody.equations.outputs as outputs
 from symbody.arguments import checked_arguments
 from symbody.equations.cache_key import DeferredEquations
 from symbody.equations.equations_of_motion import EquationsOfMotion
@@ -15,19 +16,21 @@ from symbody.equations.freedoms.always_undetermined import find_always_undetermi
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.names import NamedEquations, OrderedNames, names_of
 from symbody.equations.outputs.derivative_outputs import parse_derivative
-from symbody.equations.outputs.equation_lines import PrintedEquations
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
-from symbody.equations.outputs.textbook import Reaction, Textbook
+from symbody.equations.outputs.printed_equations import PrintedEquations
 from symbody.equations.outputs.units import Units, output_units
 from symbody.equations.solving.negligible_constraints import drop_rows, magnitude_program, negligible_rows
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.errors import number_in_words
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
-from symbody.expr.sequence import Roots, Sequence
-from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
+from symbody.expr.sequences.sequence import Roots, Sequence
+from symbody.expr.sympy.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
 from symbody.single_flight import SingleFlight
+
+if TYPE_CHECKING:
+    from symbody.equations.outputs.textbook import Reaction, Textbook
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -280,7 +283,7 @@ class EquationSet(PrintedEquations, NamedEquations):
     @property
     def textbook(self) -> Textbook:
         """The same equations as formulas."""
-        return self._textbook.get(None, partial(Textbook, self.formed))
+        return self._textbook.get(None, partial(outputs.textbook.Textbook, self.formed))
 
     @checked_arguments
     def operation_count(self, *outputs: str) -> int:

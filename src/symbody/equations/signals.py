@@ -13,7 +13,7 @@ from symbody.equations.kinematics.tables import tables_of_states
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.checks.signals import dependence_order
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.model import Model
 from symbody.model.signals.signal import Signal
 

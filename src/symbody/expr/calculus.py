@@ -15,8 +15,8 @@ from symbody.expr.canonical import ONE, ZERO, add, mul, select, sub
 from symbody.expr.graph import Graph, KernelNode, SymbolKind
 from symbody.expr.opcodes import PICK, SADDLE, SYMBOL
 from symbody.expr.partials import partials
-from symbody.expr.program import unroll
 from symbody.expr.rewrite import substitute, symbols_of
+from symbody.expr.sequences.program import unroll
 
 
 def forward(graph: Graph, roots: Sequence[int], tangents: Mapping[int, int]) -> list[int]:

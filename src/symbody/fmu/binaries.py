@@ -17,12 +17,13 @@ from symbody.errors import CompileError, EnvironmentFault, Problem, UsageError, 
 
 FLAGS: Final = (
     "-std=c99",
-    "-O2",
     "-ffp-contract=off",
     "-shared",
     "-fvisibility=hidden",
     "-Werror=implicit-function-declaration",
 )
+# Above this size of the text [bytes] compilers take minutes for what -O2 adds to -O1: the same numbers sooner
+_LARGE: Final = 1_000_000
 _OLDEST_GLIBC: Final = "2.17"
 INSTALL: Final = 'pip install "symbody[fmu]"'
 
@@ -149,9 +150,10 @@ def _compile(sources: Mapping[str, bytes], main: str, target: Platform, command:
         for name, content in sources.items():
             (Path(folder) / name).write_bytes(content)
         library = f"library{target.suffix}"
+        level = "-O2" if sum(map(len, sources.values())) < _LARGE else "-O1"
         flags = [flag for flag in FLAGS if not (target.suffix == ".dll" and "visibility" in flag)]
         done = subprocess.run(
-            [*command, *flags, main, "-o", library, "-lm"], cwd=folder, capture_output=True, text=True,
+            [*command, level, *flags, main, "-o", library, "-lm"], cwd=folder, capture_output=True, text=True,
             check=False,
         )  # fmt: skip
         if done.returncode:

@@ -16,7 +16,7 @@ from symbody.expr import canonical
 from symbody.expr import opcodes as op
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 
 OUTPUT: Final = "sides of conditions"
 _COMPARISONS: Final = frozenset({op.LT, op.LE, op.MIN, op.MAX})

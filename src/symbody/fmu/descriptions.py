@@ -11,7 +11,6 @@ import symbody
 from symbody.fmu.units import DEGREES, DISPLAYED, known_units
 from symbody.fmu.variables import FmuVariable
 
-TOLERANCE: Final = 1e-8
 CATEGORIES: Final = {
     "logStatusError": "what went wrong, and what to do", "logEvents": "events as they happen",
 }  # fmt: skip
@@ -36,6 +35,8 @@ class Described:
         How many of the last variables are event indicators.
     stop : float
         End of the default experiment [s].
+    tolerance : float
+        Of the default experiment.
     has_derivatives : bool
         Whether directional derivatives are there.
     """
@@ -47,6 +48,7 @@ class Described:
     variables: tuple[FmuVariable, ...]
     event_count: int
     stop: float
+    tolerance: float
     has_derivatives: bool
 
     @property
@@ -227,7 +229,7 @@ def _categories(root: xml.Element, word: str) -> None:
 
 
 def _experiment(root: xml.Element, model: Described) -> None:
-    attributes = {"startTime": "0.0", "stopTime": repr(model.stop), "tolerance": repr(TOLERANCE)}
+    attributes = {"startTime": "0.0", "stopTime": repr(model.stop), "tolerance": repr(model.tolerance)}
     xml.SubElement(root, "DefaultExperiment", attributes)
 
 

@@ -25,10 +25,11 @@ from symbody.fmu.descriptions import (
     description_3,
     interface_of,
 )
+from symbody.fmu.forming import make_program
 from symbody.fmu.model_text import model_text
 from symbody.fmu.names import identifier
 from symbody.fmu.parameters import fmu_parameters
-from symbody.fmu.program import SPAN, FmuProgram, make_program
+from symbody.fmu.program import SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, fmu_variables
 from symbody.fmu.versions import CORE, HEADERS, MAIN, Version
 from symbody.formats.writing import write_content
@@ -36,6 +37,7 @@ from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 
 _DATE: Final = (1980, 1, 1, 0, 0, 0)  # the first that an archive can hold, so that bytes do not change
 _LICENCE: Final = "documentation/licenses/fmi-headers.txt"
@@ -81,7 +83,7 @@ def save_fmu(
     fixed: Iterable[str] = (),
     events: Event | Iterable[Event] = (),
     constraints: Projection | Baumgarte | None = None,
-    integrator: Explicit | FixedStep | None = None,
+    integrator: Explicit | FixedStep | GeneralizedAlpha | None = None,
     platforms: str | Iterable[str] | None = None,
     sources: bool = True,
 ) -> Fmu:
@@ -107,8 +109,8 @@ def save_fmu(
     constraints : Baumgarte or Projection, optional
         ``Baumgarte(..)`` are the stabilizing terms of model exchange, ``Projection(..)`` how co-simulation
         closes loops. By default both with their own defaults.
-    integrator : Explicit or FixedStep, optional
-        Of co-simulation.
+    integrator : Explicit, FixedStep or GeneralizedAlpha, optional
+        Of co-simulation. With ``GeneralizedAlpha(..)``, for stiff mechanisms, the default tolerance is 1e-5.
     platforms : str or iterable of str, optional
         ``"x86_64-linux"``, ``"aarch64-linux"``, ``"x86_64-windows"``, ``"x86_64-darwin"``,
         ``"aarch64-darwin"``, or ``"all"``; by default this machine's own, or none without a compiler.
@@ -142,7 +144,7 @@ def _write(
     name = program.eqs.model.name
     described = Described(
         name, f"multibody model {name}", identifier(file.stem), token, variables, program.indicator_count,
-        SPAN, "derivatives" in program.functions,
+        SPAN, program.rtol, "derivatives" in program.functions,
     )  # fmt: skip
     text = _source_files(program, variables, token, version)
     libraries, notes = compile_libraries(text, MAIN[version], platforms, version)

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.sequence import Input, Operation, Output, Sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Operation, Output, Sequence
 
 Point = Mapping[str, list[float]]
 _COMPARISONS: Final = frozenset({op.LT, op.LE, op.MIN, op.MAX})

@@ -13,9 +13,9 @@ from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.texts.c import function_text
 from symbody.equations.equation_set import EquationSet
 from symbody.expr import opcodes as op
-from symbody.expr.folding import fold_constants
-from symbody.expr.program import written_out
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.folding import fold_constants
+from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Sequence
 from symbody.fmu.freezing import Branches
 from symbody.kernels import block
 from symbody.simulation.native.description import RightHandSide

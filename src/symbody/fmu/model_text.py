@@ -15,9 +15,10 @@ from symbody.codegen.kernels.tree import KernelTree, Type
 from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
-from symbody.kernels import assembly as assembly_block
 from symbody.kernels import block
-from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.kernels.configurations import assembly as assembly_block
+from symbody.kernels.implicit import implicit_block
+from symbody.kernels.samples import sample_block
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
 OPEN: Final = 2e-7
@@ -30,20 +31,28 @@ _KERNELS: Final = (
     ("assembly", ("assemble",)),
     ("runge_kutta", ("call",)),
     ("solve_saddle", ("solve_saddle",)),
+    ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
 )
+_IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
 _BLOCK_PLACES: Final = (
     "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",
     "RTOL",
     "VECTORS", "STATE_OLD", "KERNEL", "STEPS", "SAMPLES", "AFTER_REJECTION", "STIFF_VOTES", "OTHER_VOTES",
     "UNJUDGED", "NEXT_BREAK", "FIRST_BREAK", "BREAK_TIME", "BREAK_JUMPS", "BREAK_MARGIN", "BREAK_SIZE",
     "PROJECTOR", "P_FUNCTION", "P_OUT", "P_OUT_SIZE", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED",
-    "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY",
+    "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "LENGTH",
 )  # fmt: skip
+_SAMPLER_PLACES: Final = ("START", "NEXT", "RECORDED", "VALUES", "STEPS", "TAKEN", "GROUPS")
+_IMPLICIT_FUNCTIONS: Final = {
+    "turn": implicit_block.RATE_FUNCTION,
+    "jacobian": implicit_block.DERIVATIVE_FUNCTION,
+}
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
     "motion": "SB_MOTION", "slope": "SB_SLOPE", "output": "SB_OUTPUT", "derivatives": "SB_DERIVATIVES",
     "sensitivities": "SB_SENSITIVITIES", "indicators": "SB_INDICATORS", "action": "SB_ACTION",
     "parameters": "SB_PARAMETERS", "sides": "SB_SIDES",
+    "samples": "SB_SAMPLING", "periods": "SB_PERIODS",
     "measures": "SB_MEASURES", "mass": "SB_MASS", "projection": "SB_PROJECTING", "assembly": "SB_ASSEMBLING",
 }  # fmt: skip
 _FUNCTION: Final = """
@@ -57,7 +66,7 @@ typedef struct {
 def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str) -> str:
     """Return the header of a mechanism."""
     kernels: dict[str, KernelTree] = {}
-    for file, roots in _KERNELS:
+    for file, roots in (*_KERNELS, *(_IMPLICIT_KERNELS if program.is_implicit else ())):
         kernels |= read_kernels(file, *roots)
     pool, places = _pool(program)
     filled = np.flatnonzero(pool)
@@ -94,14 +103,20 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
 def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     """Return the numbers of an instance at first, and where those of each function begin."""
     motion, assembly = program.block(), program.assembly()
-    parts, places = [motion, assembly], {"motion": int(motion[block.FUNCTION])}
-    size = motion.size + assembly.size
+    sampler = program.samples.block(len(program.eqs.speed_names))
+    implicit = program.implicit()
+    parts, places = [motion, assembly, sampler, implicit], {"motion": int(motion[block.FUNCTION])}
+    places["sampler"] = motion.size + assembly.size
+    places["implicit"] = places["sampler"] + sampler.size
+    size = places["implicit"] + implicit.size
     for name, function in program.functions.items():
         if name == "projection":
             projector = int(motion[block.PROJECTOR])
             places[name] = projector + int(motion[projector + block.P_FUNCTION])
         elif name == "assembly":
             places[name] = motion.size + int(assembly[assembly_block.NUMBERS])
+        elif name in _IMPLICIT_FUNCTIONS:
+            places[name] = places["implicit"] + int(implicit[_IMPLICIT_FUNCTIONS[name]])
         elif name != "motion":
             places[name] = size
             parts.append(function.numbers)
@@ -118,7 +133,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     dense = int(program.block()[block.METHOD + block.DENSE_ROWS])
     numbers = {
         "SB_X": n, "SB_U": len(eqs.speed_names), "SB_Q": len(eqs.coordinate_names),
-        "SB_R": n_r, "SB_P": len(program.parameters.arguments),
+        "SB_R": n_r, "SB_SAMPLED": len(program.samples.values), "SB_SAMPLER": places["sampler"],
+        "SB_P": len(program.parameters.arguments),
         "SB_CALCULATED": len(program.parameters.calculated), "SB_CONSTRAINTS": output.sizes[0],
         "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
         "SB_EVENTS": len(program.events), "SB_CONDITIONS": len(program.conditions),
@@ -128,7 +144,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
         "SB_HELD": assembly_block.HELD, "SB_IS_CLOSED": int("assembly" in functions),
-        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(isinstance(program.method, FixedStep)),
+        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
+        "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
         "SB_DENSE_ROWS": dense, "SB_PIECES": dense * n, "SB_LOOKS": _LOOKS, "SB_MOST_EVENTS": _MOST_EVENTS,
     }  # fmt: skip
     indices = {
@@ -136,11 +153,13 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     }
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
+    numbers |= {f"SB_Z_{name}": getattr(sample_block, name) for name in _SAMPLER_PLACES}
     texts = {
         "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
         "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),
         "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
+        "SB_SAMPLE_FUNCTION": f"{FUNCTION}{'samples' if program.samples.values else 'motion'}",
         "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip
     return {name: str(value) for name, value in numbers.items()} | texts

@@ -1,7 +1,7 @@
 """Joints that stick and slip, and ropes that slacken, as one set of equations with their modes as arguments.
 
 While a joint sticks a row holds it, and a taut rope is a row as well. Here all these rows are always there,
-multiplied by 1 where they hold and by 0 where not: the solver drops a row of zeros, and its multiplier is 0.
+with zeros in their place where they do not hold: the solver drops a row of zeros, and its multiplier is 0.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from symbody.equations.solving.solution import resistance
 from symbody.equations.solving.sticking import holding_row, switching_joints
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
-from symbody.expr.opcodes import ABS
+from symbody.expr.opcodes import ABS, LT, SELECT
 
 # What is computed of each element, in the order of `core/modes.h`.
 MEASURES: Final = ("slack", "rate", "length", "force", "acceleration", "limit")
@@ -139,11 +139,21 @@ def _with_modes(
 
 
 def _scale_row(row: ConstraintEquation, share: Expr) -> ConstraintEquation:
-    """Return a row that holds where the share is 1, and is 0 = 0 where it is 0."""
-    jacobian = {u: slope * share for u, slope in row.jacobian.items()}
+    """Return a row that holds where the share is 1, and is 0 = 0 where it is 0.
+
+    A choice, not a product: the direction of a slack rope whose ends coincide is no number.
+    """
+    zero = number(share.graph, 0)
+    holds = zero.apply(LT, share)
+
+    def choose(value: Expr) -> Expr:
+        return holds.apply(SELECT, value, zero)
+
     return replace(
-        row, value=row.value * share, jacobian=jacobian, drift=row.drift * share, gamma=row.gamma * share
-    )
+        row, value=choose(row.value), drift=choose(row.drift), gamma=choose(row.gamma),
+        jacobian={u: choose(slope) for u, slope in row.jacobian.items()},
+        force=row.force.map(choose), moment=row.moment.map(choose),
+    )  # fmt: skip
 
 
 def _measures(

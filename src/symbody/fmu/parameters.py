@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,9 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.parser import parse_angle
-from symbody.model.arguments import plain_value
+from symbody.expr.sequences.sequence import Sequence
+from symbody.fmu.functions import dependencies
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import resolve_parameters
 
 Floats = NDArray[np.float64]
@@ -44,6 +46,12 @@ class FmuParameters:
     values: Floats
     calculated: tuple[str, ...]
     fixed_formulas: Mapping[str, Value]
+
+    def with_fixed(self, sequence: Sequence) -> FmuParameters:
+        """Return the same with all that a sequence reads fixed."""
+        read = frozenset().union(*dependencies(sequence))
+        more = {name for place, name in enumerate(self.arguments) if ("p", place) in read}
+        return replace(self, fixed=self.fixed | more)
 
 
 def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable[str]) -> FmuParameters:

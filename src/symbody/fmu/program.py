@@ -3,48 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from symbody.analysis.derivatives import with_outputs
-from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, UsageError
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.sequence import Output
-from symbody.fmu.conditions import OUTPUT, Condition, condition_output, find_conditions
-from symbody.fmu.freezing import Branches
-from symbody.fmu.functions import Floats, ModelFunction, dependencies, make_function
-from symbody.fmu.modes import ModalEquations, modal_equations
+from symbody.expr.sequences.sequence import Output
+from symbody.fmu.conditions import Condition
+from symbody.fmu.functions import Floats, ModelFunction, dependencies
+from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
-from symbody.kernels import assembly as at
+from symbody.fmu.samples import FmuSamples
 from symbody.kernels import block
+from symbody.kernels.configurations import assembly as at
 from symbody.simulation.events.events import Event
-from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.simulation.hybrid.switching import switches
-from symbody.simulation.inputs.input_laws import input_laws
-from symbody.simulation.methods.constraints import (
-    PROJECTED,
-    Baumgarte,
-    Projection,
-    make_projector,
-    residual_share,
-)
+from symbody.simulation.methods.constraints import make_projector, residual_share
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector
-from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
+from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
+from symbody.simulation.programs.motion_request import PosedMotion
 
-ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
 MOST_TRIALS: Final = 2**52
 FUNCTION: Final = "mechanism_"  # begins the names of functions in C
 SPAN: Final = 10.0  # seconds of the default experiment
-RTOL: Final = 1e-8
-_POINTS: Final = 3  # at which conditions are recognized
+Method = Explicit | FixedStep | GeneralizedAlpha
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,11 +52,15 @@ class FmuProgram:
         What is watched.
     functions : mapping of str to ModelFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
-        sensitivities, indicators, action, parameters, sides.
+        sensitivities, indicators, action, parameters, sides, measures, mass, samples, periods.
     conditions : tuple of Condition
         What decides the branches that are frozen between events of model exchange.
     modal : ModalEquations
         The same equations with the modes of joints and ropes as arguments.
+    samples : FmuSamples
+        What is held between samples.
+    method : Explicit, FixedStep or GeneralizedAlpha
+        The integrator of co-simulation.
     """
 
     eqs: EquationSet
@@ -80,6 +71,31 @@ class FmuProgram:
     functions: Mapping[str, ModelFunction]
     conditions: tuple[Condition, ...]
     modal: ModalEquations
+    samples: FmuSamples
+    method: Method
+
+    @property
+    def rtol(self) -> float:
+        """The tolerance of the default experiment."""
+        return self.motion.integration.rtol
+
+    @property
+    def is_implicit(self) -> bool:
+        """Whether co-simulation solves for its steps."""
+        return isinstance(self.method, GeneralizedAlpha)
+
+    @property
+    def has_one_length(self) -> bool:
+        """Whether all steps of co-simulation have one length, but those that end at jumps."""
+        method = self.method
+        return (
+            method.step is not None if isinstance(method, GeneralizedAlpha) else isinstance(method, FixedStep)
+        )
+
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """Inputs that an importer sets."""
+        return tuple(name for name in self.eqs.input_names if name not in self.samples.names)
 
     @property
     def x0(self) -> Floats:
@@ -127,11 +143,6 @@ class FmuProgram:
         return "projection" in self.functions
 
     @property
-    def method(self) -> Explicit | FixedStep:
-        """The integrator of co-simulation."""
-        return self.motion.method
-
-    @property
     def closing_share(self) -> float:
         """By which share of its scale a constraint may be open."""
         return residual_share(self.motion.projection, None)
@@ -144,17 +155,28 @@ class FmuProgram:
 
     def block(self) -> Floats:
         """Return the block of the integrator at the first state."""
-        integration, method = self.motion.integration, self.method
-        goal = make_goal(
-            (0.0, SPAN), integration.rtol, integration.tolerances, method.max_step, self.motion.breakpoints
-        )
+        integration, method, bounds = self.motion.integration, self.method, self.motion.breakpoints
+        if isinstance(method, GeneralizedAlpha):
+            tableau, bounds = METHOD, bounds_of_steps(bounds, method)
+            first, longest = method.step, method.step or method.max_step
+        else:
+            tableau, first, longest = method.tableau, method.first_step, method.max_step
+        goal = make_goal((0.0, SPAN), integration.rtol, integration.tolerances, longest, bounds)
         goal = goal._replace(max_trials=MOST_TRIALS, stop_when_stiff=False)
-        made = make_block(
-            self.functions["motion"].arguments, self._projector(), method.tableau, goal, self.x0, 0.0,
-            method.first_step or 0.0,
-        )  # fmt: skip
+        motion = self.functions["motion"].arguments
+        made = make_block(motion, self._projector(), tableau, goal, self.x0, 0.0, first or 0.0)
         made[block.KEEP_DENSE] = made[block.STEP_ROOM] = 1.0
         return made
+
+    def implicit(self) -> Floats:
+        """Return the array of `symbody.kernels.implicit.implicit_block`; empty for explicit methods."""
+        if not isinstance(self.method, GeneralizedAlpha):
+            return np.zeros(0)
+        functions = ImplicitFunctions(
+            *(self.functions[name].arguments for name in ("motion", "turn", "jacobian"))
+        )
+        size, n_q = self.x0.size + 1, len(self.eqs.coordinate_names)  # room for work, which is not integrated
+        return make_array(functions, size, n_q, float(self.method.rho), one_length=self.has_one_length)
 
     def _projector(self) -> Projector:
         if not self.is_projected:
@@ -163,14 +185,14 @@ class FmuProgram:
         scales = self.motion.integration.problem.scales
         made = make_projector(_Projecting(function), self.eqs, scales, self.motion.projection, None)
         ours = function.arguments
-        limit = math.inf if isinstance(self.method, FixedStep) else made.limit
+        limit = math.inf if self.has_one_length else made.limit
         return made._replace(
             address=1, inputs=ours.inputs, parameters=ours.parameters, constants=ours.constants,
             work_size=ours.work_size, limit=limit,
         )  # fmt: skip
 
     def assembly(self) -> Floats:
-        """Return the block of `symbody.kernels.assembly`; empty for open mechanisms."""
+        """Return the block of `symbody.kernels.configurations.assembly`; empty for open mechanisms."""
         if "assembly" not in self.functions:
             return np.zeros(0)
         eqs, function = self.eqs, self.functions["assembly"]
@@ -203,104 +225,6 @@ class FmuProgram:
         return tuple(("p", k) in read for k in range(len(names)))
 
 
-def make_program(
-    eqs: EquationSet, outputs: Sequence[str], initial: Mapping[str, Value], parameters: FmuParameters,
-    events: tuple[Event, ...], constraints: Projection | Baumgarte | None,
-    integrator: Explicit | FixedStep | None,
-) -> FmuProgram:  # fmt: skip
-    """Return a mechanism as functions and numbers.
-
-    Raises
-    ------
-    UsageError
-        If the motion needs Python.
-    """
-    _check_motion(eqs, integrator, constraints, events)
-    request = MotionRequest(
-        initial=initial, parameters=parameters.given, tunable=parameters.arguments,
-        free_inputs=eqs.input_names, integrator=integrator,
-        constraints=constraints if isinstance(constraints, Projection) else None, rtol=RTOL,
-        span=(0.0, SPAN), is_pulled=False,
-    )  # fmt: skip
-    motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
-    modal = modal_equations(eqs)
-    eqs = modal.eqs
-    stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
-    stabilized = stabilizing.applied(eqs) if eqs.multiplier_names else eqs
-    conditions = find_conditions(eqs)
-    functions = _Functions(parameters, modal.arguments, len(conditions))
-    sides = with_outputs(eqs, [condition_output(conditions)])
-    branches = functions.branches(motion, sides, conditions)
-    shown = modal.outputs(outputs)
-    made = {
-        "motion": functions.make(eqs, "motion", ["xdot"]),
-        "slope": functions.make(stabilized, "slope", ["xdot"], branches),
-        "output": functions.make(eqs, "output", ["constraints", "energy", *shown], branches),
-    }
-    if motion.is_closed or eqs.multiplier_names:
-        made["projection"] = functions.make(eqs, "projection", PROJECTED)
-        made["assembly"] = functions.make(eqs, "assembly", ASSEMBLED)
-    if eqs.state_names:
-        by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
-        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches)
-        slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *shown)]
-        made["sensitivities"] = functions.make(eqs, "sensitivities", slopes, branches)
-    if conditions:
-        made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
-    if modal.elements:
-        made["measures"] = functions.make(eqs, "measures", modal.measures)
-    if any(element.is_rope for element in modal.elements):
-        made["mass"] = functions.make(eqs, "mass", ["mass_matrix"])
-    if events:
-        watched = modal.outputs(str(event.expression) for event in events)
-        made["indicators"] = functions.make(eqs, "indicators", watched)
-    actions = [str(value) for event in events for value in event.mapping.values()]
-    if actions:
-        made["action"] = functions.make(eqs, "action", actions)
-    if parameters.calculated:
-        made["parameters"] = functions.make(
-            eqs, "parameters", [f"({name})" for name in parameters.calculated]
-        )
-    return FmuProgram(eqs, motion, parameters, tuple(outputs), events, made, conditions, modal)
-
-
-@dataclass(frozen=True, slots=True)
-class _Functions:
-    """Makes functions of the same parameters, behind which p holds modes and the sides of conditions."""
-
-    parameters: FmuParameters
-    modes: tuple[str, ...]
-    condition_count: int
-
-    def make(
-        self, eqs: EquationSet, name: str, outputs: Sequence[str], branches: Branches | None = None
-    ) -> ModelFunction:
-        given = self.parameters
-        arguments = (*given.arguments, *self.modes)
-        values = np.concatenate([given.values, np.zeros(len(self.modes) + self.condition_count)])
-        return make_function(
-            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, arguments, values, branches
-        )
-
-    def branches(
-        self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...]
-    ) -> Branches | None:
-        """Return the branches with what decides them, at some points about the first state."""
-        if not conditions:
-            return None
-        sequence = self.make(sides, "sides", [OUTPUT]).sequence
-        n_u, n_r = len(sides.speed_names), len(sides.input_names)
-        x, p = motion.integration.state, [*self.parameters.values.tolist(), *[0.0] * len(self.modes)]
-        points = []
-        for k in range(_POINTS):
-            moved = [float(value) + math.sin(1.0 + 7.0 * k + i) for i, value in enumerate(x)]
-            r = [math.cos(2.0 + 5.0 * k + i) for i in range(n_r)]
-            points.append({"t": [0.37 + k], "q": moved[n_u:], "u": moved[:n_u], "r": r, "p": p})
-        values = tuple(tuple(evaluate_sequence(sequence, point)[0]) for point in points)
-        are_floors = tuple(condition.is_floor for condition in conditions)
-        return Branches(tuple(points), values, are_floors, len(p))
-
-
 @dataclass(frozen=True, slots=True)
 class _Projecting:
     """The sizes of a function that projects."""
@@ -321,30 +245,3 @@ class _Projecting:
     def constants(self) -> Floats:
         """Return the numbers c that it takes."""
         return self.function.arguments.constants
-
-
-def _check_motion(
-    eqs: EquationSet, integrator: object, constraints: object, events: tuple[Event, ...]
-) -> None:
-    reasons = {
-        f"{type(integrator).__name__} is no explicit method": not isinstance(
-            integrator, Explicit | FixedStep | None
-        ),
-        f"{type(constraints).__name__} takes its steps in Python": not isinstance(
-            constraints, Projection | Baumgarte | None
-        ),
-        "prescribed rates may jump": may_jump(eqs),
-        "dependent speeds are watched": bool(
-            eqs.formed.elimination is not None and eqs.formed.elimination.pivots
-        ),
-        "an event sets new values where joints stick and slip, or ropes slacken": switches(eqs.formed)
-        and any(event.mapping for event in events),
-    }
-    reason = "; ".join(reason for reason, holds in reasons.items() if holds)
-    if reason:
-        raise UsageError(
-            Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
-                    "an FMU computes without Python",
-                    "prescribe motions without corners; give sb.Explicit() or sb.FixedStep(..), "
-                    "sb.Projection() or sb.Baumgarte()")
-        )  # fmt: skip

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.ropes import with_taut
+from symbody.analysis.configurations.ropes import with_taut
 from symbody.equations.equation_set import EquationSet
-from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.fmu.functions import Floats, ModelFunction, Symbols, are_symbols, dependencies
 from symbody.fmu.names import entry_name, rate_name, unique_names, variable_name
 from symbody.fmu.program import FmuProgram
@@ -58,11 +58,11 @@ class FmuVariable:
 
 
 def fmu_variables(program: FmuProgram) -> tuple[FmuVariable, ...]:
-    """Return time, states, their derivatives, inputs, parameters, outputs and event indicators."""
+    """Return time, states, their derivatives, inputs, held values, parameters, outputs, event indicators."""
     made = [
         FmuVariable("time", "independent", "continuous", unit="s", description="time"),
-        *_states(program), *_rates(program), *_inputs(program), *_parameters(program), *_outputs(program),
-        *_indicators(program),
+        *_states(program), *_rates(program), *_inputs(program), *_held_values(program),
+        *_parameters(program), *_outputs(program), *_indicators(program),
     ]  # fmt: skip
     names = unique_names(variable.name for variable in made)
     return tuple(replace(variable, name=name) for variable, name in zip(made, names, strict=True))
@@ -150,11 +150,17 @@ def _rate_unit(unit: str) -> str:
 
 
 def _inputs(program: FmuProgram) -> Iterator[FmuVariable]:
-    for name in program.eqs.input_names:
+    for name in program.input_names:
         unit = program.eqs.units.get(name, "")
         yield FmuVariable(
             variable_name(name), "input", "continuous", start=0.0, unit=unit, description=f"input {name}"
         )
+
+
+def _held_values(program: FmuProgram) -> Iterator[FmuVariable]:
+    for value in program.samples.values:
+        unit, words = program.eqs.units.get(value.name, ""), f"{value.name}: held between samples"
+        yield FmuVariable(variable_name(value.name), "local", "discrete", "exact", value.initial, unit, words)
 
 
 def _parameters(program: FmuProgram) -> Iterator[FmuVariable]:
@@ -225,12 +231,13 @@ def _dependencies(program: FmuProgram, function: ModelFunction) -> list[tuple[tu
     """Return what each result depends on in continuous time: value references, and how."""
     plain = are_symbols(function.sequence)
     return [
-        _references(program.eqs, read, "constant" if plain[k] else "dependent")
+        _references(program, read, "constant" if plain[k] else "dependent")
         for k, read in enumerate(dependencies(function.sequence))
     ]
 
 
-def _references(eqs: EquationSet, read: Symbols, kind: str) -> tuple[tuple[int, str], ...]:
-    n_u, n = len(eqs.speed_names), len(eqs.state_names)
+def _references(program: FmuProgram, read: Symbols, kind: str) -> tuple[tuple[int, str], ...]:
+    n_u, n = len(program.eqs.speed_names), len(program.eqs.state_names)
     firsts = {"t": 0, "u": 1, "q": 1 + n_u, "r": 1 + 2 * n}
-    return tuple(sorted((firsts[group] + place, kind) for group, place in read if group in firsts))
+    held = {("r", value.slot) for value in program.samples.values}  # constant in continuous time
+    return tuple(sorted((firsts[group] + place, kind) for group, place in read - held if group in firsts))

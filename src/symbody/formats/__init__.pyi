@@ -5,6 +5,8 @@ from .native import model_to_toml as model_to_toml
 from .native import read_layout as read_layout
 from .native import save_model as save_model
 from .native import to_data as to_data
+from .toml_text import write_layout as write_layout
+from .toml_text import write_toml as write_toml
 from .urdf.building.loading import load_urdf as load_urdf
 from .urdf.building.loading import model_from_urdf as model_from_urdf
 from .urdf.file.meshes import find_mesh as find_mesh

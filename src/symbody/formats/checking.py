@@ -1,4 +1,4 @@
-"""The structure of a model file checked; pydantic's findings told in our words."""
+"""What does not fit the structure of a model file: pydantic's findings in our words."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from pydantic import ValidationError
 from symbody.errors import FormatError, Problem, nearest
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, words
-from symbody.formats.schema import VERSION, ModelFile
+from symbody.formats.schema import ModelFile
+from symbody.formats.version import VERSION
 from symbody.model.model import KINDS
 
 Schema: TypeAlias = dict[str, Any]
@@ -60,8 +61,8 @@ _EXPECTED: Final = MappingProxyType(
 )
 
 
-def check_structure(data: object, locate: Locate) -> Mapping[str, Any]:
-    """Return `data`, which has only known keys, all that are needed, and values of the right types.
+def refuse_misfits(data: object, locate: Locate) -> None:
+    """Refuse data that have not the structure of a model file.
 
     Raises
     ------
@@ -80,7 +81,6 @@ def check_structure(data: object, locate: Locate) -> Mapping[str, Any]:
             rest = f"{len(found) - len(problems)} more problems are not shown"
             problems.append(Problem("file.more", locate(()), rest, "", "mend the ones above first"))
         raise FormatError(*problems) from None
-    return cast("Mapping[str, Any]", data)
 
 
 def _problem(found: dict[str, Any], schema: Schema, data: object, locate: Locate) -> Problem:

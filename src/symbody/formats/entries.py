@@ -9,16 +9,16 @@ from typing import Any, Final, TypeVar
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, Frames
-from symbody.model.declaration import Declared, Field
+from symbody.model.declarations.declaration import Declared, Field
+from symbody.model.declarations.joint_fields import CoordinateDrive, CoordinateDrives, DryFriction
 from symbody.model.element import Element, FrameRef
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
-from symbody.model.joint_fields import CoordinateDrive, CoordinateDrives, DryFriction
 from symbody.model.loads.curve import Curve
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
-from symbody.model.registry import TYPED, element_types, shape_types, snake_case, type_word
+from symbody.model.registry import TYPED, element_type, shape_types, snake_case, type_word
 from symbody.model.shapes.mesh import Mesh
 from symbody.model.shapes.shape import BodyShape, Shapes
 from symbody.model.tables.lookup import Lookup
@@ -43,13 +43,14 @@ def read_element(kind: str, entry: Mapping[str, object], folder: str = "") -> El
     arguments = dict(entry)
     if kind == Lookup.kind:
         arguments["folder"] = folder
-    make: Callable[..., Element] = element_types(kind)[str(arguments.pop("type", ""))]
+    element_class = element_type(kind, str(arguments.pop("type", "")))
+    make: Callable[..., Element] = element_class
     between = arguments.pop("between", None)
     if isinstance(between, list):
         arguments["start"], arguments["end"] = between
     problems: list[Problem] = []
     label = f"{kind} {entry['name']}"
-    for name, field in element_types(kind)[str(entry.get("type", ""))].fields.items():
+    for name, field in element_class.fields.items():
         key = field.place or name
         if key in arguments:
             arguments[name] = _value(field, arguments.pop(key), f"{label}, {key}", folder, problems)

@@ -6,10 +6,10 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+import symbody.formats as formats
 from symbody.arguments import checked_arguments
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.formats.checking import check_structure
 from symbody.formats.entries import (
     Node,
     ground_frames,
@@ -23,9 +23,9 @@ from symbody.formats.includes import include_entry, read_includes
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
-from symbody.formats.schema import NEWER_SECTIONS, VERSION
+from symbody.formats.schema_fit import check_structure
 from symbody.formats.toml_syntax import parse_toml
-from symbody.formats.toml_text import write_layout, write_toml
+from symbody.formats.version import NEWER_SECTIONS, VERSION
 from symbody.formats.writing import write_text
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
@@ -233,7 +233,7 @@ def _content(model: Model, folder: str | None = None, *, is_alone: bool = False)
 def _toml_text(content: Mapping[str, Node], onto: str, folder: str | None = None) -> str:
     """Return the TOML text of a content, on an older text where that takes the changes."""
     merged = _merge(content, onto.replace("\r\n", "\n"), folder) if onto.strip() else None
-    return merged or write_toml(content)
+    return merged or formats.write_toml(content)
 
 
 def _merge(content: Mapping[str, Node], onto: str, folder: str | None) -> str | None:
@@ -243,7 +243,7 @@ def _merge(content: Mapping[str, Node], onto: str, folder: str | None) -> str | 
         before = _content(model_from_toml(onto, where), folder)
         if before == content:  # to the byte, whatever the library makes of tables out of order
             return onto
-        text = write_toml(content, onto, before)
+        text = formats.write_toml(content, onto, before)
         return text if _content(model_from_toml(text, where), folder) == content else None
     except SymbodyError:
         return None
@@ -251,7 +251,7 @@ def _merge(content: Mapping[str, Node], onto: str, folder: str | None) -> str | 
 
 def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
     try:
-        return write_layout(text, layout)
+        return formats.write_layout(text, layout)
     except (TypeError, ValueError, RecursionError) as error:
         raise FormatError(
             Problem(

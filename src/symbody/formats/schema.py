@@ -15,13 +15,10 @@ from pydantic_core import PydanticCustomError
 
 from symbody.formats.schema_entries import TYPES, entry_list_type
 from symbody.formats.schema_types import Angle, Expression, FileEntry, Triple
+from symbody.formats.version import VERSION
 from symbody.model.body import Frames
 from symbody.model.model import KINDS
 from symbody.model.shapes.shape import Shapes
-
-VERSION: Final = 2
-# What version 2 brought; a file without any of them is written without a version, as those of version 1.
-NEWER_SECTIONS: Final = ("table", "signal", "block", "include")
 
 
 def _version(value: object) -> int:

@@ -13,9 +13,9 @@ from pydantic_core import PydanticCustomError
 
 from symbody.formats import schema_types as values
 from symbody.formats.schema_types import Angle, Axis, Expression, FileEntry, Triple
-from symbody.model import declaration, element_fields, fields, joint_fields
 from symbody.model.body import Frames
-from symbody.model.declaration import Declared
+from symbody.model.declarations import declaration, element_fields, fields, joint_fields
+from symbody.model.declarations.declaration import Declared
 from symbody.model.frame import Frame, RotationMatrix, Turns
 from symbody.model.joints import orientation
 from symbody.model.loads.curve import SpringLaw

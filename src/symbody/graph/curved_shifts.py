@@ -8,7 +8,7 @@ from symbody.expr.calculus import derivative
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.language.formula import build
 from symbody.expr.rewrite import symbols_of
-from symbody.model.formula_site import Triple
+from symbody.model.declarations.formula_site import Triple
 from symbody.model.joint import Joint
 
 

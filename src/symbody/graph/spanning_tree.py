@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-import networkx as nx
-
-from symbody.graph.linear_graph import Edge, LinearGraph
+from symbody.graph.linear_graph import Edge, LinearGraph, breadth_first, closing_edges
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,24 +40,16 @@ def least_forest(graph: LinearGraph, weights: Mapping[str, tuple[float, ...]]) -
     weights : mapping of edge name to tuple of float
         Reluctance to take the edge, compared entry by entry; edges not named come first.
     """
-    net = nx.MultiGraph()
-    net.add_nodes_from(graph.nodes)
-    # Sorting is stable, so the rank breaks ties by the order of the edges.
-    for rank, edge in enumerate(sorted(graph.edges, key=lambda edge: weights.get(edge.name, ()))):
-        net.add_edge(edge.start, edge.end, key=edge.name, weight=rank)
-    chosen = {key for _, _, key in nx.minimum_spanning_edges(net, keys=True, data=False)}
-    return tuple(edge for edge in graph.edges if edge.name in chosen)
+    # Sorting is stable: the order of the edges breaks ties.
+    by_weight = sorted(graph.edges, key=lambda edge: weights.get(edge.name, ()))
+    left_out = {edge.name for edge in closing_edges(by_weight)}
+    return tuple(edge for edge in graph.edges if edge.name not in left_out)
 
 
 def spanning_tree(graph: LinearGraph, names: Collection[str]) -> SpanningTree:
     """Return the tree of the edges `names`, which join every node to the root by one path."""
-    tree = nx.Graph()
-    tree.add_nodes_from(graph.nodes)
-    for edge in graph.edges:
-        if edge.name in names:
-            tree.add_edge(edge.start, edge.end, edge=edge)
     branches = tuple(
-        TreeBranch(edge := tree.edges[parent, child]["edge"], parent, child, edge.start == parent)
-        for parent, child in nx.bfs_edges(tree, graph.root)
+        TreeBranch(edge, parent, child, edge.start == parent)
+        for parent, edge, child in breadth_first((e for e in graph.edges if e.name in names), graph.root)
     )
     return SpanningTree(branches, tuple(edge for edge in graph.edges if edge.name not in names))

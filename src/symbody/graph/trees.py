@@ -6,11 +6,9 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-import networkx as nx
-
 from symbody.arguments import checked_arguments
 from symbody.errors import Problem, TopologyError, nearest
-from symbody.graph.linear_graph import Edge
+from symbody.graph.linear_graph import Edge, breadth_first, closing_edges
 from symbody.model.joint import Joint
 from symbody.model.model import Model
 
@@ -82,14 +80,18 @@ def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> di
 
 def cycle_problem(kind: str, edges: Iterable[Edge], chosen: Collection[str]) -> Problem | None:
     """Return a problem that shows a cycle among the chosen edges, or None if they form a forest."""
-    net = nx.MultiGraph()
-    net.add_edges_from((edge.start, edge.end, edge.name) for edge in edges if edge.name in chosen)
-    try:
-        cycle = nx.find_cycle(net)
-    except nx.NetworkXNoCycle:
+    inside = [edge for edge in edges if edge.name in chosen]
+    closing = next(closing_edges(inside), None)
+    if closing is None:
         return None
-    names = ", ".join(key for _, _, key in cycle)
-    bodies = " - ".join([cycle[0][0], *(end for _, end, _ in cycle)])
+    before = inside[: inside.index(closing)]
+    ways = {node: (parent, edge.name) for parent, edge, node in breadth_first(before, closing.start)}
+    trail, around = [closing.name], [closing.start, closing.end]
+    while around[-1] != closing.start:
+        parent, name = ways[around[-1]]
+        trail.append(name)
+        around.append(parent)
+    names, bodies = ", ".join(reversed(trail)), " - ".join(reversed(around))
     return Problem(
         "topology.cycle", f"tree, {kind}", f"the joints {names} form a cycle: {bodies}",
         "a tree has one path from ground to each body", f"take one of them out of the {kind} tree",

@@ -52,10 +52,10 @@ from symbody.kernels.block import (
     VECTORS,
     N,
 )
+from symbody.kernels.configurations.projection import project, project_new_state
 from symbody.kernels.dense_output import form_dense_output, interpolate
 from symbody.kernels.language import INFINITY, Function, Reals, is_finite, part, sqrt
 from symbody.kernels.power import power
-from symbody.kernels.projection import project, project_new_state
 from symbody.kernels.runge_kutta import (
     accept,
     all_finite,

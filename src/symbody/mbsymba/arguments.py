@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import NoReturn
 
 from symbody.errors import FrameError, Problem, UsageError
-from symbody.expr.sympy_writer import is_matrix
+from symbody.expr.sympy.sympy_writer import is_matrix
 from symbody.mbsymba.objects import (
     BODY,
     CONSTRAINT,

@@ -20,11 +20,11 @@ from symbody.equations.by_hand.mechanism import (
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.lagrange import Lagrange
-from symbody.expr.sympy_writer import SympyExpr
+from symbody.expr.sympy.sympy_writer import SympyExpr
 from symbody.mbsymba.arguments import as_point, read_bodies, read_objects
 from symbody.mbsymba.objects import BODY, FRAME, OBJECT, POINT, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, function_names, to_sympy_expressions
-from symbody.model.arguments import Value
+from symbody.model.declarations.arguments import Value
 
 Objects = OBJECT | Iterable[OBJECT]
 

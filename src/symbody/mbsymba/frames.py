@@ -6,8 +6,8 @@ from typing import Final
 
 from symbody.errors import FrameError, Problem
 from symbody.expr.expression import sqrt
-from symbody.expr.fingerprint import find_zeros
-from symbody.expr.sympy_writer import SympyExpr, SympyMatrix
+from symbody.expr.fingerprints.fingerprint import find_zeros
+from symbody.expr.sympy.sympy_writer import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame
 from symbody.mbsymba.objects import FRAME, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, to_expressions, triple

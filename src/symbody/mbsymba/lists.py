@@ -15,7 +15,7 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import SYMBOL
-from symbody.expr.sympy_writer import (
+from symbody.expr.sympy.sympy_writer import (
     SympyEquation,
     SympyExpr,
     SympyMatrix,

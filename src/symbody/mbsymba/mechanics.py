@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from symbody.equations.by_hand.mechanism import PlacedBody, PlacedConstraint, PlacedForce, PlacedTorque
 from symbody.errors import ModelError, Problem
 from symbody.expr.expression import Expr
-from symbody.expr.sympy_writer import SympyEquation, SympyExpr, SympyMatrix, nodes_from_equations
+from symbody.expr.sympy.sympy_writer import SympyEquation, SympyExpr, SympyMatrix, nodes_from_equations
 from symbody.mbsymba.arguments import as_body, as_point, as_vector, reaction_body, read_vector
 from symbody.mbsymba.objects import BODY, CONSTRAINT, FORCE, FRAME, POINT, TORQUE, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, function_names, to_expressions

@@ -9,8 +9,8 @@ from typing import ClassVar, TypeAlias
 from symbody.equations.by_hand.mechanism import PlacedBody, PlacedConstraint, PlacedForce, PlacedTorque
 from symbody.errors import FrameError, Problem
 from symbody.expr.expression import Expr, common_graph
-from symbody.expr.fingerprint import fingerprints
-from symbody.expr.sympy_writer import SympyExpr, SympyMatrix, is_matrix
+from symbody.expr.fingerprints.fingerprint import fingerprints
+from symbody.expr.sympy.sympy_writer import SympyExpr, SympyMatrix, is_matrix
 from symbody.mbsymba.workplace import WORKPLACE, to_expressions, to_sympy_expressions
 from symbody.spatial.placed import PlacedFrame, PlacedPoint, PlacedVector, Shift, homogeneous
 from symbody.spatial.rotation import DirectionCosines

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from symbody.equations.by_hand.mechanism import PlacedForce, PlacedTorque
-from symbody.expr.sympy_writer import SympyExpr, SympyMatrix
+from symbody.expr.sympy.sympy_writer import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame, as_point, as_vector
 from symbody.mbsymba.objects import BODY, FORCE, FRAME, POINT, TORQUE, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, to_sympy_expressions, triple

@@ -9,12 +9,12 @@ from typing import Final
 from weakref import ReferenceType, ref
 
 from symbody.errors import Problem, UsageError
-from symbody.expr.closed_form import readable
 from symbody.expr.expression import Expr, common_graph
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import SYMBOL
-from symbody.expr.sympy_reader import nodes_from_sympy
-from symbody.expr.sympy_writer import SympyExpr, to_sympy
+from symbody.expr.sympy.closed_form import readable
+from symbody.expr.sympy.sympy_reader import nodes_from_sympy
+from symbody.expr.sympy.sympy_writer import SympyExpr, to_sympy
 from symbody.spatial.matrix import Triple
 from symbody.spatial.placed import PlacedVector
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from typing import ClassVar, final
 
 from symbody.expr.language.tokens import normalize
-from symbody.model.arguments import Arguments
-from symbody.model.declaration import Field
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.declaration import Field
+from symbody.model.declarations.fields import Flag, Quantity, VectorQuantity, part
+from symbody.model.declarations.formula_site import FormulaSite
 from symbody.model.element import Element, FrameRef, make_frame_ref
-from symbody.model.fields import Flag, Quantity, VectorQuantity, part
-from symbody.model.formula_site import FormulaSite
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.naming import CENTRE, element_problem

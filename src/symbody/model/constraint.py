@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from symbody.model.declarations.element_fields import Connection, element
 from symbody.model.element import Element
-from symbody.model.element_fields import Connection, element
 
 
 @element

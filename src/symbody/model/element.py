@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from symbody.model.declaration import Declared
-from symbody.model.fields import ElementName, part
-from symbody.model.formula_site import FormulaSite
+from symbody.model.declarations.declaration import Declared
+from symbody.model.declarations.fields import ElementName, part
+from symbody.model.declarations.formula_site import FormulaSite
 from symbody.model.naming import CENTRE, GROUND
 from symbody.model.numeric_checks import NumericChecks
 

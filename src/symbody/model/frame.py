@@ -8,10 +8,10 @@ from fractions import Fraction
 from typing import ClassVar, Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import ZERO, Arguments, Value
-from symbody.model.declaration import ElementPart, Field
-from symbody.model.fields import AxisLike, VectorQuantity, part
-from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.declarations.arguments import ZERO, Arguments, Value
+from symbody.model.declarations.declaration import ElementPart, Field
+from symbody.model.declarations.fields import AxisLike, VectorQuantity, part
+from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.numbers import formula_value
 from symbody.model.simple_rotation import LETTERS, Axis, SimpleRotation, read_axis, unit_axis
 

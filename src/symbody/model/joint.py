@@ -9,10 +9,10 @@ from typing import Any, ClassVar, Final, Literal
 
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import ZERO, Arguments
-from symbody.model.element_fields import Connection, element
-from symbody.model.fields import Quantity
-from symbody.model.formula_site import Triple
+from symbody.model.declarations.arguments import ZERO, Arguments
+from symbody.model.declarations.element_fields import Connection, element
+from symbody.model.declarations.fields import Quantity
+from symbody.model.declarations.formula_site import Triple
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction

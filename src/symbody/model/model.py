@@ -11,15 +11,15 @@ from symbody.errors import ModelError, Problem, nearest, number_in_words
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.expr.parser import parse_angle
-from symbody.model.arguments import Arguments, Value, plain_value
 from symbody.model.body import Body, frame_table
 from symbody.model.checks import physics
 from symbody.model.checks.signals import collect_signals
 from symbody.model.checks.structure import free_joints
 from symbody.model.checks.validation import Draft, check_draft
 from symbody.model.constraint import ConstraintElement
+from symbody.model.declarations.arguments import Arguments, Value, plain_value
+from symbody.model.declarations.formula_site import Triple
 from symbody.model.element import Element
-from symbody.model.formula_site import Triple
 from symbody.model.frame import Frame
 from symbody.model.frame_index import element_labels, include_bodies
 from symbody.model.frozen_mapping import FrozenMapping

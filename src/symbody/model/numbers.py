@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from fractions import Fraction
 
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Constant, Graph
 from symbody.expr.language.formula import Formula, build
-from symbody.expr.sequence import Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Roots, build_sequence
 
 
 class _Unknown(Exception):

@@ -9,7 +9,7 @@ from typing import Final
 from symbody.errors import ExpressionError, ModelError, Problem, nearest
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments, Value
+from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.numbers import formula_value
 
 Parameters = Mapping[str, Formula | None]

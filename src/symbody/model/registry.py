@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from symbody.model import constraints, joints, loads, shapes, signals, tables
 from symbody.model.body import Body
-from symbody.model.declaration import REQUIRED, Field
+from symbody.model.declarations.declaration import REQUIRED, Field
 from symbody.model.element import Element
 from symbody.model.model import KINDS
 from symbody.model.shapes.shape import BodyShape
@@ -39,6 +39,22 @@ _GROUPS: Final = MappingProxyType(
 
 
 @cache
+def element_type(kind: str, word: str) -> type[Element]:
+    """Return the element of a kind by its word in model files.
+
+    A joint or block stands in the file of its word: no other is loaded for it.
+    """
+    if kind == Body.kind:
+        return Body
+    for folder in (joints, blocks):
+        own_file = [file for file in _files(folder) if file == word]
+        for each in _final_classes(folder, own_file):
+            if issubclass(each, Element) and each.kind == kind and type_word(each) == word:
+                return each
+    return element_types(kind)[word]
+
+
+@cache
 def element_types(kind: str) -> Mapping[str, type[Element]]:
     """Return the elements of a kind by their words in model files; "" where the kind has one type."""
     if kind == Body.kind:
@@ -46,7 +62,7 @@ def element_types(kind: str) -> Mapping[str, type[Element]]:
     classes = [
         each
         for folder in (joints, constraints, loads, signals, blocks, tables)
-        for each in _final_classes(folder)
+        for each in _final_classes(folder, _files(folder))
     ]
     words = {type_word(each): each for each in classes if issubclass(each, Element) and each.kind == kind}
     return MappingProxyType(dict(sorted(words.items())))
@@ -55,7 +71,7 @@ def element_types(kind: str) -> Mapping[str, type[Element]]:
 @cache
 def shape_types() -> Mapping[str, type[BodyShape]]:
     """Return the shapes by their words in model files."""
-    classes = [each for each in _final_classes(shapes) if issubclass(each, BodyShape)]
+    classes = [each for each in _final_classes(shapes, _files(shapes)) if issubclass(each, BodyShape)]
     words = {snake_case(each.__name__): each for each in classes}
     return MappingProxyType(dict(sorted(words.items())))
 
@@ -84,10 +100,16 @@ def elements() -> list[dict[str, Any]]:
     return [_entry(kind, word, each) for kind in KINDS for word, each in element_types(kind).items()]
 
 
-def _final_classes(folder: ModuleType) -> Iterator[type]:
-    """Yield the final classes of the modules in a folder."""
-    for found in sorted(iter_modules(folder.__path__), key=lambda module: module.name):
-        module = import_module(f"{folder.__name__}.{found.name}")
+@cache
+def _files(folder: ModuleType) -> tuple[str, ...]:
+    """Return the names of the modules in a folder, in order."""
+    return tuple(sorted(each.name for each in iter_modules(folder.__path__)))
+
+
+def _final_classes(folder: ModuleType, files: Iterable[str]) -> Iterator[type]:
+    """Yield the final classes of modules in a folder."""
+    for file in files:
+        module = import_module(f"{folder.__name__}.{file}")
         for value in vars(module).values():
             is_own = isinstance(value, type) and value.__module__ == module.__name__
             if is_own and getattr(value, "__final__", False):

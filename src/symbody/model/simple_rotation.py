@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import ZERO, Arguments
-from symbody.model.formula_site import Triple
+from symbody.model.declarations.arguments import ZERO, Arguments
+from symbody.model.declarations.formula_site import Triple
 from symbody.model.numbers import formula_value, square_root
 
 # "x", "y", "z", or components along x, y and z, of any length.

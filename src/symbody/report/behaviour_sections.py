@@ -15,7 +15,7 @@ from symbody.analysis.linear.linearize import linearize
 from symbody.analysis.linear.modes import Mode, eigenvalue_on_axes
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
-from symbody.expr.fingerprint import fingerprints
+from symbody.expr.fingerprints.fingerprint import fingerprints
 from symbody.report.document import (
     Block,
     Cell,

@@ -12,7 +12,7 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import SADDLE
 from symbody.expr.rewrite import operation_count, tree_sizes
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 from symbody.report.document import (
     LONG,
     MOST_OPERATIONS,

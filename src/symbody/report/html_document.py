@@ -15,6 +15,7 @@ from symbody.expr.printing.mathml_tables import mathml_equations, mathml_matrix
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import tree_sizes
 from symbody.report import document as parts
+from symbody.report.template import fill_template
 
 _NAMESPACE: Final = "http://www.w3.org/1998/Math/MathML"
 # Only what stands in the file itself is shown.
@@ -44,22 +45,43 @@ figcaption { font-size: 0.9em; } summary { cursor: pointer; color: var(--link); 
   figure, table.grid { break-inside: avoid; }
 }
 """
+_PAGE: Final = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{{ policy }}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{{ title }}</title>
+<style>{{ style }}</style>
+</head>
+<body>
+<main>
+<h1>{{ title }}</h1>
+{{ contents }}{{ body }}</main>
+</body>
+</html>
+"""
 
 
 def html_document(document: parts.ReportContent) -> str:
     """Return a page."""
-    title = escape(document.title)
+    return fill_template(_PAGE, html_pieces(document), "page")
+
+
+def html_pieces(document: parts.ReportContent) -> dict[str, str]:
+    """Return what templates of pages may contain: title, style, policy, contents, body, and each section."""
+    sections = {part.key: _section(part) for part in document.sections}
     entries = "".join(
         f'<li><a href="#{part.key}">{escape(part.title)}</a></li>' for part in document.sections
     )
-    body = "".join(map(_section, document.sections))
-    return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{title}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n"
-        f'<nav aria-label="Contents"><ol>{entries}</ol></nav>\n{body}</main>\n</body>\n</html>\n'
-    )
+    return {
+        "title": escape(document.title),
+        "style": _STYLE,
+        "policy": _POLICY,
+        "contents": f'<nav aria-label="Contents"><ol>{entries}</ol></nav>\n',
+        "body": "".join(sections.values()),
+        **sections,
+    }
 
 
 def _section(section: parts.ReportSection) -> str:

@@ -10,16 +10,23 @@ from symbody.expr.language.formula import Formula
 from symbody.expr.printing.latex import latex_name, to_latex_with_definitions
 from symbody.expr.printing.latex_rows import latex_equations_page
 from symbody.report import document as parts
+from symbody.report.template import fill_template
 
-_HEAD: Final = r"""\documentclass[11pt,a4paper]{article}
-\usepackage[T1]{fontenc}
+_PACKAGES: Final = r"""\usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
 \usepackage{amsmath,amssymb,graphicx,longtable}
-\usepackage[margin=2.2cm]{geometry}
-\setlength{\parindent}{0pt}
-\setlength{\parskip}{0.6em}
 \allowdisplaybreaks
 \setcounter{MaxMatrixCols}{60}
+"""
+_PAGE: Final = r"""\documentclass[11pt,a4paper]{article}
+{{ packages }}\usepackage[margin=2.2cm]{geometry}
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{0.6em}
+\title{{{ title }}}
+\date{}
+\begin{document}
+\maketitle
+{{ body }}\end{document}
 """
 _ESCAPES: Final = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u2192": r"$\to$",
@@ -30,11 +37,18 @@ _ESCAPES: Final = {
 
 def latex_document(document: parts.ReportContent, folder: str) -> str:
     """Return LaTeX that reads its pictures from a folder."""
-    title = latex_words(document.title)
-    body = "".join(_section(part, folder) for part in document.sections)
-    return (
-        f"{_HEAD}\\title{{{title}}}\n\\date{{}}\n\\begin{{document}}\n\\maketitle\n{body}\\end{{document}}\n"
-    )
+    return fill_template(_PAGE, latex_pieces(document, folder), "page")
+
+
+def latex_pieces(document: parts.ReportContent, folder: str) -> dict[str, str]:
+    """Return what templates may contain: title, packages, body, and each section."""
+    sections = {part.key: _section(part, folder) for part in document.sections}
+    return {
+        "title": latex_words(document.title),
+        "packages": _PACKAGES,
+        "body": "".join(sections.values()),
+        **sections,
+    }
 
 
 def latex_words(text: str) -> str:

@@ -18,17 +18,23 @@ from symbody.report.latex_document import (
     plain_number,
     unit_formula,
 )
+from symbody.report.template import fill_template
 
 Place = Callable[[parts.Figure], str]
 
 
 def markdown_document(document: parts.ReportContent, folder: str) -> str:
     """Return Markdown that reads its pictures from a folder."""
-    pieces = [
-        section_text(section, lambda figure: f"{quote(folder)}/{figure.name}.svg")
-        for section in document.sections
-    ]
-    return "\n".join([f"# {_words(document.title)}\n", *pieces])
+    return fill_template("# {{ title }}\n\n{{ body }}", markdown_pieces(document, folder), "page")
+
+
+def markdown_pieces(document: parts.ReportContent, folder: str) -> dict[str, str]:
+    """Return what templates may contain: title, body, and each section."""
+    sections = {
+        part.key: section_text(part, lambda figure: f"{quote(folder)}/{figure.name}.svg")
+        for part in document.sections
+    }
+    return {"title": _words(document.title), "body": "\n".join(sections.values()), **sections}
 
 
 def section_text(section: parts.ReportSection, place: Place) -> str:

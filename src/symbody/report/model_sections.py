@@ -10,7 +10,7 @@ from symbody.equations.outputs.parameter_units import symbol_units
 from symbody.errors import SymbodyError, number_in_words
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
-from symbody.model.declaration import Declared
+from symbody.model.declarations.declaration import Declared
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint

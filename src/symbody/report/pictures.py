@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import matplotlib as mpl
-import networkx as nx
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Canvas
@@ -44,10 +43,8 @@ def graph_picture(tree: SpanningTree, kind: PictureKind) -> bytes:
     """Return a linear graph: branches solid, chords dashed, the ground a square."""
     branches = [branch.edge for branch in tree.branches]
     edges = [(edge, True) for edge in branches] + [(edge, False) for edge in tree.chords]
-    net = nx.Graph()
-    net.add_node(GROUND)
-    net.add_edges_from((edge.start, edge.end) for edge, _ in edges)
-    places = _levels(tree, net)
+    names = dict.fromkeys([GROUND, *(name for edge, _ in edges for name in (edge.start, edge.end))])
+    places = _levels(tree, names)
     figure, axes = _axes(1.0 + 0.8 * (1 + len({y for _, y in places.values()}) / 2))
     drawn: dict[frozenset[str], int] = {}
     for edge, is_branch in edges:
@@ -69,13 +66,13 @@ def graph_picture(tree: SpanningTree, kind: PictureKind) -> bytes:
     return _content(figure, kind)
 
 
-def _levels(tree: SpanningTree, net: nx.Graph) -> dict[str, tuple[float, float]]:
+def _levels(tree: SpanningTree, nodes: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Return a place for each body: to the right by its distance from the ground, siblings in a column."""
     depth = {GROUND: 0}
     for branch in tree.branches:
         depth[branch.child] = depth[branch.parent] + 1
     layers: dict[int, list[str]] = {}
-    for name in net.nodes:
+    for name in nodes:
         layers.setdefault(depth.get(name, 0), []).append(name)
     return {
         name: (1.6 * level, (len(names) - 1) / 2 - k)

@@ -12,6 +12,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.formats.reading import read_text
 from symbody.model.model import Model
 from symbody.report.behaviour_sections import (
     code_section,
@@ -27,9 +28,9 @@ from symbody.report.equation_sections import (
     kinematics_section,
     reactions_section,
 )
-from symbody.report.html_document import html_document
-from symbody.report.latex_document import latex_document
-from symbody.report.markdown_document import markdown_document, notebook_document
+from symbody.report.html_document import html_document, html_pieces
+from symbody.report.latex_document import latex_document, latex_pieces
+from symbody.report.markdown_document import markdown_document, markdown_pieces, notebook_document
 from symbody.report.model_sections import (
     coordinates_section,
     graph_section,
@@ -38,6 +39,7 @@ from symbody.report.model_sections import (
     parts_section,
 )
 from symbody.report.setting import Setting
+from symbody.report.template import fill_template
 from symbody.simulation.results.trajectory import Trajectory
 
 # In the order of a derivation.
@@ -71,6 +73,7 @@ def save_report(
     sections: Sequence[str] | None = None,
     parameters: Mapping[str, Value] | None = None,
     title: str | None = None,
+    template: str | PathLike[str] | None = None,
 ) -> None:
     """Write the derivation of a mechanism in the order of a textbook.
 
@@ -96,11 +99,19 @@ def save_report(
         Values in place of the model's, for picture and equilibrium; by default those of `run`.
     title : str, optional
         By default the name of the model.
+    template : path, optional
+        A text file around the report, in HTML, LaTeX or Markdown as the suffix of `path` says: ``{{ body }}``
+        in it is replaced by all sections, ``{{ title }}`` by the title, and the name of a section, as in
+        ``{{ dynamics }}``, by that one. Pages have ``{{ contents }}``, ``{{ style }}`` and ``{{ policy }}``,
+        too, LaTeX the ``{{ packages }}`` it needs.
 
     Raises
     ------
     UsageError
-        A suffix, a section or a parameter that does not exist; a motion of other equations.
+        A suffix, a section or a parameter that does not exist; a section "motion" without a motion; a
+        motion of other equations; a template of a notebook, or one with places for what there is not.
+    FormatError
+        If the template cannot be read.
     EnvironmentFault
         If a file cannot be written, or nbformat is missing for a notebook.
 
@@ -110,14 +121,15 @@ def save_report(
     >>> sb.save_report(eqs, "slider_crank.html", run=sb.simulate(eqs, (0, 2)))  # doctest: +SKIP
     """
     target = Path(path)
-    _check(eqs, target, sections, run, parameters or {})
+    _check(eqs, target, sections, run, parameters or {}, template)
+    frame = None if template is None else (read_text(template), str(template))
     values = parameters if parameters is not None else run.parameters if run is not None else {}
     setting = Setting(eqs, run, values)
     chosen = tuple(SECTIONS if sections is None else sections)
     parts = tuple(part for part in (SECTIONS[name](setting) for name in chosen) if part.blocks)
     document = ReportContent(title or eqs.model.name, parts)
     try:
-        _write(document, target)
+        _write(document, target, frame)
     except OSError as error:
         fix = "choose a folder that exists and is yours"
         what = f"the report cannot be written: {error.strerror}"
@@ -130,8 +142,20 @@ def _check(
     sections: Sequence[str] | None,
     run: Trajectory | None,
     parameters: Mapping[str, Value],
+    template: object,
 ) -> None:
     problems = []
+    if template is not None and path.suffix.lower() == ".ipynb":
+        what = "notebooks have no template"
+        problems.append(
+            Problem(
+                "report.template_kind", str(path), what, fix="leave template out, or write .html, .tex or .md"
+            )
+        )
+    if run is None and "motion" in (sections or ()):
+        what = "there is no motion to be shown"
+        fix = "give run=simulate(eqs, ...), or leave the section out"
+        problems.append(Problem("report.no_motion", "sections", what, fix=fix))
     if path.suffix.lower() not in _SUFFIXES:
         what = f"{path.suffix!r} is not a kind of report" if path.suffix else "the name has no suffix"
         problems.append(
@@ -163,18 +187,35 @@ def _check(
         raise UsageError(*problems)
 
 
-def _write(document: ReportContent, path: Path) -> None:
+def _write(document: ReportContent, path: Path, template: tuple[str, str] | None) -> None:
+    suffix = path.suffix.lower()
+    if suffix == ".ipynb":
+        text = notebook_document(document)
+    elif template is not None:
+        text = fill_template(template[0], _pieces(document, path), template[1])
+    elif suffix == ".html":
+        text = html_document(document)
+    else:
+        text = (latex_document if suffix == ".tex" else markdown_document)(document, _folder(path).name)
+    if suffix in (".tex", ".md"):
+        _write_pictures(document, _folder(path), "pdf" if suffix == ".tex" else "svg")
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _pieces(document: ReportContent, path: Path) -> dict[str, str]:
+    """Return what a template of this kind of file may contain; sections that are left out are empty."""
     suffix = path.suffix.lower()
     if suffix == ".html":
-        text = html_document(document)
-    elif suffix == ".ipynb":
-        text = notebook_document(document)
+        pieces = html_pieces(document)
     else:
-        stem = _UNREADABLE.sub("-", path.stem) if suffix == ".tex" else path.stem
-        folder = path.with_name(f"{stem}_pictures")
-        _write_pictures(document, folder, "pdf" if suffix == ".tex" else "svg")
-        text = (latex_document if suffix == ".tex" else markdown_document)(document, folder.name)
-    path.write_text(text, encoding="utf-8", newline="\n")
+        pieces = (latex_pieces if suffix == ".tex" else markdown_pieces)(document, _folder(path).name)
+    return pieces | {name: "" for name in SECTIONS if name not in pieces}
+
+
+def _folder(path: Path) -> Path:
+    """Return where pictures go that are files of their own."""
+    stem = _UNREADABLE.sub("-", path.stem) if path.suffix.lower() == ".tex" else path.stem
+    return path.with_name(f"{stem}_pictures")
 
 
 def _write_pictures(document: ReportContent, folder: Path, kind: PictureKind) -> None:

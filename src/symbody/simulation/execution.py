@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from symbody.simulation.methods.breakdowns import judge_friction, judge_pivots, pivot_events
-from symbody.simulation.methods.change_point import integrate_on_branch
+from symbody.simulation.methods.closed_loops.change_point import integrate_on_branch
 from symbody.simulation.methods.integration import Integration, MotionPlan
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.results.singular_angles import singular_passages
@@ -20,8 +20,10 @@ def execute(plan: MotionPlan) -> Trajectory:
     problem = integration.problem
     has_pivots = problem.eqs.formed.elimination is not None
     pivots = pivot_events(problem, integration.span[0], integration.state) if has_pivots else ()
-    integration = replace(integration, events=(*integration.events, *pivots))
-    run = integrate_on_branch(replace(plan, integration=integration))
+    if pivots:
+        watched = replace(integration, events=(*integration.events, *pivots))
+        plan = replace(plan, integration=watched)
+    run = integrate_on_branch(plan)
     if pivots or not run.raw.status.success:
         run = judge_pivots(judge_friction(problem, run), pivots)
     return _trajectory(problem, run)

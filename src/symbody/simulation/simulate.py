@@ -10,7 +10,7 @@ from typing import get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.named_values import check_mappings
 from symbody.analysis.redundancy import undetermined_outputs
 from symbody.analysis.scales import mechanism_scales

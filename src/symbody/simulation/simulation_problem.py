@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from functools import partial
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.plain_assembly import PlainState
+from symbody.analysis.configurations.plain_assembly import PlainState
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.bound_function import bound_function
@@ -25,6 +26,7 @@ from symbody.simulation.sampling.sampler import Sampler
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
+T = TypeVar("T")
 
 NOTHING: Final = np.zeros(0)
 # Outputs that are measured by the scales of a motion.
@@ -56,6 +58,16 @@ class SimulationProblem:
     _breakpoints: dict[tuple[EquationSet, tuple[str, ...]], tuple[list[float], Breakpoints]] = field(
         default_factory=dict, repr=False, compare=False
     )
+
+    # What else follows from them, by its kind and what it is made of.
+    _made: SingleFlight[Hashable, Any] = field(
+        default_factory=partial(SingleFlight, 64), repr=False, compare=False
+    )
+
+    def keep(self, key: Hashable, make: Callable[[], T]) -> T:
+        """Return what `make` makes from these equations and values, made once for each key."""
+        made: T = self._made.get((self.eqs, key), make)
+        return made
 
     def compile_outputs(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
         """Return a function of t, q and u, and of the inputs that are callbacks; `quick` for few calls."""

@@ -12,8 +12,8 @@ from symbody.codegen.kernels.sequence_kernel import GROUPS, sequence_kernels
 from symbody.codegen.kernels.tree import KernelTree
 from symbody.codegen.llvm.kernel_library import compile_trees
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Sequence
 from tests.codegen.sequences import EXACT, random_sequence
 
 Inputs = dict[str, list[float]]

@@ -20,7 +20,7 @@ import pytest
 
 from symbody.codegen.texts import fortran, javascript, rust
 from symbody.codegen.texts.languages import TEXTS
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 from tests.codegen.tools import runnable
 
 Point = dict[str, list[float]]

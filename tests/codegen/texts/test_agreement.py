@@ -11,7 +11,7 @@ import pytest
 import symbody as sb
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
+from symbody.expr.sequences.sequence import Input, KernelNode, Operation, Output, Sequence
 from symbody.formats.native import from_data
 from tests.codegen.sequences import EXACT, LIBRARY, TRIGONOMETRIC, random_sequence, same_bits
 from tests.codegen.texts.running import ALL, CASADI_, FORTRAN, JAVASCRIPT, JULIA_, MATLAB, RUST, Point, run

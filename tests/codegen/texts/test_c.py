@@ -17,8 +17,8 @@ from symbody.codegen.llvm.native import compile_sequence
 from symbody.codegen.texts.c import generate
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import FLOATS, evaluate_sequence
-from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
+from symbody.expr.sequences.evaluate import FLOATS, evaluate_sequence
+from symbody.expr.sequences.sequence import Input, KernelNode, Operation, Output, Sequence
 from tests.codegen.native import call, call_address
 from tests.codegen.sequences import (
     EXACT,

@@ -12,9 +12,9 @@ import pytest
 
 import symbody as sb
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.precise_numbers import MPMATH
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.precise_numbers import MPMATH
+from symbody.expr.sequences.sequence import Sequence
 from tests.codegen.texts.running import CASADI, JAX, Point
 from tests.problems.mechanisms import equations_of, random_values, state_of
 from tests.problems.test_parallelogram import parallelogram

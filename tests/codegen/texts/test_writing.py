@@ -14,7 +14,7 @@ from symbody.codegen.texts import fortran
 from symbody.codegen.texts.languages import TEXTS
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Input, Operation, Output, Sequence
+from symbody.expr.sequences.sequence import Input, Operation, Output, Sequence
 from tests.codegen.sequences import EXACT, LIBRARY, random_sequence, single
 from tests.codegen.texts.test_agreement import NAMES
 from tests.codegen.texts.test_c import HOSTILE, named

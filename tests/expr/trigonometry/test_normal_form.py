@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 from symbody.expr import opcodes as op
 from symbody.expr.calculus import gradient, time_derivative
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, number, sin, sqrt, symbol
-from symbody.expr.fingerprint import fingerprints
+from symbody.expr.fingerprints.fingerprint import fingerprints
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of, tree_size
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 from symbody.expr.trigonometry.normal_form import trigonometric_form
 from tests.effort import limited
 from tests.expr.intervals import Interval, Undecided, interval, interval_arithmetic

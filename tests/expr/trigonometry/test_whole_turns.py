@@ -9,7 +9,7 @@ import sympy as sp
 
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sympy_reader import nodes_from_sympy
+from symbody.expr.sympy.sympy_reader import nodes_from_sympy
 from symbody.expr.trigonometry.whole_turns import turning_symbols
 
 a, b, x = sp.symbols("a b x")

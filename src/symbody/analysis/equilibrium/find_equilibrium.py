@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
+from symbody.analysis.configurations.one_sided import settle
 from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.equilibrium.equilibrium_search import examine_neighbourhood
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
-from symbody.analysis.one_sided import settle
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.analysis.value_lines import values_line

@@ -25,7 +25,7 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute, symbols_of
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 from symbody.tolerances import BALANCED, BEARING, EXACT, TINY
 
 Floats = NDArray[np.float64]

@@ -17,10 +17,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from symbody.analysis.configurations.ropes import AT_LENGTH, slackness, with_taut
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.equilibrium.equilibrium_search import EquilibriumSearch
 from symbody.analysis.equilibrium.static_balance import StaticBalance, StaticResidual, static_balance
-from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
 from symbody.equations.solving.ropes import rope_rows, ropes
 from symbody.tolerances import BALANCED, BEARING
 

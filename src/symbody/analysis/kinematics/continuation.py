@@ -23,7 +23,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
 from symbody.manifold import ConstraintManifold, least_solution, null_space
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.tolerances import SHARP_RANK, TRACED
 
 Floats = NDArray[np.float64]

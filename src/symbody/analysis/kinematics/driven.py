@@ -17,7 +17,7 @@ from symbody.expr.expression import Expr, number
 from symbody.expr.graph import SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import dependence
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 
 # No element of a model can have this name, which distinguishes rows from the mechanism's own.
 DRIVEN: Final = "held "

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
-from symbody.analysis.assembly import assemble, assemble_taut
+from symbody.analysis.configurations.assembly import assemble, assemble_taut
 from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
 from symbody.analysis.kinematics.driven import joint_of
 from symbody.analysis.kinematics.led_values import led_numbers, read_range

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
+from symbody.analysis.configurations.ropes import LOOSE, equations_with_ropes, slackness
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
 from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.kinematics.led_values import LedValues, led_numbers, read_values
-from symbody.analysis.ropes import LOOSE, equations_with_ropes, slackness
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function

@@ -14,12 +14,12 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble, assemble_taut
+from symbody.analysis.configurations.assembly import assemble, assemble_taut
+from symbody.analysis.configurations.ropes import equations_with_ropes, ropes_out_of_place
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.kinematics.continuation import Continuation, continuation
 from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.redundancy import redundancy
-from symbody.analysis.ropes import equations_with_ropes, ropes_out_of_place
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -28,7 +28,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, SimulationError, UsageError, nearest
-from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
+from symbody.expr.sympy.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.manifold import least_solution, pivot_order
 
 Floats = NDArray[np.float64]

@@ -22,11 +22,11 @@ from symbody.analysis.linear.slopes import SlopeFunction
 from symbody.errors import AssemblyError
 from symbody.expr.calculus import forward
 from symbody.expr.canonical import ONE, ZERO
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import EQ, FLOOR, LE, LT, PICK, SADDLE, SIGN
-from symbody.expr.program import unroll
 from symbody.expr.rewrite import symbols_of
+from symbody.expr.sequences.program import unroll
 from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]

@@ -22,7 +22,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.calculus import forward
 from symbody.expr.graph import Symbol, SymbolKind
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 
 Floats = NDArray[np.float64]
 

@@ -17,14 +17,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
+from symbody.analysis.configurations.one_sided import settle
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.cyclic import check_cyclic
 from symbody.analysis.linear.independence import Basis, Selection, basis, select
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.matrices import matrices, relative_error
 from symbody.analysis.linear.slopes import SlopeFunction, Slopes, slope_function
-from symbody.analysis.one_sided import settle
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments

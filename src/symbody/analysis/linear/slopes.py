@@ -31,7 +31,7 @@ from symbody.expr.graph import TIME, Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.equilibrium.find_equilibrium import find_equilibrium
 from symbody.analysis.kinematics.singular_configurations import singular_configurations
 from symbody.analysis.linear.linearization import Linearization

@@ -13,9 +13,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.configurations.positions import PositionSolver
+from symbody.analysis.configurations.ropes import with_taut
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
-from symbody.analysis.positions import PositionSolver
-from symbody.analysis.ropes import with_taut
 from symbody.builder.page_problems import page_problem, page_problems
 from symbody.builder.task_failure import Report, TaskFailure
 from symbody.builder.tasks.mechanisms import solver_of

@@ -28,8 +28,8 @@ from symbody.equations.outputs.display import equation_sides
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.errors import SymbodyError
 from symbody.expr.canonical import ZERO
-from symbody.expr.closed_form import readable
 from symbody.expr.rewrite import tree_sizes
+from symbody.expr.sympy.closed_form import readable
 from symbody.formats.native import to_data
 from symbody.simulation.programs.generate_code import generate_code
 from symbody.spatial.vector import components

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Any, Final
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.builder.file_names import file_stem
 from symbody.builder.page_problems import page_notes
 from symbody.builder.task_failure import Report

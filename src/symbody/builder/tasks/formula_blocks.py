@@ -14,7 +14,7 @@ from symbody.expr.printing.latex import to_latex_with_definitions
 from symbody.expr.printing.mathml import to_mathml, to_mathml_with_definitions
 from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix, terms_of
 from symbody.expr.rewrite import operation_count, tree_sizes
-from symbody.expr.sympy_bridge import to_sympy
+from symbody.expr.sympy.sympy_bridge import to_sympy
 
 Block = dict[str, Any]
 

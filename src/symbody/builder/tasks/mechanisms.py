@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+from symbody.analysis.configurations.positions import PositionSolver, position_solver
 from symbody.analysis.constraint_evaluator import constraint_function
-from symbody.analysis.positions import PositionSolver, position_solver
 from symbody.builder.tasks.reading import Data, Latest, model_key
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
@@ -53,7 +53,7 @@ def placed_motion(
     return _stand(eqs, positions, parameters, frame_transforms(eqs.model, numbers), steps, names)
 
 
-def drawn_at(
+def draw_at(
     eqs: EquationSet, positions: Mapping[str, float], parameters: Mapping[str, Value] = _NONE
 ) -> tuple[Scene, SceneMotion]:
     """Return the shapes of a mechanism that stands in a configuration at the start, and where its bodies are.

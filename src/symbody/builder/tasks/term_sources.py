@@ -17,8 +17,8 @@ from symbody.equations.form import form_equations
 from symbody.equations.outputs.display import equation_sides, signed_terms
 from symbody.errors import SymbodyError
 from symbody.expr.canonical import ZERO, sub
+from symbody.expr.fingerprints.monomials import Monomials, monomials
 from symbody.expr.graph import SymbolKind
-from symbody.expr.monomials import Monomials, monomials
 from symbody.expr.rewrite import symbols_of
 from symbody.formats.native import from_data
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Hashable, Iterable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,12 @@ from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_formula
 from symbody.errors import CompileError, ExpressionError
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
-from symbody.expr.sequence import Sequence
-from symbody.model.arguments import plain_value
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Sequence
 from symbody.model.content import content_bytes
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.numbers import as_float
 
 Floats = NDArray[np.float64]
@@ -80,10 +81,10 @@ def evaluate_once(
     """
     request = _request(eqs, outputs, parameters, (), inputs)
     try:
-        sequence, signature = request.shared_sequence()
+        sequence, signature = request.shared_sequence(request.sequence_key())
     except ExpressionError:
         return evaluate_sequence(request.specialized_sequence(), point)
-    values = request.values(signature).tolist()
+    values = request.values(signature.p).tolist()
     return evaluate_sequence(sequence, {**point, "p": values})
 
 
@@ -98,6 +99,14 @@ def _request(
     chosen = parameter_set(eqs, parameters, free)
     chosen.require_possible()
     return _Request(chosen, names, *_split_inputs(eqs, inputs or {}))
+
+
+class _Code(NamedTuple):
+    """Code for all values of some parameters, what functions of it take, and the arguments they keep."""
+
+    code: SharedCode
+    signature: Signature
+    names: tuple[str, ...]
 
 
 class _Request:
@@ -128,33 +137,38 @@ class _Request:
         Where numbers have no finite values in the code for all of them, as a quotient of two that are 0, the
         function has code of its own, in which such formulas are simplified.
         """
-        chosen, (quick, lanes) = self.chosen, choices
+        chosen = self.chosen
+        key = self.sequence_key()
         try:
-            sequence, signature = self.shared_sequence()
+            made: _Code = chosen.original.plans.get(("code", choices, *key), lambda: self._code(key, choices))
         except ExpressionError:
             return self._specialized_function(choices)
-        key = "code", choices, *self._sequence_key()
-        code: SharedCode = chosen.original.plans.get(
-            key, lambda: SharedCode(sequence, quick=quick, lanes=lanes)
-        )
-        function = CompiledFunction.from_code(
-            code, replace(signature, p=chosen.free), self.values(signature), self.specialized_sequence
-        )
-        if not chosen.free and _is_without_value(code, function.bound_constants):
+        code, signature, names = made
+        values = self.values(names)
+        constants = None if chosen.free else code.constants(values)
+        if constants is not None and _is_without_value(code, constants):
             return self._specialized_function(choices)
-        return function
+        return CompiledFunction.from_code(code, signature, values, self.specialized_sequence, constants)
 
-    def values(self, signature: Signature) -> Floats:
-        """Return the values of all arguments p that are not free."""
-        known = {**self.chosen.floats, **self._numbers}
-        return np.array([known[name] for name in signature.p[len(self.chosen.free) :]])
+    def _code(self, key: Items[Hashable], choices: Choices) -> _Code:
+        sequence, signature = self.shared_sequence(key)
+        quick, lanes = choices
+        code = SharedCode(sequence, quick=quick, lanes=lanes)
+        free = self.chosen.free
+        return _Code(code, replace(signature, p=free), signature.p[len(free) :])
 
-    def shared_sequence(self) -> _Formed:
-        """Return the sequence for all values of this kind, and its arguments."""
-        formed: _Formed = self.chosen.original.plans.get(self._sequence_key(), self._form_sequence)
+    def values(self, names: Items[str]) -> Floats:
+        """Return the values of arguments p that are not free."""
+        floats, numbers = self.chosen.floats, self._numbers
+        return np.array([numbers[name] if name in numbers else floats[name] for name in names])
+
+    def shared_sequence(self, key: Items[Hashable]) -> _Formed:
+        """Return the sequence for all values of this kind, and its arguments; `key` is `sequence_key`."""
+        formed: _Formed = self.chosen.original.plans.get(tuple(key), self._form_sequence)
         return formed
 
-    def _sequence_key(self) -> tuple[Hashable, ...]:
+    def sequence_key(self) -> tuple[Hashable, ...]:
+        """Return what the sequence depends on."""
         chosen = self.chosen
         if not chosen.original.are_formed:  # an earlier process may have put the sequence on the disk
             key = "stored sequence", self._stored_key()
@@ -209,7 +223,9 @@ class _Request:
 
 def _is_without_value(code: SharedCode, constants: Floats) -> bool:
     """Return whether the code divides by 0 with these constants, before it is called or then."""
-    return not np.isfinite(constants).all() or not constants[list(code.divisors)].all()
+    if not constants.size:
+        return False
+    return not np.isfinite(constants).all() or not constants.take(code.divisors).all()
 
 
 def _split_inputs(

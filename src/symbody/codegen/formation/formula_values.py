@@ -9,11 +9,11 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import input_places
 from symbody.codegen.signature import Signature
 from symbody.equations.equation_set import EquationSet
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Roots, build_sequence
 from symbody.model.numbers import as_float
 
 

@@ -25,7 +25,7 @@ from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import read_number
 from symbody.expr.parser import parse_angle
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import Model, value_problems
 from symbody.model.numbers import as_float, formula_value
 from symbody.single_flight import SingleFlight

@@ -18,7 +18,7 @@ from symbody.equations.solving.negligible_constraints import (
     negligible_rows,
     random_point,
 )
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 from symbody.single_flight import SingleFlight
 from symbody.tolerances import TYPED
 

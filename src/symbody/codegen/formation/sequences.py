@@ -18,13 +18,13 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_law_nodes
 from symbody.errors import CompileError, ExpressionError
 from symbody.expr.deadline import begin
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.parser import parse_angle
 from symbody.expr.rewrite import substitute, substitute_into, symbols_of
-from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
-from symbody.model.arguments import plain_value
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, Sequence, build_sequence
 from symbody.model.content import content_bytes
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import Model, value_problems
 from symbody.model.signals.block import SignalBlock
 

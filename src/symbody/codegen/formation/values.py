@@ -19,8 +19,8 @@ from symbody.codegen.signature import Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute
-from symbody.expr.sequence import Roots, build_sequence
-from symbody.model.arguments import plain_value
+from symbody.expr.sequences.sequence import Roots, build_sequence
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.numbers import as_float
 
 

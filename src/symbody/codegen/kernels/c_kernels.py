@@ -63,10 +63,14 @@ def _head(tree: KernelTree, names: Names) -> Iterator[str]:
     yield f"static {result}{PREFIX}{tree.name}({', '.join(map(_parameter, tree.parameters))})"
     yield "{"
     for kind, text in _TYPES.items():
+        separator = ", *" if kind == Type.ARRAY else ", "
         variables = [name for name, its_kind in tree.variables.items() if its_kind == kind]
-        if variables:
-            separator = ", *" if kind == Type.ARRAY else ", "
-            yield f"    {text}{separator.join(variables)};"
+        changed = [name for name in variables if name not in tree.read_only]
+        constant = [name for name in variables if name in tree.read_only]
+        if changed:
+            yield f"    {text}{separator.join(changed)};"
+        if constant:
+            yield f"    const {text}{separator.join(constant)};"
 
 
 C: Final = KernelDialect(

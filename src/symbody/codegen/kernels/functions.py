@@ -87,6 +87,7 @@ class FunctionReader:
         self._signatures = signatures
         self._node = node
         self._parameters, self._result = signatures[node.name]
+        self._given = {parameter.name: parameter.type for parameter in self._parameters}
         self._variables: dict[str, Type] = {}
         self._counters: set[str] = set()
 
@@ -140,7 +141,7 @@ class FunctionReader:
                 node, f"{name} becomes neither a number nor an array", "assign numbers or parts of arrays"
             )
         previous = self._type_of(name)
-        if name in self._counters or any(name == p.name for p in self._parameters):
+        if name in self._counters or name in self._given:
             self._refuse(node, f"{name} is a parameter or the counter of a loop", "use another variable")
         if previous is not None and (previous != kind or kind == Type.ARRAY):
             self._refuse(node, f"{name} is assigned as {previous.value} elsewhere", "use another variable")
@@ -185,8 +186,7 @@ class FunctionReader:
     # Expressions
 
     def _type_of(self, name: str) -> Type | None:
-        parameter = next((p.type for p in self._parameters if p.name == name), None)
-        return parameter or self._variables.get(name)
+        return self._given.get(name) or self._variables.get(name)
 
     def _condition(self, node: ast.expr) -> Expression:
         expression = self._expression(node)

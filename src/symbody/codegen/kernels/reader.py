@@ -6,8 +6,8 @@ The files are source of this package; they are parsed, not executed. `docs/kerne
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from importlib import resources
@@ -16,7 +16,7 @@ from typing import Final
 
 from symbody.codegen.kernels.functions import FunctionReader, read_signature
 from symbody.codegen.kernels.source import KernelSource
-from symbody.codegen.kernels.tree import KernelTree, Literal, Type, called_kernels, changed_arrays
+from symbody.codegen.kernels.tree import KernelTree, Literal, Type, called_kernels, changed_arrays, effects_of
 
 PACKAGE: Final = "symbody.kernels"
 LANGUAGE: Final = f"{PACKAGE}.language"
@@ -28,7 +28,7 @@ def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
     Parameters
     ----------
     module : str
-        File name in `symbody.kernels` without suffix.
+        Name of a file below `symbody.kernels`, without folder and suffix.
     *roots : str
         The kernels; by default the one that is called like the file.
 
@@ -37,24 +37,39 @@ def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
     KernelError
         If something is outside the language: file, line, cure.
     """
-    kernels = _read(f"{PACKAGE}.{module}")
+    content = _read(_modules()[module])
     needed, waiting = set[str](), list(roots or [module])
     while waiting:
         name = waiting.pop()
         if name not in needed:
             needed.add(name)
-            waiting.extend(called_kernels(kernels[name].body))
-    return {name: tree for name, tree in kernels.items() if name in needed}
+            waiting.extend(content.calls[name])
+    return {name: tree for name, tree in content.kernels.items() if name in needed}
 
 
 def read_text(text: str, file: str) -> Mapping[str, KernelTree]:
     """Return the kernels of a text and of the files it imports, each behind those that it calls."""
+    return _content(ast.parse(text), file).kernels
+
+
+@dataclass(frozen=True, slots=True)
+class _Content:
+    """The kernels of a file and of those that it imports, and the names of the kernels that each calls."""
+
+    kernels: Mapping[str, KernelTree]
+    calls: Mapping[str, Collection[str]]
+
+
+def _content(syntax: ast.Module, file: str) -> _Content:
     source = KernelSource(file)
     kernels: dict[str, KernelTree] = {}
+    calls: dict[str, Collection[str]] = {}
     definitions: list[ast.FunctionDef] = []
-    for node in ast.parse(text).body:
+    for node in syntax.body:
         if isinstance(node, ast.ImportFrom):
-            kernels |= _import(source, node)
+            imported = _import(source, node)
+            kernels |= imported.kernels
+            calls |= imported.calls
         elif isinstance(node, ast.AnnAssign):
             source.define_constant(node)
         elif isinstance(node, ast.FunctionDef):
@@ -64,18 +79,37 @@ def read_text(text: str, file: str) -> Mapping[str, KernelTree]:
     signatures = {name: (tuple(tree.parameters), tree.result) for name, tree in kernels.items()}
     signatures |= {node.name: read_signature(source, node) for node in definitions}
     own = {node.name: FunctionReader(source, signatures, node).read() for node in definitions}
-    return MappingProxyType(_mark_changes(kernels, _sort_by_calls(source, own)))
+    effects = {name: effects_of(tree.body) for name, tree in own.items()}
+    own_calls = {name: called_kernels(parts) for name, parts in effects.items()}
+    for name in _order_by_calls(source, own_calls):
+        kernels[name] = _mark_changes(own[name], changed_arrays(effects[name], kernels))
+    return _Content(MappingProxyType(kernels), MappingProxyType(calls | own_calls))
 
 
 @cache
-def _read(module: str) -> Mapping[str, KernelTree]:
-    return read_text(_text(module), _file(module))
+def _modules() -> Mapping[str, str]:
+    """Return the kernel files by their names without folder."""
+    home = resources.files(PACKAGE)
+    names = [file.name for file in home.iterdir()]
+    names += [
+        f"{folder.name}.{file.name}"
+        for folder in home.iterdir()
+        if folder.is_dir()
+        for file in folder.iterdir()
+    ]
+    paths = [name.removesuffix(".py") for name in names if name.endswith(".py")]
+    return MappingProxyType({path.rpartition(".")[2]: f"{PACKAGE}.{path}" for path in paths})
+
+
+@cache
+def _read(module: str) -> _Content:
+    return _content(_syntax(module), _file(module))
 
 
 @cache
 def _constants(module: str) -> Mapping[str, Literal]:
     source = KernelSource(_file(module))
-    for node in ast.parse(_text(module)).body:
+    for node in _syntax(module).body:
         if isinstance(node, ast.AnnAssign):
             source.define_constant(node)
         elif isinstance(node, ast.ImportFrom) and _is_kernel_file(node.module or ""):
@@ -89,50 +123,47 @@ def _is_kernel_file(module: str) -> bool:
 
 
 def _file(module: str) -> str:
-    return f"kernels/{module.removeprefix(PACKAGE + '.')}.py"
+    return f"{module.removeprefix('symbody.').replace('.', '/')}.py"
 
 
-def _text(module: str) -> str:
-    return (resources.files(PACKAGE) / f"{module.removeprefix(PACKAGE + '.')}.py").read_text(encoding="utf-8")
+@cache
+def _syntax(module: str) -> ast.Module:
+    file = resources.files(PACKAGE).joinpath(*_file(module).split("/")[1:])
+    return ast.parse(file.read_text(encoding="utf-8"))
 
 
-def _import(source: KernelSource, node: ast.ImportFrom) -> Mapping[str, KernelTree]:
+def _import(source: KernelSource, node: ast.ImportFrom) -> _Content:
     module = node.module or ""
     if module in {LANGUAGE, "__future__", "typing"}:
-        return {}
+        return _Content({}, {})
     if not _is_kernel_file(module):
         source.refuse(node, f"kernels import nothing from {module}", f"import from {PACKAGE} alone")
-    kernels, constants = _read(module), _constants(module)
+    content, constants = _read(module), _constants(module)
     for alias in node.names:
         if alias.name in constants:
             source.constants[alias.name] = constants[alias.name]
-        elif alias.name not in kernels:
+        elif alias.name not in content.kernels:
             source.refuse(node, f"{module} has no kernel {alias.name}", "correct the name")
-    return kernels
+    return content
 
 
 def _is_docstring(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def _sort_by_calls(source: KernelSource, kernels: Mapping[str, KernelTree]) -> dict[str, KernelTree]:
-    calls = {name: sorted(called_kernels(tree.body) & kernels.keys()) for name, tree in kernels.items()}
+def _order_by_calls(source: KernelSource, calls: Mapping[str, Collection[str]]) -> list[str]:
+    """Return the names of kernels, each behind those of the same file that it calls."""
+    inside = {name: sorted(called for called in names if called in calls) for name, names in calls.items()}
     try:
-        order = list(TopologicalSorter(calls).static_order())
+        return list(TopologicalSorter(inside).static_order())
     except CycleError as error:
         source.refuse(ast.Pass(), f"kernels call each other in a circle: {error.args[1]}", "break it")
-    return {name: kernels[name] for name in order}
 
 
-def _mark_changes(
-    imported: Mapping[str, KernelTree], kernels: Mapping[str, KernelTree]
-) -> dict[str, KernelTree]:
-    """Mark the parameters into which a kernel, or one that it calls, stores; imported ones have marks."""
-    marked = dict(imported)
-    for name, tree in kernels.items():
-        changed = changed_arrays(tree.body, marked)
-        parameters = tuple(
-            replace(p, is_changed=p.type == Type.ARRAY and p.name in changed) for p in tree.parameters
-        )
-        marked[name] = replace(tree, parameters=parameters)
-    return marked
+def _mark_changes(tree: KernelTree, changed: Collection[str]) -> KernelTree:
+    """Mark the parameters into which a kernel, or one that it calls, stores."""
+    parameters = tuple(
+        replace(p, is_changed=p.type == Type.ARRAY and p.name in changed) for p in tree.parameters
+    )
+    arrays = {local for local, kind in tree.variables.items() if kind == Type.ARRAY}
+    return replace(tree, parameters=parameters, read_only=frozenset(arrays - set(changed)))

@@ -33,7 +33,7 @@ from symbody.codegen.kernels.tree import (
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, argument_places, plan_pieces
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation, Sequence
+from symbody.expr.sequences.sequence import Operation, Sequence
 
 GROUPS: Final = ("t", "q", "u", "r", "p", "c", "out", "work")
 _OPERATORS: Final = {

@@ -22,6 +22,8 @@ class Type(Enum):
     LANES = "Lanes"
     MASK = "mask"
 
+    __hash__ = object.__hash__  # that of Enum is Python, and takes a tenth of the time to read kernels
+
 
 # What a function given as parameter takes: t, q, u, r, p, c, out, work. It returns an integer.
 FUNCTION_ARGUMENTS: Final = 8
@@ -184,6 +186,8 @@ class KernelTree:
     body : sequence of statements
     summary : str
         First line of the docstring.
+    read_only : set of str
+        Local variables that are arrays into which nothing is stored.
     """
 
     name: str
@@ -192,6 +196,7 @@ class KernelTree:
     variables: Mapping[str, Type]
     body: tuple[Statement, ...]
     summary: str
+    read_only: frozenset[str] = frozenset()
 
 
 # Contents
@@ -233,16 +238,24 @@ def assigned_names(body: tuple[Statement, ...]) -> set[str]:
     return {part.name for part in walk(body) if isinstance(part, Assign | Count)}
 
 
-def called_kernels(body: tuple[Statement, ...]) -> set[str]:
-    """Return the names of the kernels that statements call."""
-    return {part.kernel for part in walk(body) if isinstance(part, Call) and not part.is_parameter}
+Effect = Assign | StoreEntry | Call
 
 
-def changed_arrays(body: tuple[Statement, ...], kernels: Mapping[str, KernelTree]) -> set[str]:
+def effects_of(body: tuple[Statement, ...]) -> tuple[Effect, ...]:
+    """Return all assignments, stores and calls, each before those inside it."""
+    return tuple(part for part in walk(body) if isinstance(part, Effect))
+
+
+def called_kernels(effects: Sequence[Effect]) -> set[str]:
+    """Return the names of the kernels that are called."""
+    return {part.kernel for part in effects if isinstance(part, Call) and not part.is_parameter}
+
+
+def changed_arrays(effects: Sequence[Effect], kernels: Mapping[str, KernelTree]) -> set[str]:
     """Return the names of the arrays into which statements store, by themselves or through calls."""
     changed: set[str] = set()
-    parts = {part.name: part.value for part in walk(body) if isinstance(part, Assign)}
-    for part in walk(body):
+    parts = {part.name: part.value for part in effects if isinstance(part, Assign)}
+    for part in effects:
         if isinstance(part, StoreEntry):
             changed |= variable_names(_whole_array(part.array))
         elif isinstance(part, Call):

@@ -19,7 +19,7 @@ from symbody.codegen.llvm.numbers import Words
 from symbody.codegen.llvm.order import order_operations
 from symbody.codegen.lowering import constant_values, integer_exponent, power_products
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation, Sequence
+from symbody.expr.sequences.sequence import Operation, Sequence
 
 # Operations in one block: what all items share is read again in each, which spares registers.
 BLOCK: Final = 60

@@ -29,7 +29,7 @@ from symbody.codegen.llvm.writing import GROUPS, piece_function
 from symbody.codegen.lowering import constant_values, refuse_user_functions
 from symbody.codegen.pieces import Plan, plan_pieces
 from symbody.expr.deadline import begin, check
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 
 NAME: Final = "symbody_f"
 BATCH_NAME: Final = "symbody_f_batch"

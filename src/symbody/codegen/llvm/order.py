@@ -17,7 +17,7 @@ from collections.abc import Sequence as Items
 from dataclasses import replace
 
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation, Output, Sequence
+from symbody.expr.sequences.sequence import Operation, Output, Sequence
 
 _LATE = op.UNARY_FUNCTIONS | {op.SADDLE, op.MAP, op.PICK, op.ATAN2, op.CALL}
 

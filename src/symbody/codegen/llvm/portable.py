@@ -16,7 +16,7 @@ from symbody.codegen.llvm.runtime import load
 from symbody.codegen.llvm.stored_module import Module, key_of, read_module, store_module
 from symbody.codegen.lowering import constant_values, refuse_user_functions
 from symbody.expr.deadline import begin
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 
 _KERNEL: Final = "portable"
 _POINTERS: Final = ", ".join(f"ptr %{group}" for group in GROUPS)

@@ -17,7 +17,7 @@ from pathlib import Path
 import symbody.kernels
 from symbody.codegen.llvm.machine import environment
 from symbody.expr.opcodes import NAMES
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 from symbody.single_flight import once
 from symbody.storage import load_stored, store
 
@@ -92,8 +92,9 @@ def written_by() -> bytes:
     """Return a hash of the files and numbers that texts are written by; nothing if they cannot be read."""
     here = Path(__file__).parent
     kernels = Path(symbody.kernels.__file__).parent
-    folders = (here.parent, here, here.parent / "kernels", kernels)
+    folders = (here.parent, here, here.parent / "kernels")
     files = [file for folder in folders for file in sorted(folder.glob("*.py"))]
+    files += sorted(kernels.rglob("*.py"))
     digest = sha256(repr(NAMES).encode())
     for file in files:
         digest.update(sha256(file.read_bytes()).digest())

@@ -17,7 +17,7 @@ from symbody.codegen.llvm.trig import SINCOS_NAME
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Piece, Plan, argument_places
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation, Sequence
+from symbody.expr.sequences.sequence import Operation, Sequence
 
 GROUPS: Final = ("t", "q", "u", "r", "p", "c")
 

@@ -19,7 +19,7 @@ from symbody.codegen.texts.statements import Statements
 from symbody.codegen.texts.text_dialect import Dialect, operation_formats
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Input, Sequence
+from symbody.expr.sequences.sequence import Input, Sequence
 
 GROUPS: Final = ("t", "q", "u", "r", "p", "c")
 

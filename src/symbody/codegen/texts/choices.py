@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 
 Path = tuple[tuple[int, bool], ...]  # choices on the way to a value, and whether their condition holds
 

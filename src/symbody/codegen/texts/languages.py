@@ -7,7 +7,7 @@ from typing import Final
 
 import symbody.codegen.texts as texts
 from symbody.codegen.texts.layout import Arguments
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequences.sequence import Sequence
 
 # A language is imported when a text in it is asked for.
 TEXTS: Final[Mapping[str, Callable[[Sequence, str, Arguments | None], str]]] = {

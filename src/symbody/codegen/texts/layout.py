@@ -11,7 +11,7 @@ from typing import Final
 from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.pieces import Plan, plan_pieces
 from symbody.errors import CompileError, Problem
-from symbody.expr.sequence import Output, Sequence
+from symbody.expr.sequences.sequence import Output, Sequence
 
 Arguments = Mapping[str, Items[str]]
 

@@ -17,7 +17,7 @@ from symbody.codegen.texts.lists import fill_lines
 from symbody.codegen.texts.statements import Statements
 from symbody.codegen.texts.text_dialect import Dialect, entries, operation_formats
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Output
+from symbody.expr.sequences.sequence import Output
 
 _LANGUAGE: Final = Language(
     "MATLAB",

@@ -19,7 +19,7 @@ from symbody.codegen.texts.choices import Path, find_choices
 from symbody.codegen.texts.modelica_names import RESERVED, quoted_names
 from symbody.codegen.texts.text_dialect import operation_formats
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation, Output, Sequence
+from symbody.expr.sequences.sequence import Operation, Output, Sequence
 
 _WIDTH: Final = 110
 _LONGEST: Final = 72  # letters of a value that stands where it is read

@@ -21,7 +21,7 @@ from symbody.codegen.texts.python_words import numpy_formats
 from symbody.codegen.texts.text_dialect import number_text
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation, Sequence
+from symbody.expr.sequences.sequence import Operation, Sequence
 
 WIDTH: Final = 100
 

@@ -12,7 +12,7 @@ from symbody.codegen.pieces import Piece, argument_places
 from symbody.codegen.texts.layout import TextLayout
 from symbody.codegen.texts.text_dialect import Dialect, number_text
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation
+from symbody.expr.sequences.sequence import Operation
 
 
 class Statements:

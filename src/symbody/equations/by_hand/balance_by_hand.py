@@ -12,7 +12,7 @@ from symbody.equations.by_hand.mechanism import (
     PlacedTorque,
 )
 from symbody.expr.expression import Expr, common_graph, number
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph
 from symbody.spatial.matrix import Vector3, matrix3
 from symbody.spatial.moving import acceleration, angular_velocity, rate

@@ -30,7 +30,7 @@ from symbody.equations.loads.loads import Loads
 from symbody.equations.system import MultibodySystem
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, number
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.trigonometry.whole_turns import turning_symbols

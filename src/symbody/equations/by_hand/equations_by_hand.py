@@ -16,8 +16,8 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence
-from symbody.model.arguments import Value
 from symbody.model.body import Body
+from symbody.model.declarations.arguments import Value
 from symbody.model.model import Model
 
 

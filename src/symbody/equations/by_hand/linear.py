@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient, linear_coefficients
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute, symbols_of
 

@@ -12,7 +12,7 @@ from symbody.equations.kinematics.naming import Names
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import substitute, symbols_of

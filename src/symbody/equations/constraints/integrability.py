@@ -14,7 +14,7 @@ from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
 

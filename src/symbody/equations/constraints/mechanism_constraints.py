@@ -16,7 +16,7 @@ from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence, tree_size

@@ -15,7 +15,7 @@ from typing import Final
 from symbody.equations.kinematics.placements import fold_zeros
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, number, saddle_entry
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph, KernelNode
 
 Matrix = Sequence[Sequence[Expr]]

@@ -14,7 +14,7 @@ from symbody.equations.kinematics.placements import fold_zeros
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, maximum, number, sqrt
-from symbody.expr.fingerprint import find_zeros, fingerprints
+from symbody.expr.fingerprints.fingerprint import find_zeros, fingerprints
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of, tree_size

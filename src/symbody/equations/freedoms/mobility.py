@@ -21,9 +21,9 @@ from symbody.equations.outputs.units import output_units
 from symbody.equations.solving.negligible_constraints import drop_negligible, input_places
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.errors import AssemblyError, Problem
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.sequence import Roots, build_sequence
-from symbody.expr.sequence import Sequence as Program
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Roots, build_sequence
+from symbody.expr.sequences.sequence import Sequence as Program
 from symbody.manifold import (
     ConfigurationBranch,
     ConstraintManifold,

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from symbody.equations.index_reduction.separation import coefficients, derivative_nodes
 from symbody.errors import FormulationError, Problem
 from symbody.expr.canonical import neg
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, nodes_from_equations, nodes_from_sympy
+from symbody.expr.sympy.sympy_bridge import SympyEquation, SympyExpr, nodes_from_equations, nodes_from_sympy
 
 
 @dataclass(frozen=True, slots=True)

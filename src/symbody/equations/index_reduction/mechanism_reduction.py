@@ -16,7 +16,7 @@ from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import time_derivative
 from symbody.expr.expression import Expr
 from symbody.expr.graph import SymbolKind
-from symbody.expr.sympy_bridge import SympyExpr, to_sympy
+from symbody.expr.sympy.sympy_bridge import SympyExpr, to_sympy
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,11 +14,11 @@ from itertools import count
 from typing import Final
 
 from symbody.expr.canonical import ZERO, div, mul, sub
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.rewrite import dependence, symbols_of, tree_size
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 
 # Points at which a pivot is looked at, to see how far from zero it stays.
 _POINTS: Final = 12

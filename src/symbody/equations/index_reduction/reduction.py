@@ -15,7 +15,7 @@ from symbody.equations.index_reduction.mechanism_reduction import IndexReduction
 from symbody.equations.index_reduction.separation import derivative_nodes, separate, to_readable_sympy
 from symbody.errors import FormulationError, Problem
 from symbody.expr.graph import Graph
-from symbody.expr.sympy_bridge import (
+from symbody.expr.sympy.sympy_bridge import (
     SympyEquation,
     SympyExpr,
     nodes_from_equations,

@@ -10,12 +10,12 @@ from symbody.arguments import checked_arguments
 from symbody.equations.index_reduction.rate_elimination import eliminate_rates
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient, linear_coefficients, time_derivative
-from symbody.expr.closed_form import readable
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import symbols_of, tree_size
-from symbody.expr.sympy_bridge import (
+from symbody.expr.sympy.closed_form import readable
+from symbody.expr.sympy.sympy_bridge import (
     SympyExpr,
     nodes_from_equations,
     nodes_from_sympy,

@@ -7,7 +7,7 @@ from collections.abc import Set as AbstractSet
 from symbody.equations.kinematics.variables import JointRole
 from symbody.errors import FormulationError, Problem
 from symbody.graph.topology import Topology
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.joint import Joint
 from symbody.model.loads.springs import TorsionSpring
 from symbody.model.model import Model

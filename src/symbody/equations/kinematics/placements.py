@@ -16,7 +16,7 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.calculus import forward, jacobian
 from symbody.expr.expression import Expr, number
-from symbody.expr.fingerprint import fingerprints
+from symbody.expr.fingerprints.fingerprint import fingerprints
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.rewrite import substitute
 from symbody.spatial.matrix import Matrix, Triple

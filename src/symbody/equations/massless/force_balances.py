@@ -22,7 +22,7 @@ from symbody.equations.loads.loads import form_loads
 from symbody.equations.massless.null_motions import Motion, is_light, null_motions, rank, zero_pivots
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, number
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.rewrite import dependence
 

@@ -13,7 +13,7 @@ from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.dynamics.linear_solve import LinearSolution, solve_positive_definite
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.expr.expression import Expr, number
-from symbody.expr.fingerprint import PRIME, find_zeros, fingerprints
+from symbody.expr.fingerprints.fingerprint import PRIME, find_zeros, fingerprints
 from symbody.expr.graph import Graph
 
 # A motion: coefficients of the speeds, by their places, zeros left out.

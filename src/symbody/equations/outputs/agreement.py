@@ -18,12 +18,12 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.slopes import inverse_dynamics
 from symbody.equations.solving.solution import solve
 from symbody.errors import FormulationError, Problem
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import fingerprints
+from symbody.expr.fingerprints.fingerprint import fingerprints
 from symbody.expr.opcodes import CALL
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 from symbody.expr.written_function import write_out
 
 # Random points at which numbers are compared, and the relative difference that rounding may reach there.

@@ -15,7 +15,7 @@ from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol
 from symbody.expr.opcodes import SYMBOL
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 
 _ASKED: Final = re.compile(r"d\s+(?P<output>.+?)\s*/\s*d\s*(?:\((?P<list>[^/]*)\)|(?P<one>[^/()]+))\s*", re.S)
 _GROUPS: Final = ("q", "u", "r", "s")

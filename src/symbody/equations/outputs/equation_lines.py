@@ -7,21 +7,17 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from symbody.arguments import checked_arguments
 from symbody.equations.outputs.display import display_sides, latex_sides
-from symbody.equations.outputs.textbook import MOST_SPEEDS, Textbook
+from symbody.equations.outputs.printed_equations import LONG
+from symbody.equations.outputs.textbook import Textbook
 from symbody.expr.canonical import ZERO
 from symbody.expr.graph import Graph
 from symbody.expr.printing.latex import latex_name, to_display_with_definitions, to_latex_with_definitions
 from symbody.expr.printing.latex_rows import WIDTH, latex_equations_page
 from symbody.expr.printing.names import greek_name
-from symbody.expr.printing.wrapping import text_width, wrap_formula
+from symbody.expr.printing.wrapping import wrap_formula
 from symbody.expr.rewrite import tree_size
 from symbody.model.signals.signal import Signal
-from symbody.notebook import Displayed
-
-# Operations of one equation that somebody will read without names for its parts.
-LONG: Final = 400
 
 _Printer = Callable[[Graph, Sequence[int], int], tuple[list[str], list[tuple[str, str]]]]
 _Sides = list[tuple[str, str]]
@@ -47,54 +43,6 @@ class WrittenSection:
     def lines(self) -> list[str]:
         """One line an equation."""
         return [f"{left} = {right}" for left, right in self.sides]
-
-
-class PrintedEquations(Displayed):
-    """Equations of motion that print themselves as text and as LaTeX."""
-
-    __slots__ = ()
-
-    @property
-    def textbook(self) -> Textbook:
-        """The same equations as formulas."""
-        raise NotImplementedError
-
-    def __str__(self) -> str:
-        """Return the equations as text; of more than 8 speeds, what `repr` returns and where they are."""
-        if len(self.textbook.formed.u) > MOST_SPEEDS:
-            return f"{self!r}; text() returns its equations"
-        return self.text()
-
-    @checked_arguments
-    def text(self, limit: int = LONG, greek: bool = False, width: int | None = None) -> str:
-        """Return the equations of motion as text, with the constraints there are.
-
-        Primes are time derivatives, blanks are products. ``symbody equations`` prints the same.
-
-        Parameters
-        ----------
-        limit : int
-            If an equation has more operations, shared parts are named z1, z2, ... and defined at the end.
-        greek : bool
-            Whether names of Greek letters become letters: ``theta1`` is written ``θ1``.
-        width : int, optional
-            Letters of a line; longer equations take several, broken in front of their signs. By default
-            those of the terminal, within 80 and 100; 0 is a line an equation.
-        """
-        return equation_text(self.textbook, limit, greek, text_width() if width is None else width)
-
-    @checked_arguments
-    def latex(self, limit: int = LONG, width: int = WIDTH) -> str:
-        r"""Return the equations of motion as LaTeX, an ``aligned`` environment without delimiters.
-
-        Parameters
-        ----------
-        limit : int
-            As in `text`.
-        width : int
-            Letters of a row; longer sides take several, broken in front of the signs of their terms.
-        """
-        return equation_latex(self.textbook, limit, width)
 
 
 def equation_lines(

@@ -47,7 +47,7 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Roots
+from symbody.expr.sequences.sequence import Roots
 
 # What the loop of a motion evaluates: the work is one more state.
 OF_STEPS: Final = ("xdot", "power")

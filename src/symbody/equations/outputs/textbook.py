@@ -15,13 +15,13 @@ from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wren
 from symbody.equations.outputs.output_roots import output_roots
 from symbody.equations.outputs.signal_outputs import signal_equations
 from symbody.errors import FormulationError, Problem
-from symbody.expr.closed_form import ClosedForms, closed_forms, equations_between, readable
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.rewrite import tree_sizes
-from symbody.expr.sequence import Roots
-from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
+from symbody.expr.sequences.sequence import Roots
+from symbody.expr.sympy.closed_form import ClosedForms, closed_forms, equations_between, readable
+from symbody.expr.sympy.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.single_flight import SingleFlight
 from symbody.spatial.vector import components
 

@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, number, sin
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Roots, build_sequence
 from symbody.spatial.matrix import Matrix, Matrix3, Triple, matrix3
 from symbody.spatial.transform import CoordinateRotation
 

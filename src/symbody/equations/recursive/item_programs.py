@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
-from symbody.expr.program import map_program
+from symbody.expr.sequences.program import map_program
 
 T = TypeVar("T")
 U = TypeVar("U")

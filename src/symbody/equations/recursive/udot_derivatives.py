@@ -26,8 +26,8 @@ from symbody.expr.calculus import forward
 from symbody.expr.canonical import ONE, ZERO
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph, Symbol, SymbolKind
-from symbody.expr.program import map_program
 from symbody.expr.rewrite import substitute
+from symbody.expr.sequences.program import map_program
 
 # Below so many speeds, and where less is asked for, operations one after the other are fewer and as fast.
 FEWEST_SPEEDS: Final = 8

@@ -15,9 +15,9 @@ from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number
-from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, Sequence, build_sequence
 from symbody.spatial.vector import dot
 from symbody.tolerances import TYPED
 

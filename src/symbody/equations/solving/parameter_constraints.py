@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import FormulationError, Problem
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr
 from symbody.expr.graph import SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence, symbols_of
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 from symbody.tolerances import TYPED
 
 

@@ -25,7 +25,7 @@ from symbody.equations.measured_wrenches import static_wrenches
 from symbody.equations.outputs.joint_outputs import ENTRIES, prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, maximum, number, saddle_entry
-from symbody.expr.fingerprint import find_zeros
+from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
 from symbody.expr.opcodes import LT, SELECT
 from symbody.expr.rewrite import substitute

@@ -17,8 +17,8 @@ from typing import Final, NamedTuple
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.negligible_constraints import input_places, random_point
 from symbody.equations.solving.self_stress import Component, SelfStress, StressBlock, self_stress
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.sequence import Roots, build_sequence
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Roots, build_sequence
 from symbody.manifold import null_space
 from symbody.tolerances import RANK
 

@@ -243,7 +243,7 @@ def _name(text: str) -> str:
 
 def _write_sympy(value: object, where: str = "") -> str:
     """Return a SymPy expression as text; SymPy is loaded by then, the reader only now."""
-    text: str = import_module("symbody.expr.sympy_text").sympy_text(value, where)
+    text: str = import_module("symbody.expr.sympy.sympy_text").sympy_text(value, where)
     return text
 
 

@@ -14,8 +14,8 @@ import sympy as sp
 from symbody.errors import FormulationError, Problem
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sympy_bridge import to_sympy
-from symbody.expr.sympy_reader import nodes_from_sympy
+from symbody.expr.sympy.sympy_bridge import to_sympy
+from symbody.expr.sympy.sympy_reader import nodes_from_sympy
 
 
 def solve_within(

@@ -6,6 +6,7 @@
 #include "conditions.h"
 #include "modes.h"
 #include "events.h"
+#include "samples.h"
 #include "steps.h"
 #include "instance.h"
 

@@ -131,11 +131,25 @@ static int enter_initialization(Instance *instance, double start, int has_stop, 
     return STATUS_OK;
 }
 
+/* What is held from the first time on; modes are those with the first samples. */
+static int first_samples(Instance *instance, const char *function)
+{
+    Motion *m = &instance->motion;
+    if (!SB_SAMPLED) return STATUS_OK;
+    if (!begin_samples(m))
+        return fail(instance, STATUS_ERROR, function, "a time between samples is not positive: set other parameters");
+    if (take_due(m) < 0) return fail(instance, STATUS_ERROR, function, "a sampled value is not finite");
+    m->has_modes = 0;
+    return prepare(instance, function);
+}
+
 static int exit_initialization(Instance *instance, const char *function)
 {
     Motion *m = &instance->motion;
     int status;
     status = prepare(instance, function);
+    if (status != STATUS_OK) return status;
+    status = first_samples(instance, function);
     if (status != STATUS_OK) return status;
     look_at_sides(m);
     m->is_fresh = 1;
@@ -196,6 +210,8 @@ static int set_value(Instance *instance, const char *function, unsigned referenc
     Motion *m = &instance->motion;
     if (!isfinite(value)) return fail_about(instance, function, reference, "was given no finite number");
     if (reference >= AT_P && reference < AT_CALCULATED) return set_parameter(instance, function, reference, value);
+    if (reference >= AT_P - SB_SAMPLED && reference < AT_P && !(m->mode & (INSTANTIATED | INITIALIZATION)))
+        return fail_about(instance, function, reference, "is sampled: set it before initialization mode ends only");
     if (reference >= AT_R && reference < AT_P) {
         if (m->r[reference - AT_R] == value) return STATUS_OK;
         m->r[reference - AT_R] = value;
@@ -262,7 +278,7 @@ static void log_events(Instance *instance)
 static int update(Instance *instance, const char *function, int *has_changed, int *must_stop, double *next)
 {
     Motion *m = &instance->motion;
-    int acted;
+    int acted, stops = 0;
     *has_changed = *must_stop = 0;
     if (!m->is_settled) {
         if (settle_anew(m) != SOLVED)
@@ -280,7 +296,12 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     if (acted < 0) return fail(instance, STATUS_ERROR, function, "the state after an event has no solution");
     *has_changed |= acted;
     look_for_jump(m);
-    *next = m->jump;
+    acted = sample(m, &stops);
+    log_events(instance);
+    if (acted < 0) return fail(instance, STATUS_ERROR, function, "a sampled value, or the state behind it, is not finite");
+    *has_changed |= acted;
+    *must_stop |= stops;
+    *next = m->jump < next_sample(m) ? m->jump : next_sample(m);
     m->valid = 0; /* branches are decided anew, behind a jump in time */
     if (SB_CONDITIONS) need(m, HAS_INDICATORS);
     keep_settled(m);
@@ -393,7 +414,7 @@ static int directional_derivative(
             double value = 0.0;
             status = derivative(instance, function, unknowns[i], knowns[k], &value);
             if (status != STATUS_OK) return status;
-            result[i] += value * seed[k];
+            if (seed[k] != 0.0) result[i] += value * seed[k]; /* 0 times what is no number is 0 here */
         }
     }
     return STATUS_OK;

@@ -80,6 +80,8 @@ static void begin_motion(Motion *m)
     for (k = 0; k < SB_PLACES; k++) m->pool[sb_places[k]] = sb_values[k];
     memcpy(m->x, sb_x, SB_X * sizeof(double));
     memcpy(m->settled_x, sb_x, SB_X * sizeof(double));
+    memcpy(m->r + SB_R - SB_SAMPLED, m->pool + SB_SAMPLER + (int)m->pool[SB_SAMPLER + SB_Z_VALUES],
+        SB_SAMPLED * sizeof(double));
     memcpy(m->p, sb_p, SB_P * sizeof(double));
     memcpy(m->settled_p, sb_p, SB_P * sizeof(double));
     m->stop = m->jump = HUGE_VAL;

@@ -22,6 +22,7 @@ static void look_for_jump(Motion *m)
 static void begin_steps(Motion *m)
 {
     double *B = m->pool + SB_BLOCK, nothing[1] = {0.0};
+    renew_arguments(m); /* events and samples may have changed them */
     B[SB_TIME] = m->time;
     memcpy(B + SB_VECTORS + SB_STATE_OLD * SB_X, m->x, SB_X * sizeof(double));
     B[SB_KERNEL] = B[SB_STEPS] = B[SB_SAMPLES] = 0.0;
@@ -29,15 +30,31 @@ static void begin_steps(Motion *m)
     B[SB_NEXT_BREAK] = B[SB_FIRST_BREAK];
     m->from = m->to = m->time;
     m->is_fresh = 0;
+#if SB_IS_IMPLICIT
+    m->code = symbody_begin_implicit(
+        mechanism_motion, B, m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->ends);
+#else
     m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->ends);
+#endif
     B[SB_FIRST_STEP] = SB_IS_FIXED ? B[SB_MAX_STEP] : fabs(B[SB_STEP]);
 }
 
 static void take_step(Motion *m)
 {
     double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_TIME];
+    double end = B[SB_T_END], planned = B[SB_STEP], stop = SB_SAMPLED ? symbody_piece_end(B, sampler_of(m), end) : end;
+    B[SB_T_END] = stop;
+#if SB_IS_IMPLICIT
+    m->code = symbody_advance_implicit(mechanism_motion, mechanism_turn, mechanism_jacobian, SB_PROJECTION, B,
+        m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->ends, m->pieces, 1);
+#else
     m->code = symbody_advance(
         mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
+#endif
+    B[SB_T_END] = end;
+    /* a step that only the sample cut short says nothing of the next */
+    if (stop != end && B[SB_TIME] == stop && fabs(B[SB_LENGTH]) < fabs(planned) && fabs(B[SB_STEP]) < fabs(planned))
+        B[SB_STEP] = planned;
     if (B[SB_STEPS] != 0.0) {
         B[SB_STEPS] = 0.0;
         m->from = before;
@@ -106,6 +123,11 @@ static int pass_events(Motion *m, double end)
     return 1;
 }
 
+static int has_come(Motion *m, double target)
+{
+    return m->time >= target || (SB_SAMPLED && symbody_is_instant(sampler_of(m), m->time, target));
+}
+
 /* Go on to a time; returns one of the codes of the integrator, and whether an event ends the motion. */
 static int go_to(Motion *m, double target, int *must_stop)
 {
@@ -114,7 +136,7 @@ static int go_to(Motion *m, double target, int *must_stop)
     *must_stop = 0;
     renew_arguments(m);
     if (m->is_fresh && SB_ELEMENTS && act(m, must_stop) < 0) return SB_NOT_FINITE; /* inputs may have jumped */
-    while (m->time < target) {
+    while (!has_come(m, target)) {
         double end;
         if (B[SB_T_END] < target) B[SB_T_END] = target + SB_SPAN;
         if (m->is_fresh) begin_steps(m);
@@ -131,7 +153,10 @@ static int go_to(Motion *m, double target, int *must_stop)
             if (++events > SB_MOST_EVENTS) return SB_TOO_MANY;
         } else if (show_state(m, end) != SOLVED)
             return SB_SINGULAR;
+        if (sample(m, must_stop) < 0) return SB_NOT_FINITE;
+        if (*must_stop) return SB_RUNNING;
     }
+    if (m->time < target) m->time = target; /* the same instant */
     keep_settled(m);
     return SB_RUNNING;
 }

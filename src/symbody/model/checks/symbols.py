@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 from symbody.errors import Problem, nearest
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import ConstraintElement
+from symbody.model.declarations.formula_site import FormulaSite, Scope
 from symbody.model.element import Element
-from symbody.model.formula_site import FormulaSite, Scope
 from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
 from symbody.model.signals.signal import Signal

@@ -31,8 +31,8 @@ from symbody.model.checks.symbols import (
 )
 from symbody.model.constraint import ConstraintElement, FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
+from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.element import Element
-from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.frame import Frame
 from symbody.model.frame_index import element_labels, frame_index, resolve_frames
 from symbody.model.frozen_mapping import FrozenMapping

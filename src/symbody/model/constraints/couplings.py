@@ -7,9 +7,9 @@ from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import ConstraintElement
-from symbody.model.element_fields import Coupled, Radii, VanishingFormulas, element
-from symbody.model.fields import AngleQuantity, Flag, Quantity
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.element_fields import Coupled, Radii, VanishingFormulas, element
+from symbody.model.declarations.fields import AngleQuantity, Flag, Quantity
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.numeric_checks import refuse_zero_ratio
 
 _ONE: Final = Formula.from_value(1)

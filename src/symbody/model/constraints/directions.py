@@ -7,9 +7,9 @@ from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import FrameConstraint
-from symbody.model.element_fields import Directions, element
-from symbody.model.fields import AngleQuantity
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.element_fields import Directions, element
+from symbody.model.declarations.fields import AngleQuantity
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.numeric_checks import NumericChecks, check_angle
 from symbody.tolerances import TYPED
 

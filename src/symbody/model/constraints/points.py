@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.model.constraint import FrameConstraint
-from symbody.model.element_fields import CurvePoint, VanishingFormulas, element
-from symbody.model.fields import Direction, Flag, Quantity, SymbolName
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.element_fields import CurvePoint, VanishingFormulas, element
+from symbody.model.declarations.fields import Direction, Flag, Quantity, SymbolName
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.numeric_checks import NumericChecks, positive_length
 
 

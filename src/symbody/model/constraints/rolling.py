@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.model.constraint import FrameConstraint
-from symbody.model.element_fields import element
-from symbody.model.fields import Direction, OptionalDirection, Quantity
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import Direction, OptionalDirection, Quantity
 from symbody.model.numeric_checks import positive_length
 
 

@@ -6,10 +6,9 @@ from types import MappingProxyType
 from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.element_fields import element
-from symbody.model.fields import Flag
-from symbody.model.joint import Joint, SimpleRotation
-from symbody.model.joint_fields import (
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import Flag
+from symbody.model.declarations.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
     TREE,
@@ -19,6 +18,7 @@ from symbody.model.joint_fields import (
     PrescribedMotions,
     TreeMembership,
 )
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.simple_rotation import LETTERS
 
 # What a shaft is bent about at azimuth 0: the second axis in cyclic order.

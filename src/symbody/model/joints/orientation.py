@@ -8,10 +8,10 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments
-from symbody.model.declaration import Field
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.declaration import Field
+from symbody.model.declarations.joint_fields import read_names
 from symbody.model.joint import RATES, Joint, QuasiSpeeds
-from symbody.model.joint_fields import read_names
 from symbody.model.naming import make_symbol
 from symbody.model.simple_rotation import LETTERS, SimpleRotation
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.element_fields import element
-from symbody.model.fields import Direction, Flag, Quantity
-from symbody.model.formula_site import Triple
-from symbody.model.joint import Joint, SimpleRotation
-from symbody.model.joint_fields import (
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import Direction, Flag, Quantity
+from symbody.model.declarations.formula_site import Triple
+from symbody.model.declarations.joint_fields import (
     AS_CONSTRAINT,
     FRICTION,
     TREE,
@@ -19,6 +18,7 @@ from symbody.model.joint_fields import (
     PrescribedAngle,
     TreeMembership,
 )
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.numeric_checks import need_value
 from symbody.model.simple_rotation import shift_along, unit_axis
 

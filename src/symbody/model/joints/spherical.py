@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar, final
 
-from symbody.model.element_fields import element
-from symbody.model.fields import Flag
-from symbody.model.joint import RATES, Joint, QuasiSpeeds, SimpleRotation
-from symbody.model.joint_fields import (
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import Flag
+from symbody.model.declarations.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
     TREE,
@@ -16,6 +15,7 @@ from symbody.model.joint_fields import (
     PrescribedMotions,
     TreeMembership,
 )
+from symbody.model.joint import RATES, Joint, QuasiSpeeds, SimpleRotation
 from symbody.model.joints.orientation import (
     ORIENTATION,
     AngleSequence,

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal, final
 
-from symbody.model.element_fields import element
-from symbody.model.fields import Direction, Flag
-from symbody.model.formula_site import Triple
-from symbody.model.joint import Joint, SimpleRotation
-from symbody.model.joint_fields import (
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import Direction, Flag
+from symbody.model.declarations.formula_site import Triple
+from symbody.model.declarations.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
     TREE,
@@ -17,6 +16,7 @@ from symbody.model.joint_fields import (
     PrescribedMotions,
     TreeMembership,
 )
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joints.orientation import THREE_ANGLES, ThreeAngles, orientation_turns
 from symbody.model.simple_rotation import shift_along
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.element_fields import element
-from symbody.model.fields import Flag
-from symbody.model.joint import Joint, SimpleRotation
-from symbody.model.joint_fields import (
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import Flag
+from symbody.model.declarations.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
     TREE,
@@ -18,6 +17,7 @@ from symbody.model.joint_fields import (
     PrescribedMotions,
     TreeMembership,
 )
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.simple_rotation import unit_axis
 
 

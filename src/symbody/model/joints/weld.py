@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar, final
 
-from symbody.model.element_fields import element
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.joint_fields import TREE, TreeMembership
 from symbody.model.joint import Joint
-from symbody.model.joint_fields import TREE, TreeMembership
 
 
 @final

@@ -9,10 +9,10 @@ from itertools import pairwise
 from typing import ClassVar, Final, Literal, TypeAlias, cast, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import ZERO, Arguments, Value
-from symbody.model.declaration import ElementPart, Field
-from symbody.model.fields import Numbers, WordChoice, part
-from symbody.model.formula_site import FormulaSite, Scope
+from symbody.model.declarations.arguments import ZERO, Arguments, Value
+from symbody.model.declarations.declaration import ElementPart, Field
+from symbody.model.declarations.fields import Numbers, WordChoice, part
+from symbody.model.declarations.formula_site import FormulaSite, Scope
 from symbody.model.numbers import as_float, formula_value
 
 KINDS: Final[tuple[Literal["linear", "pchip"], ...]] = ("linear", "pchip")

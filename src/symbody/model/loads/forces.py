@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar, Final, final
 
-from symbody.model.arguments import Arguments
-from symbody.model.declaration import ElementPart
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.declaration import ElementPart
+from symbody.model.declarations.element_fields import AttachedFrame, Connection, element
+from symbody.model.declarations.fields import AngleQuantity, Quantity, VectorQuantity, part
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.element import Element
-from symbody.model.element_fields import AttachedFrame, Connection, element
-from symbody.model.fields import AngleQuantity, Quantity, VectorQuantity, part
-from symbody.model.formula_site import Scope
 from symbody.model.loads.curve import Curve, SpringLaw
 from symbody.model.numeric_checks import note_negative
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Final, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments
-from symbody.model.declaration import ElementPart
-from symbody.model.fields import OptionalQuantity, Quantity, part
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.declaration import ElementPart
+from symbody.model.declarations.fields import OptionalQuantity, Quantity, part
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.numeric_checks import NumericChecks
 
 # Constants of the joint; the others may change with the motion.

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import ClassVar, Final, TypeAlias, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import ZERO, Arguments, Value
-from symbody.model.declaration import Field
-from symbody.model.element_fields import Connection, element
-from symbody.model.fields import AngleQuantity, Direction, Quantity
-from symbody.model.formula_site import FormulaSite, Scope, component_sites
+from symbody.model.declarations.arguments import ZERO, Arguments, Value
+from symbody.model.declarations.declaration import Field
+from symbody.model.declarations.element_fields import Connection, element
+from symbody.model.declarations.fields import AngleQuantity, Direction, Quantity
+from symbody.model.declarations.formula_site import FormulaSite, Scope, component_sites
 from symbody.model.loads.curve import SpringLaw
 from symbody.model.loads.forces import SpringDamper
 from symbody.model.numeric_checks import NumericChecks, note_negative

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, final
 from symbody.arguments import checked_arguments
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments, Value
 from symbody.model.body import FrameLike, read_frame_ref
+from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.element import FrameRef
 from symbody.model.frozen_mapping import FrozenMapping
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TypeVar
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import ZERO
-from symbody.model.formula_site import Triple
+from symbody.model.declarations.arguments import ZERO
+from symbody.model.declarations.formula_site import Triple
 from symbody.model.frame import Frame
 from symbody.model.shapes.shape import BodyShape
 

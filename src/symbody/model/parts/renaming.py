@@ -9,12 +9,10 @@ from typing import Any, TypeVar
 
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Frames
-from symbody.model.declaration import Declared, Field
-from symbody.model.element import Element, FrameRef
-from symbody.model.element_fields import Coupled
-from symbody.model.fields import ElementName, OptionalText, SymbolElementName, SymbolName
-from symbody.model.frozen_mapping import FrozenMapping
-from symbody.model.joint_fields import (
+from symbody.model.declarations.declaration import Declared, Field
+from symbody.model.declarations.element_fields import Coupled
+from symbody.model.declarations.fields import ElementName, OptionalText, SymbolElementName, SymbolName
+from symbody.model.declarations.joint_fields import (
     Armature,
     Coordinate,
     CoordinateDrive,
@@ -23,6 +21,8 @@ from symbody.model.joint_fields import (
     PrescribedAngle,
     PrescribedMotions,
 )
+from symbody.model.element import Element, FrameRef
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joints.orientation import SpeedNames
 from symbody.model.naming import GROUND
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.errors import nearest
-from symbody.model.arguments import Arguments
+from symbody.model.declarations.arguments import Arguments
 
 _HEX: Final = re.compile(r"#[0-9a-fA-F]{6}")
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments, Value
-from symbody.model.declaration import Field
-from symbody.model.fields import FilePath, Quantity, Text, VectorQuantity, part
-from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.declarations.arguments import Arguments, Value
+from symbody.model.declarations.declaration import Field
+from symbody.model.declarations.fields import FilePath, Quantity, Text, VectorQuantity, part
+from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.shapes.shape import COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
 

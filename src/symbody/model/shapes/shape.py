@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from typing import ClassVar, Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments
-from symbody.model.declaration import ElementPart, Field
-from symbody.model.fields import Quantity, VectorQuantity
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.declaration import ElementPart, Field
+from symbody.model.declarations.fields import Quantity, VectorQuantity
 from symbody.model.frame import Frame, RotationMatrix, Turns, check_rotation
 from symbody.model.shapes.colors import read_color
 

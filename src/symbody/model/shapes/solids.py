@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.fields import Quantity, VectorQuantity, part
+from symbody.model.declarations.fields import Quantity, VectorQuantity, part
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.shapes.shape import CENTRE, COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from symbody.expr.language.formula import Formula
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import SymbolElementName
 from symbody.model.element import Element
-from symbody.model.element_fields import element
-from symbody.model.fields import SymbolElementName
 from symbody.model.signals.signal import Signal
 
 

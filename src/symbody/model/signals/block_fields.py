@@ -8,11 +8,11 @@ from typing import Any, ClassVar, dataclass_transform
 
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments, Value
-from symbody.model.declaration import Field, declare
-from symbody.model.element_fields import E
-from symbody.model.fields import Quantity, SymbolElementName, read_list
-from symbody.model.formula_site import FormulaSite, Scope
+from symbody.model.declarations.arguments import Arguments, Value
+from symbody.model.declarations.declaration import Field, declare
+from symbody.model.declarations.element_fields import E
+from symbody.model.declarations.fields import Quantity, SymbolElementName, read_list
+from symbody.model.declarations.formula_site import FormulaSite, Scope
 from symbody.model.frozen_mapping import FrozenMapping
 
 Rows = tuple[tuple[Formula, ...], ...]

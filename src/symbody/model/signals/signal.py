@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import OptionalQuantity, OptionalText, Quantity, SymbolElementName
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.element import Element
-from symbody.model.element_fields import element
-from symbody.model.fields import OptionalQuantity, OptionalText, Quantity, SymbolElementName
-from symbody.model.formula_site import Scope
 
 
 @final

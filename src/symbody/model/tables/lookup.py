@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import ClassVar, Literal, dataclass_transform, final
 
 from symbody.errors import ModelError
-from symbody.model.arguments import Arguments
-from symbody.model.declaration import Field, declare
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.declaration import Field, declare
+from symbody.model.declarations.fields import ElementName, Quantity, SymbolElementName, Text, WordChoice
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.element import Element
-from symbody.model.fields import ElementName, Quantity, SymbolElementName, Text, WordChoice
-from symbody.model.formula_site import Scope
 from symbody.model.loads.curve import KINDS, OUTSIDE, segment_pieces
 from symbody.model.tables.csv_columns import Column, Point, order_problems, read_points
 from symbody.model.tables.inner_path import inner_path

@@ -48,7 +48,9 @@ def open_unit(inputs: Mapping[str, FmuInput], start: float, values: Sequence[flo
     places = variable_places(description, law, outputs, where)
     is_third = description.fmiVersion.startswith("3.")
     with tempfile.TemporaryDirectory(prefix="symbody-fmu-", ignore_cleanup_errors=True) as folder:
-        unit = FmuUnit(_load(fmpy, description, law, folder, where), law, where, places, is_third=is_third)
+        fmu = _load(fmpy, description, law, folder, where)
+        keeps = bool(description.coSimulation.canSerializeFMUstate)
+        unit = FmuUnit(fmu, law, where, places, is_third=is_third, keeps_states=keeps)
         try:
             unit.begin(start, values)
             yield unit
@@ -67,11 +69,15 @@ class FmuUnit:
         Value references of all variables that are set or read.
     is_third : bool
         Whether it is of FMI 3.0.
+    keeps_states : bool
+        Whether its states can be saved.
     """
 
     def __init__(
-        self, fmu: Any, law: FmuInput, where: str, places: Mapping[str, int], *, is_third: bool
-    ) -> None:
+        self, fmu: Any, law: FmuInput, where: str, places: Mapping[str, int], *, is_third: bool,
+        keeps_states: bool,
+    ) -> None:  # fmt: skip
+        self._keeps_states = keeps_states
         self._fmu = fmu
         self._law = law
         self._where = where
@@ -133,6 +139,46 @@ class FmuUnit:
         if not math.isfinite(value):
             raise _failure(self._where, self._time, f"{name} of the FMU is {value}")
         return value
+
+    def save(self) -> bytes:
+        """Return the state of the instance.
+
+        Raises
+        ------
+        UsageError
+            If the FMU cannot save it.
+        SimulationError
+            If it refuses.
+        """
+        self._check_keeping()
+        with self._refusals("save its state"):
+            state = self._fmu.getFMUState()
+            try:
+                return bytes(self._fmu.serializeFMUState(state))
+            finally:
+                self._fmu.freeFMUState(state)
+
+    def restore(self, saved: bytes) -> None:
+        """Go on from a state that `save` returned, of this instance or of another.
+
+        Raises
+        ------
+        UsageError, SimulationError
+            As `save`.
+        """
+        self._check_keeping()
+        with self._refusals("restore its state"):
+            state = self._fmu.deserializeFMUState(saved)
+            self._fmu.setFMUState(state)
+            self._fmu.freeFMUState(state)
+
+    def _check_keeping(self) -> None:
+        if not self._keeps_states:
+            raise UsageError(
+                Problem("fmu_input.no_state", self._where, f"{self._law.path} cannot save its state",
+                        "its description lacks canSerializeFMUState",
+                        "let the stepper go on from its start by reset(), or export the FMU with states")
+            )  # fmt: skip
 
     def end(self) -> None:
         """End the instance, as its status allows."""

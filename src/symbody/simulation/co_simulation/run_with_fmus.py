@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from typing import Final
@@ -10,9 +10,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.codegen.function import CompiledFunction
-from symbody.errors import Problem, SimulationError, UsageError
-from symbody.simulation.co_simulation.fmu_unit import FmuUnit, open_unit
+from symbody.errors import Problem, UsageError
+from symbody.simulation.co_simulation.fmu_unit import open_unit
+from symbody.simulation.co_simulation.sampled_unit import (
+    SampledUnit,
+    by_instance,
+    make_reader,
+    read_values,
+)
 from symbody.simulation.hybrid.concatenate import concatenate
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
@@ -62,57 +67,19 @@ def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Tra
                     f"the motion runs from t = {start:g} s back to {end:g} s", "FMUs step forwards",
                     "give a t_end behind the start")
         )  # fmt: skip
-    groups: dict[object, dict[str, FmuInput]] = {}
-    for name, law in inputs.items():
-        groups.setdefault(law.instance, {})[name] = law
+    groups = by_instance(inputs)
     problem = plan.integration.problem
     _ = plan.integration.breakpoints  # looked for once, and not in every part
-    readers = [_reader(problem, group) for group in groups.values()]
+    readers = [make_reader(problem, group) for group in groups]
     with ExitStack() as stack:
         held = dict.fromkeys(inputs, 0.0)
         x = plan.integration.state
         units = []
-        for group, reader in zip(groups.values(), readers, strict=True):
-            values = _values(_with_values(problem, held), reader, start, x)
+        for group, reader in zip(groups, readers, strict=True):
+            values = read_values(_with_values(problem, held), reader, start, x)
             unit = stack.enter_context(open_unit(group, start, values))
-            units.append(_SampledUnit(group, unit, reader, start))
+            units.append(SampledUnit(group, unit, reader, start))
         return _Run(plan, units, held).go()
-
-
-class _SampledUnit:
-    """An FMU with the inputs it computes, and when it takes its next sample.
-
-    Attributes
-    ----------
-    reader : CompiledFunction or None
-        What computes the values that it reads.
-    period : float
-        Seconds between samples.
-    """
-
-    def __init__(
-        self, inputs: Mapping[str, FmuInput], unit: FmuUnit, reader: CompiledFunction | None, start: float
-    ) -> None:
-        self.reader = reader
-        self.period = next(iter(inputs.values())).period
-        self._inputs = inputs
-        self._unit = unit
-        self._start = start
-        self._samples = 0
-
-    @property
-    def due(self) -> float:
-        """When the next sample is taken [s]."""
-        return self._start + self._samples * self.period
-
-    def sample(self, values: Sequence[float]) -> dict[str, float]:
-        """Take a step; return the new values of the inputs."""
-        laws = self._inputs
-        before = {name: self._unit.output(law.output) for name, law in laws.items() if law.is_late}
-        self._unit.step(values, self.due, self.period)
-        self._samples += 1
-        behind = {name: self._unit.output(law.output) for name, law in laws.items() if not law.is_late}
-        return before | behind
 
 
 class _Run:
@@ -122,13 +89,13 @@ class _Run:
     ----------
     plan : MotionPlan
         Of the whole motion.
-    units : sequence of _SampledUnit
+    units : sequence of SampledUnit
         The FMUs, initialized.
     held : mapping of str to float
         The inputs before the first sample.
     """
 
-    def __init__(self, plan: MotionPlan, units: Sequence[_SampledUnit], held: Mapping[str, float]) -> None:
+    def __init__(self, plan: MotionPlan, units: Sequence[SampledUnit], held: Mapping[str, float]) -> None:
         self._plan = plan
         self._units = units
         self._held = dict(held)
@@ -172,7 +139,7 @@ class _Run:
     def _sample(self, t: float, x: Floats, width: float) -> None:
         """Let those FMUs compute that are due, all from the values held until now."""
         due = [unit for unit in self._units if unit.due <= t + width]
-        given = [_values(self._problem, unit.reader, t, x) for unit in due]
+        given = [read_values(self._problem, unit.reader, t, x) for unit in due]
         for unit, values in zip(due, given, strict=True):
             self._held = {**self._held, **unit.sample(values)}
         self._record.append((t, self._held))
@@ -255,54 +222,3 @@ def _with_tables(laws: InputLaws, tables: Mapping[str, Table]) -> InputLaws:
         callbacks={**laws.callbacks, **{name: table.reader() for name, table in tables.items()}},
         tables={**laws.tables, **{places[name]: table for name, table in tables.items()}},
     )
-
-
-def _reader(problem: SimulationProblem, inputs: Mapping[str, FmuInput]) -> CompiledFunction | None:
-    """Return what computes the values that an FMU reads.
-
-    Raises
-    ------
-    UsageError
-        If one is no number.
-    """
-    name, law = next(iter(inputs.items()))
-    if not law.reads:
-        return None
-    function = problem.compile_outputs(tuple(law.reads.values()), quick=True)
-    problems = [
-        Problem("fmu_input.no_number", f"input {name}, reads", f"{output.name} has shape {output.shape}",
-                "a variable of an FMU is one number", "name one component, such as 'reaction A Fx'")
-        for output in function.outputs if output.shape
-    ]  # fmt: skip
-    if problems:
-        raise UsageError(*problems)
-    return function
-
-
-def _values(problem: SimulationProblem, reader: CompiledFunction | None, t: float, x: Floats) -> list[float]:
-    """Return what an FMU reads in a state x = (u, q, s).
-
-    Raises
-    ------
-    SimulationError
-        If a value is not finite.
-    """
-    if reader is None:
-        return []
-    n_u = len(problem.eqs.speed_names)
-    u, q = x[:n_u], x[n_u:]
-    inputs = np.array(problem.laws.evaluate(t, q, u))
-    computed = reader(t, q, u, inputs)
-    values = [float(value) for value in (computed if len(reader.outputs) > 1 else (computed,))]
-    faults = list(_not_finite(reader, values))
-    if faults:
-        what = f"at t = {t:.9g} s {', '.join(faults)}"
-        fix = "let the FMU read what has a value throughout the motion"
-        raise SimulationError(Problem("fmu_input.not_finite", "reads", what, "", fix))
-    return values
-
-
-def _not_finite(reader: CompiledFunction, values: Sequence[float]) -> Iterator[str]:
-    for output, value in zip(reader.outputs, values, strict=True):
-        if not np.isfinite(value):
-            yield f"{output.name} is {value}"

@@ -12,7 +12,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.native_call import check_status
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.kernels import watch_block as at
+from symbody.kernels.events import watch_block as at
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction

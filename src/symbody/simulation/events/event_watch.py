@@ -1,4 +1,4 @@
-"""`EventWatch`: finds the events of a run, and where it has to be cut, by `symbody.kernels.event_watch`."""
+"""`EventWatch`: finds the events of a run, and where it has to be cut, by `kernels.events.event_watch`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.kernels import block as run_at
-from symbody.kernels import watch_block as at
+from symbody.kernels.events import watch_block as at
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import Event, EventSide, Occurrence
 from symbody.simulation.events.watch_arrays import event_rows, with_cut_fit
-from symbody.simulation.native.description import Record
+from symbody.simulation.native.description import LoopCall, Record
 from symbody.simulation.native.machine import address, watched_motion
 from symbody.simulation.native.segments import Cut, HeldValues
 from symbody.simulation.status import Status
@@ -80,15 +80,17 @@ class EventWatch:
     def sides_at(self, t: float) -> tuple[EventSide, ...]:
         """Return where the values stand at the end of the run [s]: those of the last samples."""
         own = self._block
-        seen = own[at.SEEN] != 0.0 and own[at.T_LAST] == t
-        now = {int(row[0]) for row in self._happened[: int(own[at.HAPPENED])] if row[1] == t}
+        seen = own.item(at.SEEN) != 0.0 and own.item(at.T_LAST) == t
+        rows = self._happened[: int(own[at.HAPPENED]), :2].tolist()
+        now = {int(place) for place, when in rows if when == t}
         sides = []
-        for place, row in enumerate(event_rows(own)):
+        for place, row in enumerate(event_rows(own).tolist()):
             is_left = seen and row[at.AT_ZERO] == 0.0
             has_happened = place in now or (not is_left and row[at.JUST_HAPPENED] != 0.0)
-            stands = is_left and not has_happened and np.isfinite(row[at.G_LAST])
-            side = float(np.sign(row[at.G_LAST])) if stands else 0.0
-            sides.append(EventSide(side, float(has_happened), float(row[at.LARGEST])))
+            stands = is_left and not has_happened
+            value = row[at.G_LAST] if stands else 0.0
+            side = float((value > 0.0) - (value < 0.0))
+            sides.append(EventSide(side, float(has_happened), row[at.LARGEST]))
         return tuple(sides)
 
     @property
@@ -132,27 +134,20 @@ class EventWatch:
         status = _ENDINGS.get(code, Status.STOPPED)
         return Cut(float(block[at.CUT]), before, after if code == at.GOES_ON else None, status)
 
-    def advance(
-        self,
-        rhs: int,
-        projector: int,
-        block: Floats,
-        record: Record,
-        trials: int,
-        held: HeldValues | None = None,
-    ) -> int:
+    def advance(self, call: LoopCall, held: HeldValues | None = None) -> int:
         """Try up to so many steps of the compiled loop, and let events happen; return the loop's code."""
-        self._prepare(block)
-        functions = (rhs, projector, *self._functions.addresses)
+        self._prepare(call.block)
+        functions = self._functions.addresses
         code = run_at.NO_EVENT_ROOM
         while code == run_at.NO_EVENT_ROOM:
             self._block[at.HAPPENED_ROOM] = len(self._happened)
             if held is not None:
-                blocks = block, self._block
-                code = held.advance_watched(functions, blocks, record, self._happened, trials)
+                code = held.advance_watched(call, functions, self._block, self._happened)
             else:
-                arrays = (block, self._block, *self._places(record), self._happened)
-                code = watched_motion().advance_watched(*functions, *map(address, arrays), trials)
+                arrays = map(address, (call.block, self._block, *call.record.arrays, self._happened))
+                code = watched_motion().advance_watched(
+                    call.rhs, call.projector, *functions, *arrays, call.trials
+                )
             if code == run_at.NO_EVENT_ROOM:
                 self._make_room()
         if code == run_at.EVENT_FAULT:
@@ -163,12 +158,9 @@ class EventWatch:
     def break_off(self, block: Floats, record: Record) -> None:
         """End an interrupted run at the event that would have changed it, if one was computed."""
         self._prepare(block)
-        _, *places = self._places(record)
+        _, *places = record.arrays
         arrays = (block, self._block, *places, self._happened)
         watched_motion().break_off(*self._functions.addresses, *map(address, arrays))
-
-    def _places(self, record: Record) -> tuple[Floats, ...]:
-        return record.wanted, record.t, record.x, record.breaks, record.pieces
 
     def _prepare(self, block: Floats) -> None:
         """Fit the block to a run of the compiled loop."""

@@ -13,7 +13,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.parser import parse_angle
 from symbody.expr.printing.text import to_text
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 
 Action = Literal["record", "stop"] | Mapping[str, Value]
 

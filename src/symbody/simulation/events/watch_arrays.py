@@ -1,4 +1,4 @@
-"""The block of a watch for events; see `symbody.kernels.watch_block`."""
+"""The block of a watch for events; see `symbody.kernels.events.watch_block`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.kernels import watch_block as at
+from symbody.kernels.events import watch_block as at
 from symbody.simulation.inputs.chebyshev import DEGREE, chebyshev_nodes, to_coefficients
 from symbody.simulation.native.dense_output import cut_matrix
 

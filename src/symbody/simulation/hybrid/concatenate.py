@@ -14,6 +14,7 @@ from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import Evaluator
 
 Floats = NDArray[np.float64]
 
@@ -114,10 +115,12 @@ def _work_at_end(part: Trajectory) -> float:
     """Return the work done until a part ends [J]."""
     if part.dense_output is None:
         return 0.0
-    end = part.dense_output.breaks[-1]
-    if part.t.size and part.t[-1] == end:
+    end = part.dense_output.breaks[-1:]
+    if part.t.size and part.t[-1] == end[0]:
         return float(part.stored["work"][-1])
-    return float(part.at(end)["work"])
+    if isinstance(part.evaluate, Evaluator) and part.evaluate.work is not None:
+        return float(part.evaluate.work.at_end()[0])
+    return float(part.at(end)["work"][0])
 
 
 def _total(spent: Sequence[Statistics]) -> Statistics:

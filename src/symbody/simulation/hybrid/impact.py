@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.equations.solving.ropes import rope_rows
-from symbody.expr.saddle import solve_saddle
+from symbody.expr.sequences.saddle import solve_saddle
 from symbody.simulation.hybrid.modes import HybridState, evaluate_outputs
 from symbody.simulation.hybrid.ropes import RATE, TAUT, RopeElements
 from symbody.tolerances import BALANCED

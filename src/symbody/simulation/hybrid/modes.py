@@ -204,21 +204,22 @@ def find_modes(mechanism: HybridMechanism, state: HybridState) -> Modes | None:
     t, x = state.t, state.x
     kinds = zip(mechanism.kinds, mechanism.motion_values(t, x), strict=True)
     candidates = [some for kind, motion in kinds for some in kind.candidates(state, motion)]
-    modes = [some[0] for some in candidates]
-    for _ in range(len(modes)):  # the one most overloaded first: that often frees or loads the others
-        trial = ModeTrial(mechanism, tuple(modes), t, x, state)
-        parts = zip(mechanism.kinds, mechanism.split_by_kind(modes), strict=True)
+    trial = ModeTrial(mechanism, tuple(some[0] for some in candidates), t, x, state)
+    is_open = any(len(some) > 1 for some in candidates)
+    # the one most overloaded first: that often frees or loads the others
+    for _ in range(len(candidates) if is_open else 0):
+        parts = zip(mechanism.kinds, mechanism.split_by_kind(trial.modes), strict=True)
         excess = np.concatenate([kind.violation(some, trial.values(kind)) for kind, some in parts])
         excess[[len(some) == 1 for some in candidates]] = -np.inf
         k = int(np.argmax(excess))
         if not excess[k] > 0.0:
             break
         kind, place = list(mechanism.elements)[k]
-        modes[k] = kind.next_mode(place, trial.values(kind))
-    for combination in (tuple(modes), *_combinations(candidates)):
-        if _is_consistent(ModeTrial(mechanism, combination, t, x, state), candidates, state):
-            return combination
-    return None
+        trial = trial.with_mode(k, kind.next_mode(place, trial.values(kind)))
+    if _is_consistent(trial, candidates, state):
+        return trial.modes
+    trials = (ModeTrial(mechanism, modes, t, x, state) for modes in _combinations(candidates))
+    return next((trial.modes for trial in trials if _is_consistent(trial, candidates, state)), None)
 
 
 def _combinations(candidates: Sequence[tuple[int, ...]]) -> Iterator[Modes]:

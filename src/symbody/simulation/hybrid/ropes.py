@@ -15,10 +15,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.ropes import AT_LENGTH
+from symbody.analysis.configurations.ropes import AT_LENGTH
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.ropes import rope_rows, rope_words, ropes, slacken, with_words
-from symbody.expr.saddle import solve_saddle
+from symbody.expr.sequences.saddle import solve_saddle
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial, evaluate_outputs
 from symbody.simulation.simulation_problem import SimulationProblem

@@ -131,9 +131,10 @@ class _History:
         """Add the part of the motion in some modes; return the state in which they end, if they do."""
         mechanism = self.mechanism
         t, x = state.t, mechanism.fit_speeds(modes, state.t, state.x)
-        energies = [evaluate_outputs(mechanism.problem, ("energy",), t, y)[0] for y in (state.x, x)]
-        place = len(self.parts)
-        self.jumps[place] = self.jumps.get(place, 0.0) + float(energies[1] - energies[0])
+        if x is not state.x:
+            energies = [evaluate_outputs(mechanism.problem, ("energy",), t, y)[0] for y in (state.x, x)]
+            place = len(self.parts)
+            self.jumps[place] = self.jumps.get(place, 0.0) + float(energies[1] - energies[0])
         trial = ModeTrial(mechanism, modes, t, x)
         elements = list(mechanism.elements)
         ends = [kind.end_event(trial, k, mode) for (kind, k), mode in zip(elements, modes, strict=True)]
@@ -233,8 +234,9 @@ class _History:
         times = None if whole.times is None else np.asarray(whole.times)
         if times is not None and self.parts:
             times = times[times >= t if self.impacts and self.impacts[-1].t == t else times > t]
-        part = replace(whole.part(x, (t, whole.span[1]), times, steps), problem=problem)
-        return replace(self.plan, integration=replace(part, events=(*whole.events, *ends)))
+        events = (*whole.events, *ends)
+        part = whole.part(x, (t, whole.span[1]), times, steps, problem, events)
+        return replace(self.plan, integration=part)
 
 
 def _drop_last_sample(part: Trajectory) -> Trajectory:

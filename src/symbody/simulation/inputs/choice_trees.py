@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation
+from symbody.expr.sequences.sequence import Operation
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -104,7 +104,7 @@ def refuse_fmu_inputs(inputs: Mapping[str, object]) -> None:
     if names:
         raise UsageError(
             Problem("fmu_input.elsewhere", ", ".join(f"input {name}" for name in names),
-                    "an FMU computes inputs in simulate alone",
+                    "an FMU computes inputs in simulate and Stepper alone",
                     "it has a state of its own, which goes on from sample to sample",
-                    "call simulate for each case; give a Stepper the values that you compute")
+                    "call simulate for each case, or step a Stepper")
         )  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.equations.equation_set import EquationSet
-from symbody.kernels.sampling import ONE_INSTANT
+from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.model.model import Model
 
 Floats = NDArray[np.float64]

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation
-from symbody.expr.sequence import Sequence as Program
+from symbody.expr.sequences.sequence import Operation
+from symbody.expr.sequences.sequence import Sequence as Program
 from symbody.simulation.inputs.choice_trees import STEPS, StepFunction, fold_choices
 from symbody.simulation.inputs.tables import Table
 

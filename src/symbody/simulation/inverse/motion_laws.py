@@ -15,8 +15,8 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.text import to_text
-from symbody.expr.sympy_bridge import from_sympy, is_expression
-from symbody.model.arguments import plain_value
+from symbody.expr.sympy.sympy_bridge import from_sympy, is_expression
+from symbody.model.declarations.arguments import plain_value
 from symbody.simulation.inputs.tables import Table
 
 # A function of time returns the coordinate, its rate and its acceleration. SymPy's expressions, which have no

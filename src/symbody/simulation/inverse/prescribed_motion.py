@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.kinematics.continuation import Continuation
 from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.redundancy import redundancy

@@ -13,7 +13,7 @@ from symbody.arguments import checked_fields
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
-from symbody.expr.sequence import Output
+from symbody.expr.sequences.sequence import Output
 from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.native.description import Projector
 from symbody.tolerances import CLOSED

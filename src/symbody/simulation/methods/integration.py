@@ -1,7 +1,7 @@
 """`Plan`: a smooth motion with the method that is to compute it, and `integrate_plan`, which does.
 
-Without an integrator a motion starts explicitly and goes on with `Stiff` where stability alone keeps the
-steps small.
+Without an integrator a motion starts explicitly. Where stability alone keeps the steps small, `Stiff` is
+tried: it goes on where it takes far fewer steps, and explicit steps do where what is fast is hardly damped.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.rewrite import substitute
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.methods.closed_loops.partition import Partition, run_partition
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
-from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha, run_generalized_alpha
+from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL, run_ggl
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, run_generalized_alpha
+from symbody.simulation.methods.implicit.stiff import Stiff, run_stiff
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
-from symbody.simulation.methods.partition import Partition, run_partition
-from symbody.simulation.methods.stiff import Stiff, run_stiff
 from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before
@@ -47,6 +47,21 @@ DEFAULT: Final = Explicit()
 _PROJECTION: Final = Projection()
 # So many explicit steps take less than a second, and they are more exact than what `Stiff` does.
 BEARABLE: Final = 20_000
+# One step of `Stiff` takes as long as 30 explicit ones of a large mechanism, as some hundred of a small one.
+# It is tried for so many steps, of which the last are compared: the first are short. Where it needs more in
+# all than a thirtieth of the explicit ones that are left, explicit ones take less time.
+_TRIAL: Final = 300
+_LAST: Final = 100
+_GAIN: Final = 30.0
+_STIFF: Final = (
+    "from t = {:.6g} s on the motion is stiff and sb.Stiff() integrates it: stability, not accuracy, keeps "
+    "explicit steps at {:.2g} s; sb.GeneralizedAlpha() takes less time where few digits suffice"
+)
+_VIBRATES: Final = (
+    "stability keeps explicit steps at {:.2g} s, but sb.Stiff() takes too many steps, as where fast motions "
+    "are hardly damped: sb.Explicit() integrates the motion; sb.GeneralizedAlpha() takes less time where few "
+    "digits suffice"
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +97,7 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     projection = constraints if isinstance(constraints, Projection) else _PROJECTION
     closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
     watch = integration.event_watch(closing)
-    raw, notes = _run_method(integration, integrator, constraints, closing, watch)
+    raw, notes, watch = _run_method(integration, integrator, constraints, closing, watch)
     step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
     return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
 
@@ -110,28 +125,72 @@ def _run_method(
     constraints: Constraints,
     closing: StateProjector | None,
     watch: EventWatch | None,
-) -> tuple[RawRun, Notes]:
-    """Return the run by a method that can hold the constraints, and what to note about it."""
+) -> tuple[RawRun, Notes, EventWatch | None]:
+    """Return the run by a method that can hold the constraints, what to note, and what looked for events."""
     held = integration.problem.sampler is not None
     if held:
         _check_held(integration.problem, integrator, constraints)
     if isinstance(constraints, GGL):
-        return run_ggl(integration, integrator if isinstance(integrator, Stiff) else Stiff(), watch)
+        stiff = integrator if isinstance(integrator, Stiff) else Stiff()
+        return *run_ggl(integration, stiff, watch), watch
     if isinstance(constraints, Partition):
         explicit = integrator if isinstance(integrator, Explicit) else DEFAULT
-        return run_partition(integration, constraints, explicit, watch)
+        return *run_partition(integration, constraints, explicit, watch), watch
     if isinstance(integrator, Stiff):
-        return run_stiff(integration, integrator, constraints, watch), ()
+        return run_stiff(integration, integrator, constraints, watch), (), watch
     if isinstance(integrator, GeneralizedAlpha):
-        return run_generalized_alpha(integration, integrator, closing, watch, work_tolerance(integration))
+        tolerance = work_tolerance(integration)
+        return *run_generalized_alpha(integration, integrator, closing, watch, tolerance), watch
     if integrator is not None or held:
-        return run_explicit(integration, integrator or DEFAULT, closing, watch), ()
+        return run_explicit(integration, integrator or DEFAULT, closing, watch), (), watch
+    return _choose_method(integration, constraints, closing, watch)
+
+
+def _choose_method(
+    integration: IntegrationProblem,
+    constraints: Projection | Baumgarte,
+    closing: StateProjector | None,
+    watch: EventWatch | None,
+) -> tuple[RawRun, Notes, EventWatch | None]:
+    """Return a run by explicit steps, carried on by `Stiff` where a first part of it shows that this pays."""
     raw = run_explicit(integration, DEFAULT, closing, watch, stop_when_stiff=True)
     if raw.status is not Status.STIFF or raw.dense_output is None:
-        return raw, ()
-    if watch is None and _steps_left(raw.dense_output, integration.span[1]) < BEARABLE:
-        return run_explicit(integration, DEFAULT, closing, watch), ()  # events would be noted twice
-    return _continue_stiff(integration, raw, raw.dense_output(raw.reached), constraints, watch)
+        return raw, (), watch
+    length, steps = _steps_left(raw.dense_output, integration.span[1])
+    if watch is None and steps < BEARABLE:
+        return run_explicit(integration, DEFAULT, closing, watch), (), watch  # events would be noted twice
+    remainder = _remainder(integration, raw, raw.dense_output(raw.reached))
+    note = _STIFF.format(raw.reached, length)
+    most = max(_TRIAL, math.ceil(steps / _GAIN))
+    try:
+        trial = _run_some(remainder, constraints, _TRIAL, None)
+        is_over = trial.status is not Status.TOO_MANY_STEPS or remainder.max_steps <= _TRIAL
+        if watch is None and is_over:
+            return trial, (note,), watch
+        if is_over or _gains(trial, length):
+            run = _run_some(remainder, constraints, most, watch)
+            if run.status is not Status.TOO_MANY_STEPS or remainder.max_steps <= most:
+                return run, (note,), watch
+    except KeyboardInterrupt:  # while it compiled: what came before is kept
+        return replace(raw, status=Status.INTERRUPTED), (), watch
+    again = integration.event_watch(closing)
+    return run_explicit(integration, DEFAULT, closing, again), (_VIBRATES.format(length),), again
+
+
+def _run_some(
+    remainder: IntegrationProblem, constraints: Projection | Baumgarte, steps: int, watch: EventWatch | None
+) -> RawRun:
+    """Return a run by `Stiff` of at most so many steps."""
+    part = replace(remainder, max_steps=min(steps, remainder.max_steps))
+    return run_stiff(part, Stiff(), constraints, watch)
+
+
+def _gains(trial: RawRun, length: float) -> bool:
+    """Return whether the last implicit steps of a trial are so much longer that they take less time."""
+    dense = trial.dense_output
+    if dense is None or dense.breaks.size <= _LAST:
+        return True
+    return float(abs(dense.breaks[-1] - dense.breaks[-1 - _LAST])) > _GAIN * _LAST * length
 
 
 def _check_held(problem: SimulationProblem, integrator: Integrator | None, constraints: Constraints) -> None:
@@ -236,26 +295,20 @@ def _rests(eqs: EquationSet) -> bool:
     return substitute(graph, [eqs.formed.kinetic_energy.index], still) == [ZERO]
 
 
-def _steps_left(dense: DenseOutput, end: float) -> float:
-    """Return how many steps like the last one lead to the end."""
+def _steps_left(dense: DenseOutput, end: float) -> tuple[float, float]:
+    """Return the length of the last step, and how many like it lead to the end."""
     last, reached = dense.breaks[-2:]
-    return float((end - reached) / (reached - last))
+    return float(abs(reached - last)), float((end - reached) / (reached - last))
 
 
-def _continue_stiff(
-    integration: IntegrationProblem,
-    first: RawRun,
-    x: Floats,
-    constraints: Projection | Baumgarte,
-    watch: EventWatch | None,
-) -> tuple[RawRun, Notes]:
-    """Return an explicit run that was broken off as stiff in a state `x`, carried on by `Stiff`."""
+def _remainder(integration: IntegrationProblem, first: RawRun, x: Floats) -> IntegrationProblem:
+    """Return what an explicit run that was broken off in a state `x` leaves to another method."""
     start, end = first.reached, integration.span[1]
     times = None
     if integration.times is not None:
         samples = np.asarray(integration.times)
         times = samples[(samples - start) * np.sign(end - start) > 0.0]
-    remainder = replace(
+    return replace(
         integration,
         x0=x,
         span=(start, end),
@@ -263,11 +316,6 @@ def _continue_stiff(
         max_steps=integration.max_steps - first.statistics.accepted - (first.statistics.rejected or 0),
         before=first,
     )
-    note = f"from t = {start:.6g} s on the motion is stiff and sb.Stiff() integrates it"
-    try:
-        return run_stiff(remainder, Stiff(), constraints, watch), (note,)
-    except KeyboardInterrupt:  # while it compiled: what came before is kept
-        return replace(first, status=Status.INTERRUPTED), ()
 
 
 def end_run(run: Integration, t: float | None, note: str) -> Integration:

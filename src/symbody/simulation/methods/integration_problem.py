@@ -113,8 +113,9 @@ class IntegrationProblem:
         return self.problem.breakpoints(self.span, [str(event.expression) for event in self.events])
 
     def part(
-        self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int
-    ) -> IntegrationProblem:
+        self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int,
+        problem: SimulationProblem | None = None, events: tuple[Event, ...] | None = None,
+    ) -> IntegrationProblem:  # fmt: skip
         """Return the problem of a part of this motion, from a state x = (u, q).
 
         Parameters
@@ -123,6 +124,8 @@ class IntegrationProblem:
             The samples of this part.
         steps_before : int
             How many steps were tried before it.
+        problem, events : optional
+            Other equations, and what is watched there.
         """
         (start, end), progress = self.span, self.progress
         first, length = (span[0] - start) / (end - start or 1.0), (span[1] - span[0]) / (end - start or 1.0)
@@ -131,7 +134,8 @@ class IntegrationProblem:
             return None if progress is None else progress(first + share * length)
 
         return replace(
-            self, x0=np.append(x, 0.0), span=span, times=times, max_steps=self.max_steps - steps_before,
+            self, problem=problem or self.problem, events=self.events if events is None else events,
+            x0=np.append(x, 0.0), span=span, times=times, max_steps=self.max_steps - steps_before,
             progress=None if progress is None else scale, sides=self.sides if span[0] == start else (),
         )  # fmt: skip
 
@@ -154,14 +158,24 @@ class IntegrationProblem:
         if not self.problem.is_closed:
             return None
         function = self.problem.compile_outputs(PROJECTED)
-        projector = make_projector(function, self.eqs, self.problem.scales, method, self.atol)
-        return StateProjector(function, projector, self.rtol, self.tolerances)
+
+        def make() -> Projector:
+            return make_projector(function, self.eqs, self.problem.scales, method, self.atol)
+
+        projector = self.problem.keep(("projector", method, self.atol), make)
+        return StateProjector(function, projector, self.rtol, self.tolerances, method)
 
     def event_watch(self, closing: StateProjector | None) -> EventWatch | None:
         """Return what looks for events, if there are any; states after actions are closed."""
         if not self.events:
             return None
-        functions = EventFunctions(self.problem, self.events, None if closing is None else closing.projector)
+
+        def make() -> EventFunctions:
+            return EventFunctions(self.problem, self.events, None if closing is None else closing.projector)
+
+        key = ("events", self.events, None if closing is None else closing.method, self.atol)
+        is_plain = not self.problem.laws.need_python and not any(event.mapping for event in self.events)
+        functions = self.problem.keep(key, make) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides)
 
     def course(
@@ -201,12 +215,13 @@ class StateFunction:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StateProjector:
-    """Brings states back onto the constraints; `function` keeps the compiled code alive."""
+    """Brings states back onto the constraints, by a method; `function` keeps the compiled code alive."""
 
     function: CompiledFunction
     projector: Projector
     rtol: float
     atol: Floats
+    method: Projection
     _blocks: SingleFlight[None, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def _make_block(self) -> Floats:

@@ -57,6 +57,11 @@ class DenseOutput:
         starts, end = self.pieces[:, 0], self.pieces[-1:, 0] + self.pieces[-1:, 1]
         return np.concatenate([starts, end]).T
 
+    def at_end(self) -> Floats:
+        """Return the state at the end of the last step (n,)."""
+        end: Floats = self.pieces[-1, 0] + self.pieces[-1, 1]
+        return end
+
     def _check_range(self, times: Floats) -> None:
         first, last = sorted((float(self.breaks[0]), float(self.breaks[-1])))
         outside = times[~((times >= first) & (times <= last))]

@@ -1,4 +1,4 @@
-"""Runs of the compiled loop by the generalized-alpha method; see `symbody.kernels.implicit_machine`."""
+"""Runs of the compiled loop by the generalized-alpha method; see `kernels.implicit.implicit_machine`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.kernels import block as at
-from symbody.kernels import implicit_block as beside
+from symbody.kernels.implicit import implicit_block as beside
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import Floats, Record, RightHandSide
 from symbody.simulation.native.machine import address
@@ -107,7 +107,7 @@ class ImplicitRun(NamedTuple):
     projector : int
         The address of what closes the constraints; 0 if nothing does.
     block, array : arrays
-        See `symbody.kernels.block` and `symbody.kernels.implicit_block`.
+        See `symbody.kernels.block` and `symbody.kernels.implicit.implicit_block`.
     """
 
     functions: ImplicitFunctions
@@ -124,9 +124,7 @@ class ImplicitRun(NamedTuple):
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:  # noqa: ARG002
         """Try up to so many steps; return a code of `symbody.kernels.block`. Nothing is watched."""
         show_room(self.block, record)
-        places = (
-            self.block, self.array, record.wanted, record.t, record.x, record.breaks, record.pieces
-        )  # fmt: skip
+        places = (self.block, self.array, *record.arrays)
         slopes, turns, derivatives = (function.address for function in self.functions)
         return implicit_machine().advance_implicit(
             slopes, turns, derivatives, self.projector, *map(address, places), trials

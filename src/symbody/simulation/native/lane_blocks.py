@@ -1,4 +1,4 @@
-"""The block of motions side by side, one in each lane of a register; see `symbody.kernels.lane_block`."""
+"""The block of motions side by side, one in each lane of a register; see `kernels.lanes.lane_block`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
-from symbody.kernels import lane_block as beside
+from symbody.kernels.lanes import lane_block as beside
 from symbody.simulation.native.blocks import method_numbers
 from symbody.simulation.native.description import Floats, RightHandSide
 from symbody.simulation.native.runge_kutta import Tableau

@@ -14,7 +14,7 @@ from symbody.errors import Problem, SimulationError
 from symbody.kernels import block as at
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.description import Floats, Record
+from symbody.simulation.native.description import Floats, LoopCall, Record
 from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.native.segments import HeldValues, Watch
 from symbody.simulation.status import Status
@@ -141,13 +141,13 @@ class NativeRun(NamedTuple):
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         show_room(self.block, record)
+        call = LoopCall(self.rhs, self.projector, self.block, record, trials)
         if watch is not None:
-            return watch.advance(self.rhs, self.projector, self.block, record, trials, self.held)
+            return watch.advance(call, self.held)
         if self.held is not None:
-            return self.held.advance(self.rhs, self.projector, self.block, record, trials)
-        places = (record.wanted, record.t, record.x, record.breaks, record.pieces)
+            return self.held.advance(call)
         return step_machine().advance(
-            self.rhs, self.projector, address(self.block), *map(address, places), trials
+            self.rhs, self.projector, address(self.block), *map(address, record.arrays), trials
         )
 
 

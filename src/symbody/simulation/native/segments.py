@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from symbody.simulation.native.description import Floats, Record
+from symbody.simulation.native.description import Floats, LoopCall, Record
 from symbody.simulation.status import Status
 
 
@@ -38,17 +38,12 @@ class HeldValues(Protocol):
         """Go back to where a motion begins, and show the right-hand side all values."""
         ...
 
-    def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
+    def advance(self, call: LoopCall) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         ...
 
     def advance_watched(
-        self,
-        functions: tuple[int, ...],
-        blocks: tuple[Floats, Floats],
-        record: Record,
-        happened: Floats,
-        trials: int,
+        self, call: LoopCall, functions: tuple[int, ...], watch: Floats, happened: Floats
     ) -> int:
         """Try up to so many steps, and let events happen; return a code of `symbody.kernels.block`."""
         ...
@@ -57,15 +52,7 @@ class HeldValues(Protocol):
 class Watch(Protocol):
     """Lets events happen in the compiled loop."""
 
-    def advance(
-        self,
-        rhs: int,
-        projector: int,
-        block: Floats,
-        record: Record,
-        trials: int,
-        held: HeldValues | None = None,
-    ) -> int:
+    def advance(self, call: LoopCall, held: HeldValues | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         ...
 

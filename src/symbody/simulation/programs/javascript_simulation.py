@@ -21,8 +21,8 @@ from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree
 from symbody.equations.equation_set import EquationSet
-from symbody.kernels import assembly as assembly_block
 from symbody.kernels import block
+from symbody.kernels.configurations import assembly as assembly_block
 from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.programs.motion_request import (
@@ -220,7 +220,7 @@ def _call_numbers(function: ProgramFunction) -> Floats:
 
 
 def _assembly(motion: PosedMotion, function: ProgramFunction) -> Floats:
-    """Return the block of `symbody.kernels.assembly`."""
+    """Return the block of `symbody.kernels.configurations.assembly`."""
     eqs, scales = motion.eqs, motion.integration.problem.scales
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
     count, rows = function.sizes[0], function.sizes[2]

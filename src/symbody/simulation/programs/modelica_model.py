@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.state import State
 from symbody.codegen.compile import compile
@@ -18,8 +18,8 @@ from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.texts.modelica import Declaration, ModelDeclarations, model_text
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.expr.folding import fold_constants
-from symbody.expr.program import written_out
+from symbody.expr.sequences.folding import fold_constants
+from symbody.expr.sequences.program import written_out
 from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
@@ -20,12 +20,12 @@ from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables
-from symbody.simulation.methods.change_point import is_change_point
+from symbody.simulation.methods.closed_loops.change_point import is_change_point
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration_problem import IntegrationProblem
-from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -170,8 +170,11 @@ class PosedMotion:
 
 
 def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> PosedMotion:
-    """Return a motion ready to be written as a program; nothing in it may need Python."""
-    refuse_held(eqs, "a program of its own")
+    """Return a motion ready to be written as a program; nothing in it may need Python.
+
+    Sampled signals have to be inputs that are free.
+    """
+    refuse_held(eqs, "a program of its own", request.free_inputs)
     made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
     if wrench is not None:
         laws = input_laws(made.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)

@@ -13,10 +13,10 @@ from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.sequence_kernel import sequence_kernels
 from symbody.codegen.kernels.tree import KernelTree
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.folding import fold_constants
-from symbody.expr.program import written_out
-from symbody.expr.sequence import Output
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.folding import fold_constants
+from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Output
 from symbody.kernels import block as at
 from symbody.simulation.methods.constraints import PROJECTED, make_projector
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, check_atol, make_goal

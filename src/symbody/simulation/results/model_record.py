@@ -14,7 +14,7 @@ from symbody.equations.outputs.input_formulas import input_formula
 from symbody.expr.parser import parse_angle
 from symbody.formats.native import model_from_toml, model_to_toml
 from symbody.graph.trees import Trees
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.results.provenance import Provenance

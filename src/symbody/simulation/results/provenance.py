@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
@@ -88,7 +89,7 @@ def provenance_of(
     return Provenance(
         eqs.model,
         dict(given),
-        _trees(formed.topology),
+        eqs.plans.get("trees", partial(_trees, formed.topology)),
         formed.dependent_names,
         {name: law for name, law in laws.formulas.items() if name not in own_tables},
         own_tables,

@@ -13,7 +13,7 @@ from symbody.equations.outputs.output_roots import OF_MOTIONS
 from symbody.errors import ExpressionError, Problem, UsageError
 from symbody.expr.graph import TIME, Graph, Symbol, SymbolKind
 from symbody.expr.language.formula import Formula, build
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 
 Floats = NDArray[np.float64]
 

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.native_call import check_status
 from symbody.errors import Problem, UsageError
+from symbody.expr.sequences.sequence import Output
 from symbody.kernels import block as run_at
-from symbody.kernels import sample_block as at
-from symbody.kernels import watch_block as watch_at
+from symbody.kernels.events import watch_block as watch_at
+from symbody.kernels.samples import sample_block as at
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.description import Record, RightHandSide
+from symbody.simulation.native.description import LoopCall, RightHandSide
 from symbody.simulation.native.machine import (
     address,
     advance_sampled,
     advance_sampled_watched,
     sample_kernels,
 )
-from symbody.simulation.sampling.sampler import Sampler
+from symbody.simulation.sampling.sampler import HeldValue, Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
@@ -47,7 +50,7 @@ class SampledLoop:
         self.sampler = sampler
         laws = problem.laws
         self._function = problem.compile_outputs(sampler.formulas)
-        self._check_shapes()
+        check_numbers(sampler.values, self._function.outputs)
         self._callback = CallbackFunction(self._function, laws) if laws.need_python else None
         self._address = self._function.address if self._callback is None else self._callback.address
         self._numbers = function_numbers(
@@ -56,16 +59,6 @@ class SampledLoop:
                 self._function.constants(), self._function.work_size, laws.table_numbers(),
             )
         )  # fmt: skip
-
-    def _check_shapes(self) -> None:
-        pairs = zip(self.sampler.values, self._function.outputs, strict=True)
-        problems = [
-            Problem("signal.no_number", f"signal {value.name}", f"its value has shape {output.shape}",
-                    "a signal is one number at each time", "name one component, such as 'reaction A Fx'")
-            for value, output in pairs if output.shape
-        ]  # fmt: skip
-        if problems:
-            raise UsageError(*problems)
 
     def begin(self, block: Floats) -> None:
         """Go back to where a motion begins, and show the right-hand side all values."""
@@ -95,39 +88,36 @@ class SampledLoop:
         """Set other inputs of the function of new values."""
         self._numbers[run_at.R_PLACE + slots] = values
 
-    def advance(self, rhs: int, projector: int, block: Floats, record: Record, trials: int) -> int:
+    def advance(self, call: LoopCall) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         code = run_at.NO_SAMPLE_ROOM
         while code == run_at.NO_SAMPLE_ROOM:
             own = self.sampler.block, self._numbers
-            arrays = (block, *own, *_places(record), self.sampler.record)
-            code = advance_sampled()(rhs, projector, self._address, *map(address, arrays), trials)
+            arrays = map(address, (call.block, *own, *call.record.arrays, self.sampler.record))
+            code = advance_sampled()(call.rhs, call.projector, self._address, *arrays, call.trials)
             self._make_room(code)
         return code
 
     def advance_watched(
-        self,
-        functions: tuple[int, ...],
-        blocks: tuple[Floats, Floats],
-        record: Record,
-        happened: Floats,
-        trials: int,
+        self, call: LoopCall, functions: tuple[int, ...], watch: Floats, happened: Floats
     ) -> int:
         """Try up to so many steps, and let events happen; return a code of `symbody.kernels.block`.
 
         Parameters
         ----------
-        functions : (5,) int
-            Right-hand side, projector, and those of `kernels.event_watch.look`.
-        blocks : (2,) array
-            Of the run and of the watch.
+        functions : (3,) int
+            Those of `kernels.event_watch.look`.
+        watch : array
+            See `symbody.kernels.events.watch_block`.
         """
-        self._show_watch(blocks[1])
+        self._show_watch(watch)
         code = run_at.NO_SAMPLE_ROOM
         while code == run_at.NO_SAMPLE_ROOM:
             own = self.sampler.block, self._numbers
-            arrays = (*blocks, *own, *_places(record), happened, self.sampler.record)
-            code = advance_sampled_watched()(*functions, self._address, *map(address, arrays), trials)
+            places = (call.block, watch, *own, *call.record.arrays, happened, self.sampler.record)
+            code = advance_sampled_watched()(
+                call.rhs, call.projector, *functions, self._address, *map(address, places), call.trials
+            )
             self._make_room(code)
         return code
 
@@ -150,5 +140,18 @@ class SampledLoop:
         check_status(int(self.sampler.block[at.FAULT]))
 
 
-def _places(record: Record) -> tuple[Floats, ...]:
-    return record.wanted, record.t, record.x, record.breaks, record.pieces
+def check_numbers(values: Sequence[HeldValue], outputs: Sequence[Output]) -> None:
+    """Refuse values that are vectors or matrices.
+
+    Raises
+    ------
+    UsageError
+        Naming them.
+    """
+    problems = [
+        Problem("signal.no_number", f"signal {value.name}", f"its value has shape {output.shape}",
+                "a signal is one number at each time", "name one component, such as 'reaction A Fx'")
+        for value, output in zip(values, outputs, strict=True) if output.shape
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)

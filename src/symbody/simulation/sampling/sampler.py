@@ -1,4 +1,4 @@
-"""`Sampler`: values that are held between samples, as `symbody.kernels.sampling` updates them."""
+"""`Sampler`: values that are held between samples, as `symbody.kernels.samples.sampling` updates them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.kernels import sample_block as at
-from symbody.kernels.sampling import ONE_INSTANT
+from symbody.kernels.samples import sample_block as at
+from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.simulation.inputs.held_law import HeldRecord, places_in
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Sampler:
     Attributes
     ----------
     block : array
-        See `symbody.kernels.sample_block`.
+        See `symbody.kernels.samples.sample_block`.
     record : (room, 1 + m) array
         When samples were taken, and all values from then on.
     """
@@ -174,7 +174,7 @@ class Sampler:
         self._first = self.block.copy()
 
 
-def held_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | None:
+def record_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | None:
     """Return what several samplers recorded, as one record with names in this order; None without any."""
     records = [sampler.samples for sampler in samplers if sampler.values]
     records = [record for record in records if record.t.size]

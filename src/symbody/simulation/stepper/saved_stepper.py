@@ -92,6 +92,7 @@ def kind_of(settings: StepperSettings) -> str:
         eqs.model.name, eqs.state_names, eqs.input_names, eqs.parameter_names, eqs.multiplier_names,
         eqs.identity, settings.held, sorted(laws.items()), settings.integrator, settings.constraints,
         settings.events, settings.rtol, settings.atol, settings.scales, settings.max_steps,
+        *sorted(settings.fmus.items()),
     )  # fmt: skip
     return sha256(repr(fixed).encode()).hexdigest()
 

@@ -15,11 +15,11 @@ from symbody.simulation.hybrid.rate_jumps import may_jump, run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.constraints import Baumgarte, Projection
-from symbody.simulation.methods.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import MotionPlan
-from symbody.simulation.methods.overconstrained import is_overconstrained
-from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import Sampler

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from symbody.analysis.scales import Scales
@@ -12,6 +12,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law, laws_of_tables
 from symbody.simulation.methods.constraints import Baumgarte, Projection
@@ -36,7 +37,7 @@ class StepperSettings:
     t_start : float
         When that is [s].
     held : tuple of str
-        Inputs that steps give.
+        Inputs that are constant in each step: those that steps give, and those that FMUs compute.
     laws : mapping of name to law
         Of other inputs; those without one are 0.
     max_steps : int
@@ -58,6 +59,12 @@ class StepperSettings:
     atol: float | None
     scales: Mapping[str, float] | None
     max_steps: int
+    fmus: Mapping[str, FmuInput] = field(default_factory=dict)
+
+    @property
+    def inputs_of_steps(self) -> tuple[str, ...]:
+        """Inputs that steps give."""
+        return tuple(name for name in self.held if name not in self.fmus)
 
     @property
     def method(self) -> Explicit | FixedStep:
@@ -87,8 +94,8 @@ class Sizes:
 
 def split_inputs(
     eqs: EquationSet, inputs: Mapping[str, Law] | Iterable[str] | None
-) -> tuple[tuple[str, ...], Mapping[str, Law]]:
-    """Return the inputs that steps give, in the order of the equations, and the laws of others.
+) -> tuple[tuple[str, ...], Mapping[str, Law], Mapping[str, FmuInput]]:
+    """Return the inputs that steps hold, in the order of the equations, the laws of others, and FMUs.
 
     Raises
     ------
@@ -112,11 +119,14 @@ def split_inputs(
     if problems:
         raise UsageError(*problems)
     if isinstance(inputs, Mapping):
-        laws = {**laws_of_tables(eqs), **laws, **sampled}
-        return tuple(name for name in eqs.input_names if name not in laws), laws
+        fmus = {name: law for name, law in laws.items() if isinstance(law, FmuInput)}
+        kept = {name: law for name, law in laws.items() if name not in fmus}
+        tables = {name: law for name, law in laws_of_tables(eqs).items() if name not in laws}
+        laws = {**tables, **kept, **sampled}
+        return tuple(name for name in eqs.input_names if name not in laws), laws, fmus
     tables = {name: law for name, law in laws_of_tables(eqs).items() if inputs is None or name not in names}
     held = tuple(name for name in eqs.input_names if name in names and name not in tables)
-    return held, {**tables, **sampled}
+    return held, {**tables, **sampled}, {}
 
 
 def unknown_name(kind: str, name: str, names: Iterable[str], why: str = "") -> Problem:

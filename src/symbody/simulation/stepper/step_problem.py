@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value

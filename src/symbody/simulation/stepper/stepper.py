@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.named_values import check_mappings
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -69,8 +69,8 @@ class Stepper:
     parameters, initial, guess : mapping of name to number or formula
         As for `simulate`.
     inputs : mapping of name to law, or names, optional
-        Laws as for `simulate`: all inputs without one are given by `step`. Or the names of those that are
-        given, the others being 0. By default all are given.
+        Laws as for `simulate`, FMUs among them: those without one are given by `step`. Or the names of those
+        that are given, the others being 0. By default all are given.
     integrator, constraints : optional
         By default ``Explicit()`` and ``Projection()``. With `Stiff`, `GGL` and `Partition`, and where joints
         stick or ropes go slack, each step is a motion of its own, some milliseconds long: see `notes`.
@@ -104,11 +104,11 @@ class Stepper:
             eqs, 0.0, integrator, constraints, initial=initial, guess=guess, parameters=parameters
         )
         duration, start = checked_duration("dt", dt), checked_start(t)
-        held, laws = split_inputs(eqs, inputs)
+        held, laws, fmus = split_inputs(eqs, inputs)
         moving = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
         settings = StepperSettings(
             eqs, moving, duration, dict(initial or {}), dict(guess or {}), start, held, dict(laws),
-            integrator, constraints, check_events(events, eqs), rtol, atol, scales, max_steps,
+            integrator, constraints, check_events(events, eqs), rtol, atol, scales, max_steps, fmus,
         )  # fmt: skip
         own = own_laws(settings, start)
         self._input_notes = (*(f"input {name} has no law and is 0" for name in settings.silent), *own.notes)
@@ -273,7 +273,7 @@ class Stepper:
         others = {**(initial or {}), **values}
         first = first_state(self._settings, self._problem.parameters, others)
         self._numbers.begin(self._settings.t_start, self.dt, state_values(first))
-        self._missing = set(self._settings.held)
+        self._missing = set(self._settings.inputs_of_steps)
         self._steps.restart(others)
         self._take(self._problem, self._steps, self._slow, Status.SUCCESS)
         return self
@@ -340,9 +340,8 @@ class Stepper:
         places = {name: stepping.STATE_AT + names.index(name) for name in names}  # the first of equal ones
         self._state_places = places | {"t": stepping.NOW}
         first = stepping.STATE_AT + len(names)
-        held = self._settings.held
-        self._places = {name: first + k for k, name in enumerate(self._names) if name in held}
-        self._missing = set(held)
+        self._missing = set(self._settings.inputs_of_steps)
+        self._places = {name: first + k for k, name in enumerate(self._names) if name in self._missing}
 
     def _use(self, parameters: Mapping[str, Value], sizes: Sizes | None, moved: State | None = None) -> None:
         """Go on with values of parameters from the present state, or from where it moved."""

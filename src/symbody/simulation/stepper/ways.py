@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from symbody.errors import Problem, SimulationError
 from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps
+from symbody.simulation.stepper.fmu_steps import FmuSteps
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.separate_motions import SeparateMotions, why_separate
 from symbody.simulation.stepper.step_problem import StepProblem
@@ -12,6 +13,11 @@ from symbody.simulation.stepper.watched_steps import WatchedSteps
 
 def steps_of(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
     """Return what takes the steps of a problem, and a note on why they are slow where they are."""
+    steps, notes = _plain_steps(problem, numbers)
+    return (FmuSteps(steps, problem, numbers) if problem.settings.fmus else steps), notes
+
+
+def _plain_steps(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
     reason = why_separate(problem, numbers)
     if reason:
         return SeparateMotions(problem, numbers), (f"each step is a motion of its own, slow: {reason}",)

@@ -26,7 +26,7 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.values import formula_function
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.numbers import as_float
 from symbody.simulation.sweeps.case_table import CaseTable
 

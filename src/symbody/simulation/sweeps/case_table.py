@@ -16,7 +16,7 @@ from symbody.codegen.formation.names import Value
 from symbody.errors import ExpressionError, Problem, UsageError
 from symbody.expr.language.formula import Formula
 from symbody.expr.parser import parse_angle
-from symbody.model.arguments import plain_value
+from symbody.model.declarations.arguments import plain_value
 from symbody.model.numbers import as_float, formula_value
 
 Floats = NDArray[np.float64]

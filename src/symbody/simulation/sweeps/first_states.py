@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import consistent_start
+from symbody.analysis.configurations.assembly import consistent_start
+from symbody.analysis.configurations.plain_assembly import is_plain, plain_assembly, plain_function
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_function
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
-from symbody.analysis.plain_assembly import is_plain, plain_assembly, plain_function
 from symbody.analysis.scales import Scales
 from symbody.analysis.signal_values import without_signals
 from symbody.codegen.formation.names import Value

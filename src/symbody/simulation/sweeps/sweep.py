@@ -22,9 +22,9 @@ from symbody.kernels import block as at
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables, silent_input_note
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
-from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
-from symbody.kernels import watch_block as watch_at
-from symbody.kernels import watched_cases as loop_at
+from symbody.kernels.events import watch_block as watch_at
+from symbody.kernels.events import watched_cases as loop_at
 from symbody.simulation.events.event_watch import value_notes
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block, with_cut_fit

@@ -16,14 +16,14 @@ from PIL import Image
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.storage import new_file_mode
-from symbody.visual.film.animated_images import frame_delays, shared_palette, write_gif
-from symbody.visual.film.axes_drawing import draw_on_axes, figure_of
 from symbody.visual.film.drawing import Bytes, Drawing
-from symbody.visual.film.ffmpeg import ffmpeg_program, write_video
+from symbody.visual.film.files.animated_images import frame_delays, shared_palette, write_gif
+from symbody.visual.film.files.axes_drawing import draw_on_axes, figure_of
+from symbody.visual.film.files.ffmpeg import ffmpeg_program, write_video
+from symbody.visual.film.files.raster import pixels_of
+from symbody.visual.film.files.svg import svg_text
 from symbody.visual.film.labels import Offsets
-from symbody.visual.film.raster import pixels_of
 from symbody.visual.film.studio import Look, Studio, make_studio
-from symbody.visual.film.svg import svg_text
 from symbody.visual.scene.scene import Scene, SceneMotion
 
 Report = Callable[[float], bool | None]

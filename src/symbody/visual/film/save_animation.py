@@ -17,8 +17,8 @@ from symbody.model.model import Model
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.film.animated_images import FASTEST
 from symbody.visual.film.facets import Floats
+from symbody.visual.film.files.animated_images import FASTEST
 from symbody.visual.film.pictures import STILLS, file_kind, write_film, write_still
 from symbody.visual.film.studio import Look
 from symbody.visual.scene import make_motion, make_scene

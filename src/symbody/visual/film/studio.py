@@ -23,10 +23,10 @@ from symbody.visual.film.camera import View, fit_camera
 from symbody.visual.film.drawing import Drawing, Mark
 from symbody.visual.film.facets import Floats
 from symbody.visual.film.labels import Box, Offsets, named_points, place_labels
-from symbody.visual.film.layer import Grid
-from symbody.visual.film.painting import Backdrop, make_backdrop, paint
 from symbody.visual.film.palette import DARK, LIGHT, Paper, body_color
 from symbody.visual.film.stage import BodyPlaces, Stage, extent, make_stage, pose_at, stage_at
+from symbody.visual.film.surfaces.layer import Grid
+from symbody.visual.film.surfaces.painting import Backdrop, make_backdrop, paint
 from symbody.visual.scene.scene import Anchor, Scene, SceneMotion, VectorKind
 
 POINTS_PER_PIXEL: Final = 0.75  # 96 pixels and 72 points are an inch

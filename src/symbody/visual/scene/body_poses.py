@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from symbody.graph.linear_graph import Edge, breadth_first
 from symbody.model.model import Model
 from symbody.model.naming import GROUND
 
@@ -71,13 +71,13 @@ class Chain:
 def chain_of(model: Model, names: Sequence[str], inside: Collection[str] | None = None) -> Chain:
     """Return bodies with their neighbours on the way to ground, along joints `inside` both trees."""
     places = {name: k for k, name in enumerate(names)}
-    net = nx.Graph()
-    net.add_nodes_from([GROUND, *names])
-    for joint in model.joints:
-        if inside is None or joint.name in inside:
-            net.add_edge(joint.start.body, joint.end.body)
+    edges = [
+        Edge(joint.name, joint.start.body, joint.end.body)
+        for joint in model.joints
+        if inside is None or joint.name in inside
+    ]
     parents, order = [-1] * len(names), []
-    for parent, body in nx.bfs_edges(net, GROUND):
+    for parent, _, body in breadth_first(edges, GROUND):
         parents[places[body]] = places.get(parent, -1)
         order.append(places[body])
     reached = {*order}

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.arguments import checked_arguments
-from symbody.model.arguments import Value
 from symbody.model.constraints.points import (
     Distance,
     PointOnCurve,
@@ -20,6 +19,7 @@ from symbody.model.constraints.points import (
     PointOnSurface,
 )
 from symbody.model.constraints.rolling import KnifeEdge, Rolling
+from symbody.model.declarations.arguments import Value
 from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.loads.forces import SpringDamper

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 
 from symbody.errors import ExpressionError, nearest
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Constant, Graph, Symbol
 from symbody.expr.language.formula import Formula, build
-from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.model.arguments import Arguments, Value
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
+from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.model import Model
 from symbody.model.numbers import as_float, formula_value
 from symbody.model.parameters import dependence_order

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.state import State
 from symbody.codegen.compile import compile
 from symbody.equations.equation_set import EquationSet

@@ -20,7 +20,7 @@ from symbody.expr.printing.mathml_column import mathml_column
 from symbody.expr.printing.mathml_tables import math_element
 from symbody.expr.rewrite import tree_sizes
 from symbody.model.model import Model, resolve_parameters
-from symbody.simulation.methods.change_point import change_point_note
+from symbody.simulation.methods.closed_loops.change_point import change_point_note
 from symbody.simulation.programs.javascript_simulation import (
     PointerSpring,
     SimulationText,

@@ -9,8 +9,8 @@ from symbody.expr.graph import Constant
 from symbody.formats.urdf.building.lumping import Lump, in_link_axes
 from symbody.formats.urdf.file.placement import FramePlacement, numeral, total
 from symbody.formats.urdf.file.robot import Robot
-from symbody.model.arguments import Value
 from symbody.model.body import Body
+from symbody.model.declarations.arguments import Value
 from symbody.model.frame import Frame
 from symbody.model.inertia import is_possible_inertia
 from symbody.model.shapes import BodyShape

@@ -15,7 +15,7 @@ from symbody.formats.urdf.building.conversion import Parts, convert_robot
 from symbody.formats.urdf.building.loops import NO_LOOPS, Loops, read_loops
 from symbody.formats.urdf.file.robot import Robot
 from symbody.formats.urdf.file.robot_reading import robot_from_text
-from symbody.model.arguments import Value
+from symbody.model.declarations.arguments import Value
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import Model

@@ -13,8 +13,8 @@ from symbody.formats.urdf.writing.poses import UrdfPose, frame_pose
 from symbody.formats.urdf.writing.tree_joints import Hung, hang_joints, unsupported_problems
 from symbody.formats.urdf.writing.values import Values
 from symbody.formats.writing import write_text
-from symbody.model.arguments import Value
 from symbody.model.body import Body
+from symbody.model.declarations.arguments import Value
 from symbody.model.element import FrameRef
 from symbody.model.model import Model
 from symbody.model.shapes import BodyShape, Box, Cone, Mesh, Sphere

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.formats.urdf.file.placement import numeral
-from symbody.model.arguments import Value
+from symbody.model.declarations.arguments import Value
 from symbody.model.model import Model, resolve_parameters
 from symbody.model.numbers import as_float, formula_value
 

@@ -6,9 +6,9 @@ from fractions import Fraction
 from math import factorial
 from typing import ClassVar, Final, final
 
-from symbody.model.arguments import Arguments
-from symbody.model.fields import OptionalQuantity, Quantity
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.fields import OptionalQuantity, Quantity
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
 from symbody.model.signals.blocks.transfer_function import realize

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar, final
 
-from symbody.model.arguments import Arguments
-from symbody.model.fields import OptionalQuantity, Quantity
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.fields import OptionalQuantity, Quantity
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import NamedGains, OutputLimits, block
 from symbody.model.signals.signal import Signal, check_sample

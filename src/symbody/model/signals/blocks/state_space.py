@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.arguments import Arguments
-from symbody.model.fields import OptionalQuantity
-from symbody.model.formula_site import Scope
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.fields import OptionalQuantity
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import Coefficients, MatrixRows, Rows, block
 from symbody.model.signals.signal import Signal, check_sample

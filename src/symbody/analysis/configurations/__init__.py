@@ -1,0 +1,1 @@
+"""Configurations that fulfil the constraints: assembly, closed forms, ranges, ropes that pull."""

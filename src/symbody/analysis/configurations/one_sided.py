@@ -1,0 +1,198 @@
+"""`settled`: which ropes pull and which dry joints stick at a state, so that all that is assumed holds.
+
+A rope at its length pulls, or its ends do not move apart; a joint at rest is held within its static limit, or
+slips in its direction. Of all combinations the first that fits is taken, held elements before loose ones, as
+in `simulate`. Whatever follows from its equations holds for small deviations, unless an element stands at the
+edge between two of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import islice, product
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.accelerations import complete_state
+from symbody.analysis.configurations.ropes import AT_LENGTH, slackness, with_taut
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.state import State
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
+from symbody.errors import AssemblyError, SimulationError
+from symbody.tolerances import AT_REST, BALANCED
+
+Floats = NDArray[np.float64]
+Modes = dict[str, int]
+
+_SLACK: Final = 2  # beside the modes of joints: sticking and the signs of slipping
+_TAUT: Final = 3
+_MOST_TRIED: Final = 81  # modes of four joints at rest
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OneSidedState:
+    """The modes of ropes and dry joints at a state.
+
+    Attributes
+    ----------
+    eqs : EquationSet
+        With the constraints of ropes that pull and joints that stick.
+    state : State
+        With their accelerations and multipliers.
+    notes : tuple of str
+        The mode of each element.
+    edges : tuple of str
+        Elements that could do either: what holds on one side of the state does not hold on the other.
+    """
+
+    eqs: EquationSet
+    state: State
+    notes: tuple[str, ...] = ()
+    edges: tuple[str, ...] = ()
+
+
+def settle(eqs: EquationSet, state: State) -> OneSidedState:
+    """Return the modes of ropes and dry joints at a state of these equations."""
+    search = _search(eqs, state)
+    if all(ways == (None,) for ways in search.ways.values()):
+        return OneSidedState(eqs, state)
+    first: OneSidedState | None = None
+    for modes in search.candidates():
+        found = search.try_modes(modes)
+        if found is None:
+            continue
+        sides, fits = found
+        if fits:
+            return sides
+        first = first or sides
+    names = tuple(search.ways)
+    note = f"{', '.join(names)}: no combination of taut, slack, sticking and slipping holds at this state"
+    kept = first or OneSidedState(eqs, state)
+    return OneSidedState(kept.eqs, kept.state, (note,), names)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _ModeSearch:
+    """The elements of a state and the modes each may have; None leaves a joint that slips to its own law."""
+
+    eqs: EquationSet
+    state: State
+    q: Floats
+    u: Floats
+    length: float
+    ropes: frozenset[str]
+    ways: Mapping[str, tuple[int | None, ...]]
+
+    def candidates(self) -> Iterator[Modes]:
+        """Return combinations of modes, those that hold most first."""
+        for choice in islice(product(*self.ways.values()), _MOST_TRIED):
+            yield {name: mode for name, mode in zip(self.ways, choice, strict=True) if mode is not None}
+
+    def try_modes(self, modes: Modes) -> tuple[OneSidedState, bool] | None:
+        """Return the state in some modes, and whether these hold; None where no accelerations exist."""
+        held = self._equations(modes)
+        state, signals = self.state, np.array(list(self.state.s.values()), dtype=np.float64)
+        evaluator = constraint_evaluator(held, state.parameters, state.inputs, state.t, signals=signals)
+        try:
+            state = complete_state(evaluator, self.q, self.u, self.q, {})
+        except (AssemblyError, SimulationError):
+            return None
+        scales = self._scales(evaluator, state)
+        watched = {name: self._watched(name, mode) for name, mode in modes.items()}
+        values = state.values_of(tuple(watched.values()))
+        notes, edges, fits = [], [], True
+        for name, mode in modes.items():
+            surplus, note = self._surplus(float(values[watched[name]]), name, mode)
+            limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
+                             scales[1] * self.unit(name))  # fmt: skip
+            has_choice = len(self.ways[name]) > 1
+            fits &= not has_choice or bool(surplus >= -limit)
+            notes.append(note)
+            if has_choice and abs(surplus) <= limit:
+                edges.append(name)
+                notes.append(f"{self._element(name)} changes over at this state: what is said of small "
+                             "deviations holds on one side of it at most")  # fmt: skip
+        return OneSidedState(held, state, tuple(notes), tuple(edges)), fits
+
+    def _equations(self, modes: Modes) -> EquationSet:
+        """Return the equations in some modes."""
+        slack = [name for name in self.ropes if modes.get(name) != _TAUT]
+        held = with_taut(self.eqs, [name for name in self.ropes if name not in slack])
+        joints = {name: mode for name, mode in modes.items() if name not in self.ropes}
+        if not joints:
+            return held
+        # Kept with the equations, as their code is: who linearizes looks at the same modes again.
+        settled: EquationSet = held.plans.get(
+            ("modes of joints", tuple(joints.items())),
+            lambda: EquationSet(held.model, set_modes(held.formed, joints), held.notes),
+        )
+        return settled
+
+    def _watched(self, name: str, mode: int) -> str:
+        """Return the output whose value decides whether a mode holds."""
+        if mode in (_TAUT, _SLACK):
+            return f"rope_tension {name}" if mode == _TAUT else f"rope_slack_ddot {name}"
+        return f"friction_reserve {name}" if mode == STICKS else f"{self.coordinate(name)}_ddot"
+
+    def _surplus(self, value: float, name: str, mode: int) -> tuple[float, str]:
+        """Return a number that is positive where a mode holds, and the mode in a sentence."""
+        if mode == _TAUT:
+            return value, f"rope {name} is taut with {value + 0.0:.6g} N: it constrains small deviations"
+        if mode == _SLACK:
+            return value, f"rope {name} is slack: it constrains nothing"
+        if mode == STICKS:
+            return value, (
+                f"joint {name} sticks, {value:.6g} below its static limit: it is held, and every place "
+                "where it sticks is an equilibrium along it"
+            )
+        way = "forward" if mode > 0 else "backward"
+        return mode * value, f"joint {name} begins to slip {way}"
+
+    def unit(self, name: str) -> float:
+        """Return the size of displacements of an element: a length, or 1 for an angle."""
+        slides = name in self.ropes or self.eqs.units.get(self.coordinate(name)) == "m"
+        return self.length if slides else 1.0
+
+    def coordinate(self, joint: str) -> str:
+        """Return the coordinate along which a joint slips."""
+        return next(law.coordinate for law in self.eqs.formed.friction if law.joint.name == joint)
+
+    def _element(self, name: str) -> str:
+        return f"rope {name}" if name in self.ropes else f"the friction of joint {name}"
+
+    @staticmethod
+    def _scales(evaluator: ConstraintEvaluator, state: State) -> tuple[float, float]:
+        """Return the largest work of a force [J] and the largest acceleration [1/s^2], in sizes."""
+        work = np.abs(np.ravel(state["forcing"])) * evaluator.speed_sizes
+        reactions = np.abs(list(state.multipliers.values())) * evaluator.mechanism.constraints(evaluator.eqs)
+        rates = np.abs(list(state.udot.values())) / evaluator.speed_sizes
+        return max(work.max(initial=0.0), reactions.max(initial=0.0)), float(rates.max(initial=0.0))
+
+
+def _search(eqs: EquationSet, state: State) -> _ModeSearch:
+    """Return the elements of a state, each with the modes that its position and rate leave."""
+    q, u = (np.array(list(values.values())) for values in (state.q, state.u))
+    cords, joints = ropes(eqs.formed), switching_joints(eqs.formed)
+    ways: dict[str, tuple[int | None, ...]] = {}
+    if not cords and not joints:
+        return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), ways)
+    evaluator = constraint_evaluator(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
+    small = AT_REST * float(np.abs(u / evaluator.speed_sizes).max(initial=1.0 / evaluator.mechanism.time))
+    if cords:
+        rows = {row.element for row in eqs.formed.rows}
+        for name, share in slackness(evaluator, q).items():
+            rate = float(evaluator.compile(f"rope_slack_dot {name}")(evaluator.t, q, u))
+            at_length = (
+                name in rows and share <= AT_LENGTH and abs(rate) <= small * evaluator.mechanism.length
+            )
+            ways[name] = (_TAUT, _SLACK) if at_length else (_SLACK,)
+    search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, frozenset(cords), ways)
+    for name in joints:
+        rate = abs(float(state[f"{search.coordinate(name)}_dot"]))
+        ways[name] = (STICKS, 1, -1) if rate <= small * search.unit(name) else (None,)
+    return search

@@ -1,0 +1,1 @@
+"""Which expressions are equal: values at random points of a finite field, and what is merged by them."""

@@ -1,0 +1,1 @@
+"""From the graph to numbers: straight lines of operations, and their evaluation in Python."""

@@ -1,0 +1,195 @@
+"""`make_program`: forms all functions of an FMU."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from symbody.analysis.derivatives import with_outputs
+from symbody.codegen.formation.names import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, UsageError
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.fmu.conditions import OUTPUT, Condition, condition_output, find_conditions
+from symbody.fmu.freezing import Branches
+from symbody.fmu.functions import ModelFunction, make_function
+from symbody.fmu.modes import ModalEquations, modal_equations
+from symbody.fmu.parameters import FmuParameters
+from symbody.fmu.program import FUNCTION, SPAN, FmuProgram, Method
+from symbody.fmu.samples import FmuSamples, fmu_samples
+from symbody.simulation.events.events import Event
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.hybrid.switching import switches
+from symbody.simulation.inputs.input_laws import input_laws
+from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
+from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
+from symbody.simulation.sampling.sampled_loop import check_numbers
+
+ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
+RTOL: Final = 1e-8
+RTOL_2: Final = 1e-5  # of a method of order 2
+_POINTS: Final = 3  # at which conditions are recognized
+
+
+def make_program(
+    eqs: EquationSet, outputs: Sequence[str], initial: Mapping[str, Value], parameters: FmuParameters,
+    events: tuple[Event, ...], constraints: Projection | Baumgarte | None,
+    integrator: Method | None,
+) -> FmuProgram:  # fmt: skip
+    """Return a mechanism as functions and numbers.
+
+    Raises
+    ------
+    UsageError
+        If the motion needs Python.
+    """
+    samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
+    _check_motion(eqs, integrator, constraints, events, samples)
+    request = MotionRequest(
+        initial={name: value for name, value in initial.items() if name not in samples.names},
+        parameters=parameters.given, tunable=parameters.arguments, free_inputs=eqs.input_names,
+        integrator=integrator, span=(0.0, SPAN), is_pulled=False,
+        rtol=RTOL_2 if isinstance(integrator, GeneralizedAlpha) else RTOL,
+        constraints=constraints if isinstance(constraints, Projection) else None,
+    )  # fmt: skip
+    motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
+    modal = modal_equations(eqs)
+    eqs = modal.eqs
+    stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
+    stabilized = stabilizing.applied(eqs) if eqs.multiplier_names else eqs
+    conditions = find_conditions(eqs)
+    functions = _Functions(parameters, modal.arguments, len(conditions))
+    sides = with_outputs(eqs, [condition_output(conditions)])
+    branches = functions.branches(motion, sides, conditions)
+    shown = modal.outputs(outputs)
+    made = {
+        "motion": functions.make(eqs, "motion", ["xdot"]),
+        "slope": functions.make(stabilized, "slope", ["xdot"], branches),
+        "output": functions.make(eqs, "output", ["constraints", "energy", *shown], branches),
+    }
+    if motion.is_closed or eqs.multiplier_names:
+        made["projection"] = functions.make(eqs, "projection", PROJECTED)
+        made["assembly"] = functions.make(eqs, "assembly", ASSEMBLED)
+    if isinstance(integrator, GeneralizedAlpha):
+        made["turn"] = functions.make(eqs, "turn", ["qdot"])
+        made["jacobian"] = functions.make(with_state_jacobian(eqs, {}), "jacobian", [STATE_JACOBIAN])
+    if eqs.state_names:
+        by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
+        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches)
+        slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *shown)]
+        made["sensitivities"] = functions.make(eqs, "sensitivities", slopes, branches)
+    if conditions:
+        made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
+    made |= _functions_of_modes(functions, modal) | _functions_of_events(functions, modal, events)
+    if samples.values:
+        made |= _functions_of_samples(functions, modal, samples)
+        parameters = parameters.with_fixed(made["periods"].sequence)
+    if parameters.calculated:
+        calculated = [f"({name})" for name in parameters.calculated]
+        made["parameters"] = functions.make(eqs, "parameters", calculated)
+    return FmuProgram(
+        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples,
+        integrator or Explicit(),
+    )  # fmt: skip
+
+
+def _functions_of_modes(functions: _Functions, modal: ModalEquations) -> dict[str, ModelFunction]:
+    made = {}
+    if modal.elements:
+        made["measures"] = functions.make(modal.eqs, "measures", modal.measures)
+    if any(element.is_rope for element in modal.elements):
+        made["mass"] = functions.make(modal.eqs, "mass", ["mass_matrix"])
+    return made
+
+
+def _functions_of_events(
+    functions: _Functions, modal: ModalEquations, events: tuple[Event, ...]
+) -> dict[str, ModelFunction]:
+    made = {}
+    if events:
+        watched = modal.outputs(str(event.expression) for event in events)
+        made["indicators"] = functions.make(modal.eqs, "indicators", watched)
+    actions = [str(value) for event in events for value in event.mapping.values()]
+    if actions:
+        made["action"] = functions.make(modal.eqs, "action", actions)
+    return made
+
+
+def _functions_of_samples(
+    functions: _Functions, modal: ModalEquations, samples: FmuSamples
+) -> dict[str, ModelFunction]:
+    values = functions.make(modal.eqs, "samples", modal.outputs(samples.formulas))
+    check_numbers(samples.values, values.sequence.outputs)
+    periods = functions.make(modal.eqs, "periods", [f"({period})" for period in samples.periods])
+    return {"samples": values, "periods": periods}
+
+
+@dataclass(frozen=True, slots=True)
+class _Functions:
+    """Makes functions of the same parameters, behind which p holds modes and the sides of conditions."""
+
+    parameters: FmuParameters
+    modes: tuple[str, ...]
+    condition_count: int
+
+    def make(
+        self, eqs: EquationSet, name: str, outputs: Sequence[str], branches: Branches | None = None
+    ) -> ModelFunction:
+        given = self.parameters
+        arguments = (*given.arguments, *self.modes)
+        values = np.concatenate([given.values, np.zeros(len(self.modes) + self.condition_count)])
+        return make_function(
+            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, arguments, values, branches
+        )
+
+    def branches(
+        self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...]
+    ) -> Branches | None:
+        """Return the branches with what decides them, at some points about the first state."""
+        if not conditions:
+            return None
+        sequence = self.make(sides, "sides", [OUTPUT]).sequence
+        n_u, n_r = len(sides.speed_names), len(sides.input_names)
+        x, p = motion.integration.state, [*self.parameters.values.tolist(), *[0.0] * len(self.modes)]
+        points = []
+        for k in range(_POINTS):
+            moved = [float(value) + math.sin(1.0 + 7.0 * k + i) for i, value in enumerate(x)]
+            r = [math.cos(2.0 + 5.0 * k + i) for i in range(n_r)]
+            points.append({"t": [0.37 + k], "q": moved[n_u:], "u": moved[:n_u], "r": r, "p": p})
+        values = tuple(tuple(evaluate_sequence(sequence, point)[0]) for point in points)
+        are_floors = tuple(condition.is_floor for condition in conditions)
+        return Branches(tuple(points), values, are_floors, len(p))
+
+
+def _check_motion(
+    eqs: EquationSet, integrator: object, constraints: object, events: tuple[Event, ...], samples: FmuSamples
+) -> None:
+    reasons = {
+        f"{type(integrator).__name__} takes its steps in Python": not isinstance(integrator, Method | None),
+        f"{type(integrator).__name__} does not sample {', '.join(samples.names)}": bool(samples.values)
+        and isinstance(integrator, GeneralizedAlpha),
+        f"{type(constraints).__name__} takes its steps in Python": not isinstance(
+            constraints, Projection | Baumgarte | None
+        ),
+        "prescribed rates may jump": may_jump(eqs),
+        "dependent speeds are watched": bool(
+            eqs.formed.elimination is not None and eqs.formed.elimination.pivots
+        ),
+        "an event sets new values where joints stick and slip, or ropes slacken": switches(eqs.formed)
+        and any(event.mapping for event in events),
+    }
+    reason = "; ".join(reason for reason, holds in reasons.items() if holds)
+    if reason:
+        raise UsageError(
+            Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
+                    "an FMU computes without Python",
+                    "prescribe motions without corners; give sb.Explicit(), sb.FixedStep(..), or without "
+                    "samples sb.GeneralizedAlpha(..); sb.Projection() or sb.Baumgarte()")
+        )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Kernels for states that fulfil the constraints: assembly, first state, projection."""

@@ -1,0 +1,212 @@
+"""How values that are zero where a smooth motion begins leave zero: no event, unless they come back."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symbody.kernels.events.event_location import TOUCHING, add_root, add_zero, find_extremum, sign, value_at
+from symbody.kernels.events.event_slopes import (
+    ROUNDED,
+    rounding_error,
+    slope_along,
+    take_rates_of_step,
+)
+from symbody.kernels.events.watch_block import (
+    AT_ZERO,
+    BAND,
+    CAME,
+    CURRENT,
+    EVENT_SIZE,
+    EVENTS,
+    FIRST_STEP,
+    G_LAST,
+    GOES_THROUGH,
+    HIT,
+    JUST_HAPPENED,
+    LARGEST,
+    LEAF,
+    LEAF_VALUES,
+    LEAVES,
+    MOST,
+    MOST_RECENT,
+    NO_NUMBER,
+    NO_NUMBER_TIME,
+    PEAK,
+    RATE_KNOWN,
+    RECENT,
+    RECENT_COUNT,
+    REPEATS,
+    RESOLUTION,
+    ROUNDING,
+    SCRATCH,
+    SEEN,
+    SLOPE_BEFORE,
+    STATES,
+    STEP_NODES,
+    T_BEFORE,
+    T_LAST,
+    TABLE,
+    WRAPS,
+)
+from symbody.kernels.language import Function, Reals, part
+from symbody.kernels.step_bounds import EPSILON
+
+AWAY: Final = 1e-6  # of the largest value so far, and of time and states
+SLIGHT: Final = 3e-13  # a slope that is rounding of the one before an action
+LOWEST: Final = 2.0  # so many roundings of a value are not a bounce
+BOUNCES: Final = 1e4  # a slope so many times the least that shows is not lost in a bounce
+ROUNDED_TIMES: Final = 8.0  # so many roundings of a time
+BESIDE_ZERO: Final = 2.2250738585072014e-308  # a value that stands on one side of zero alone
+
+
+def settle_start(e: Function, W: Reals) -> None:
+    """Mark the events whose value is zero at the start of a smooth motion, up to rounding.
+
+    A value whose motion was interrupted just before its zero, by a sample or the end of a step, is on its way
+    there.
+    """
+    m = int(W[EVENTS])
+    n = int(W[STATES])
+    leaf = part(W, int(W[LEAF]), LEAF_VALUES + m * STEP_NODES)
+    state = part(W, int(W[SCRATCH]) + 2 * n, n)
+    for i in range(m):
+        row = int(W[TABLE]) + EVENT_SIZE * i
+        first = leaf[LEAF_VALUES + i * STEP_NODES]
+        largest = 0.0
+        for k in range(STEP_NODES):
+            largest = max(largest, abs(leaf[LEAF_VALUES + i * STEP_NODES + k]))
+        W[row + HIT] = 0.0
+        W[row + AT_ZERO] = 0.0
+        W[row + PEAK] = 0.0
+        W[row + ROUNDING] = 0.0
+        if W[row + JUST_HAPPENED] != 0.0:
+            error = rounding_error(e, W, i, leaf[0], first, state)
+            W[row + ROUNDING] = ROUNDED * error
+            W[row + BAND] = max(ROUNDED * error, 2.0 * abs(first))
+            W[row + AT_ZERO] = 1.0 - was_moved_away(first, max(largest, W[row + LARGEST]), error)
+        elif W[row + GOES_THROUGH] != 0.0:
+            settle_side(e, W, i, leaf[0], first, state)
+        elif first == 0.0:  # steps may begin so short that only rounding changes the value
+            W[row + BAND] = ROUNDED * rounding_error(e, W, i, leaf[0], first, state)
+            W[row + AT_ZERO] = 1.0
+        elif abs(first) <= TOUCHING * largest:
+            if abs(first) <= rounding_error(e, W, i, leaf[0], first, state):
+                W[row + BAND] = 2.0 * abs(first)
+                W[row + AT_ZERO] = 1.0
+
+
+def settle_side(e: Function, W: Reals, place: int, t: float, first: float, state: Reals) -> None:
+    """Keep a value on the side of zero where it was, unless it has jumped through: then it has a zero there.
+
+    A value that differs by rounding alone has not jumped. Angles jump by whole turns.
+    """
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    if W[row + GOES_THROUGH] * first < 0.0:
+        if abs(first) > rounding_error(e, W, place, t, first, state):
+            W[row + GOES_THROUGH] = 0.0
+            if W[row + WRAPS] == 0.0:
+                add_zero(W, t, place, sign(first))
+
+
+def was_moved_away(first: float, largest: float, error: float) -> float:
+    """Return 1 if an action moved the value of its own event off zero, such as one that resets, else 0.
+
+    What is left of a zero that was located, or of loops that were closed again, is smaller.
+    """
+    if abs(first) <= AWAY * largest or abs(first) <= AWAY / TOUCHING * error:
+        return 0.0
+    return 1.0
+
+
+def begin_samples(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
+    """Take the first sample of a smooth motion; values that are zero there have to leave zero."""
+    m = int(W[EVENTS])
+    leaf = part(W, int(W[LEAF]), LEAF_VALUES + m * STEP_NODES)
+    W[T_LAST] = leaf[0]
+    W[T_BEFORE] = leaf[0]
+    W[SEEN] = 1.0
+    if W[RATE_KNOWN] == 0.0:
+        take_rates_of_step(W, breaks, pieces)
+    for i in range(m):
+        row = int(W[TABLE]) + EVENT_SIZE * i
+        W[row + G_LAST] = leaf[LEAF_VALUES + i * STEP_NODES]
+        note_value(W, i, leaf[0], W[row + G_LAST])
+        if W[row + GOES_THROUGH] != 0.0 and W[row + GOES_THROUGH] * W[row + G_LAST] <= 0.0:
+            W[row + G_LAST] = W[row + GOES_THROUGH] * BESIDE_ZERO
+        if W[row + AT_ZERO] != 0.0:
+            W[row + G_LAST] = 0.0
+            W[row + LEAVES] = find_way_out(e, W, i, leaf[0], breaks[int(W[CURRENT]) + 1])
+        W[row + LARGEST] = max(W[row + LARGEST], abs(W[row + G_LAST]))
+    W[RATE_KNOWN] = 0.0
+
+
+def note_value(W: Reals, place: int, t: float, value: float) -> None:
+    """Note when a value is first no number."""
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    if value != value and W[row + NO_NUMBER] == 0.0:
+        W[row + NO_NUMBER] = 1.0
+        W[row + NO_NUMBER_TIME] = t
+
+
+def find_way_out(e: Function, W: Reals, place: int, t: float, end: float) -> float:
+    """Return the direction in which a value leaves zero, 0 if it has none of first order.
+
+    Before it has left, it may change by what times are rounded.
+    A slope that an action has made zero may be rounding of the one before. Where bounces are so low that
+    slopes do not show any more, the value is to go back where it came from.
+    """
+    n = int(W[STATES])
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    slope = slope_along(e, W, place, t, part(W, int(W[SCRATCH]) + 2 * n, n), abs(end - t))
+    W[row + BAND] = max(W[row + BAND], ROUNDED_TIMES * EPSILON * abs(t) * abs(slope))
+    if W[row + JUST_HAPPENED] == 0.0 or W[RATE_KNOWN] == 0.0:
+        return sign(slope)
+    before = abs(W[row + SLOPE_BEFORE])
+    if slope != 0.0 and abs(slope) <= SLIGHT * before:
+        return 0.0
+    if slope == 0.0 and W[row + REPEATS] != 0.0 and before <= BOUNCES * W[RESOLUTION]:
+        return -W[row + CAME]
+    return sign(slope)
+
+
+def leave_zero(
+    e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, t: float, value: float
+) -> float:
+    """Return the value of a sample, 0 as long as it has not left the zero where its smooth motion began.
+
+    A value that leaves zero upwards and then stands below has come back in between.
+    """
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    if abs(value) <= W[row + BAND]:
+        return 0.0
+    if value != value:
+        return value
+    W[row + AT_ZERO] = 0.0
+    if W[row + LEAVES] * value < 0.0:
+        find_missed_return(e, W, breaks, pieces, place, t)
+    return value
+
+
+def find_missed_return(e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, end: float) -> None:
+    """Add the zero at which a value came back between the start of a smooth motion and a sample.
+
+    Where that return is rounding, or less than the integrator tolerates, it counts if the event has just
+    happened: its action leads back at once, which is chattering already.
+    """
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    begin = breaks[int(W[FIRST_STEP])]
+    side = W[row + LEAVES]
+    samples = part(W, int(W[LEAF]) + LEAF_VALUES + place * STEP_NODES, STEP_NODES)
+    largest = 0.0
+    for k in range(STEP_NODES):
+        largest = max(largest, abs(samples[k]))
+    top = find_extremum(e, W, breaks, pieces, place, begin, end, -side)
+    value = value_at(e, W, breaks, pieces, place, top)
+    if top != begin and top != end and value * side > max(1e-15 * largest, LOWEST * W[row + ROUNDING]):
+        add_root(e, W, breaks, pieces, place, top, end, -side)
+    elif W[row + JUST_HAPPENED] != 0.0:
+        recent = part(W, int(W[RECENT]) + MOST_RECENT * place, MOST_RECENT)
+        for k in range(int(W[row + MOST])):
+            recent[k] = begin
+        W[row + RECENT_COUNT] = W[row + MOST]
+        add_zero(W, begin, place, -side)

@@ -1,0 +1,1 @@
+"""Kernels for values that are held between samples."""

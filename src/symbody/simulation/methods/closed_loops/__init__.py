@@ -1,0 +1,1 @@
+"""Constraints of a motion: branches, redundancy, change points, minimal coordinates."""

@@ -1,0 +1,108 @@
+"""Motions of mechanisms whose constraints follow from others only where all loops are closed.
+
+Bennett's linkage is one, and three wheels that share a rod. Stages of a step, the polynomial inside it and
+samples before they are projected are open by what a tolerance allows; there all constraints are independent,
+and hold the mechanism or turn it aside, however small the opening.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.manifold import count_significant
+from symbody.simulation.methods.closed_loops.independent_rows import independent_rows, without_other_rows
+from symbody.simulation.methods.closed_loops.loop_constraints import LoopConstraints, motion_branch
+from symbody.simulation.methods.closed_loops.partition import Partition
+from symbody.simulation.methods.constraints import Baumgarte
+from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
+from symbody.simulation.native.run import RawRun
+from symbody.simulation.simulation_problem import SimulationProblem
+
+Floats = NDArray[np.float64]
+
+# Relative singular value of rows that no longer follow from others a step beside the closed configurations.
+_STANDS: Final = 1e-7
+# How far beside, in rad or shares of the mechanism's size. Where cranks stand across their rod, what the rows
+# have of their own begins with the cube of this.
+_BESIDE: Final = (0.01, 0.1)
+# Where rows that are kept have a least singular value below this share of all rows', at so many places of a
+# step: there `Partition` chooses others.
+_LEAST_SHARE: Final = 0.1
+_PER_STEP: Final = 5
+_CHOSEN: Final = (
+    "some constraints follow from others only where all loops are closed, see sb.redundancy(): "
+    "sb.Partition() integrates the motion"
+)
+_REPLACED: Final = (
+    "some constraints follow from others only where all loops are closed, see sb.redundancy(): between such "
+    "states sb.Projection() would hold the mechanism or turn it aside; sb.Partition() integrates the motion"
+)
+_WORN: Final = (
+    "at t = {:.6g} s the motion ends for {}: some constraints follow from others only where all loops are "
+    "closed, see sb.redundancy(), and those it keeps no longer stand for all of them: leave integrator and "
+    "constraints out, or use sb.Partition()"
+)
+
+
+def is_overconstrained(problem: SimulationProblem, t: float, x: Floats) -> bool:
+    """Return whether constraints follow from others only where all loops are closed."""
+    eqs = problem.eqs
+    if not eqs.multiplier_names or not eqs.speed_names:
+        return False
+    first = problem.first_numbers(t, x)
+    if first is not None and first.is_regular:
+        return False
+    loops = LoopConstraints(problem)
+    if not loops.depends(t, x[loops.places]):
+        return False
+    branch = motion_branch(loops, t, x)
+    # Each coordinate that takes part goes on by an amount of its own: zeros stay, as across a plane.
+    tangents = np.linalg.svd(loops.positions(branch.t, branch.q)[1])[2][branch.positions :]
+    shares = np.linspace(0.5, 1.5, branch.q.size) * tangents.sum(axis=0)
+    moves = np.multiply.outer(_BESIDE, shares * loops.sizes)
+    beside = [loops.singular_values(branch.t, branch.q + move) for move in moves]
+    return any(count_significant(sizes, _STANDS) > branch.speeds for sizes in beside)
+
+
+def integrate_by_partition(plan: MotionPlan) -> Integration:
+    """Return the run of a plan by `Partition`, with a note that says so."""
+    run = integrate_plan(replace(plan, constraints=Partition()))
+    return run._replace(notes=(_CHOSEN if plan.constraints is None else _REPLACED, *run.notes))
+
+
+def integrate_independent(plan: MotionPlan) -> Integration:
+    """Return the run of a plan without constraints that follow from others on the branch of the motion.
+
+    It ends where those kept no longer determine the motion about as well as all of them.
+    """
+    integration = plan.integration
+    problem, t, x = integration.problem, integration.span[0], integration.state
+    kept = independent_rows(problem, t, x)
+    if len(kept) == len(problem.eqs.formed.rows):
+        return integrate_plan(plan)
+    independent = replace(problem, eqs=without_other_rows(problem.eqs, kept))
+    run = integrate_plan(replace(plan, integration=replace(integration, problem=independent)))
+    end = _worn(LoopConstraints(problem), kept, run.raw)
+    if end is None:
+        return run
+    method = plan.constraints if isinstance(plan.constraints, Baumgarte) else plan.integrator
+    return end_run(run, end, _WORN.format(end, f"sb.{type(method).__name__}()"))
+
+
+def _worn(loops: LoopConstraints, kept: list[int], raw: RawRun) -> float | None:
+    """Return the end of the last step before some constraints determine a motion much worse than all do."""
+    dense, rank = raw.dense_output, len(kept)
+    if dense is None or rank == 0:
+        return None
+    inside = np.diff(dense.breaks)[:, np.newaxis] * np.linspace(0.0, 1.0, _PER_STEP)[:-1]
+    t = np.append(dense.breaks[:-1, np.newaxis] + inside, dense.breaks[-1])
+    rows, _ = loops.speeds(t, dense(t)[loops.places].T)
+    if not np.isfinite(rows).all():
+        return None
+    least, of_all = (np.linalg.svd(some, compute_uv=False)[:, rank - 1] for some in (rows[:, kept], rows))
+    worn = np.flatnonzero(least < _LEAST_SHARE * of_all)
+    return float(dense.breaks[worn[0] // (_PER_STEP - 1)]) if worn.size else None

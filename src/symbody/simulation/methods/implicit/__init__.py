@@ -1,0 +1,1 @@
+"""Implicit methods: generalized alpha, CVODE and IDA."""

@@ -1,0 +1,269 @@
+"""Implicit integration of order 2: `GeneralizedAlpha` chooses it, `run_generalized_alpha` runs it.
+
+``docs/derivations/generalized_alpha.md`` derives the method; the loop is `kernels.implicit.implicit_machine`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.arguments import checked_fields
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.outputs.output_roots import OF_STEPS
+from symbody.errors import Problem, UsageError
+from symbody.kernels import block as at
+from symbody.simulation.events.event_watch import EventWatch
+from symbody.simulation.inputs.breakpoints import Breakpoints
+from symbody.simulation.inputs.input_laws import CallbackFunction, InputLaws
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
+from symbody.simulation.methods.implicit.state_jacobian import (
+    STATE_JACOBIAN,
+    drop_idle_rows,
+    with_state_jacobian,
+)
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
+from symbody.simulation.methods.stepping import SHARES, Failure, Step, march
+from symbody.simulation.native.blocks import make_block, state_of
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.description import Projector, Record, RightHandSide
+from symbody.simulation.native.implicit import (
+    METHOD,
+    ImplicitFunctions,
+    ImplicitRun,
+    make_array,
+)
+from symbody.simulation.native.run import VERDICTS, RawRun, drive, fresh_record
+from symbody.simulation.status import Status
+
+Floats = NDArray[np.float64]
+Notes = tuple[str, ...]
+
+# Steps that see the input at their ends alone are so much shorter than pieces in which it is a polynomial.
+_SHARE_OF_PIECE: Final = 0.125
+
+
+@checked_fields
+@dataclass(frozen=True, slots=True)
+class GeneralizedAlpha:
+    """The implicit method of Chung and Hulbert, of order 2, for stiff motions at moderate accuracy.
+
+    Its steps are as long as accuracy allows, whatever the highest frequency of the mechanism: elastic
+    segments, bushings, stiff contacts. A tolerance ten times as tight takes twice as many steps;
+    ``rtol=1e-4`` or 1e-5 suits it. Closed loops are closed after every step.
+
+    Attributes
+    ----------
+    rho : float
+        What remains, after each step, of oscillations that are too fast for the steps: 1 damps nothing,
+        0 most; slow motions are damped little.
+    step : float, optional
+        Length of all steps [s]; by default they follow the local error. Nothing shows whether it was short
+        enough; rtol and atol then bound only what the solution of the equations of each step leaves.
+    max_step : float, optional
+        Longest step [s], where `step` is left out.
+
+    Raises
+    ------
+    UsageError
+        `rho` outside 0 to 1, or a step that is not positive.
+    """
+
+    rho: float = 0.9
+    step: float | None = None
+    max_step: float | None = None
+
+    def __post_init__(self) -> None:
+        problems = []
+        if not 0.0 <= self.rho <= 1.0:
+            problems.append(
+                Problem("simulation.rho", "rho", f"rho = {self.rho!r} is not between 0 and 1", "",
+                        "give 0.9, 1 to damp nothing, or less to damp fast oscillations more")
+            )  # fmt: skip
+        for name, step in (("step", self.step), ("max_step", self.max_step)):
+            if step is not None and not (step > 0.0 and math.isfinite(step)):
+                problems.append(
+                    Problem("simulation.implicit_step", name, f"{name} = {step!r} is not a time", "",
+                            f"leave {name} out, or give seconds, such as {name}=1e-3")
+                )  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
+    @property
+    def note(self) -> str:
+        """What it does to a motion."""
+        if self.rho == 1.0:
+            return f"{self.name} is of order 2 and damps nothing"
+        return (
+            f"{self.name} is of order 2 and damps: of oscillations that are too fast for its steps "
+            f"{self.rho:g} remains after each step"
+        )
+
+    @property
+    def name(self) -> str:
+        """How it is written."""
+        step = "" if self.step is None else f", step={self.step:g}"
+        return f"sb.GeneralizedAlpha(rho={self.rho:g}{step})"
+
+
+def run_generalized_alpha(
+    integration: IntegrationProblem,
+    method: GeneralizedAlpha,
+    closing: StateProjector | None,
+    watch: EventWatch | None,
+    work_tolerance: float,
+) -> tuple[RawRun, Notes]:
+    """Return the run of the compiled loop, and what to note about it.
+
+    Where events are watched, the loop returns to Python after each step.
+
+    Raises
+    ------
+    SimulationError
+        If the law of an input fails.
+    """
+    laws = integration.problem.laws
+    compiled = _compile_functions(integration)
+    with _with_laws(compiled, laws) as addresses:
+        run = _make_run(integration, method, closing, addresses, compiled, work_tolerance)
+        if watch is None:
+            raw = drive(run, fresh_record(run, _times(integration), dense=True), integration.progress)
+        else:
+            course = integration.course(watch, None if closing is None else closing.project_all)
+            raw = march(_LoopStepper(run), course)
+    return raw, (method.note,)
+
+
+def _compile_functions(integration: IntegrationProblem) -> tuple[CompiledFunction, ...]:
+    """Return the slopes with the power, the rates of coordinates, and the derivatives of the slopes."""
+    problem = integration.problem
+    eqs = drop_idle_rows(integration.eqs, problem.parameters)
+    wider = with_state_jacobian(eqs, problem.laws.formulas, problem.laws.callbacks)
+    derivatives = replace(problem, eqs=wider).compile_outputs(STATE_JACOBIAN, quick=True)
+    return problem.compile_outputs(OF_STEPS), problem.compile_outputs("qdot"), derivatives
+
+
+@contextmanager
+def _with_laws(functions: Sequence[CompiledFunction], laws: InputLaws) -> Iterator[list[int]]:
+    """Give the addresses of functions that call the laws of inputs; raise what one of these raised."""
+    if not laws.need_python:
+        yield [function.address for function in functions]
+        return
+    calls = [CallbackFunction(function, laws) for function in functions]
+    with ExitStack() as stack:
+        stack.enter_context(calls[0].interruptible())
+        yield [call.address for call in calls]
+    for call in calls:
+        if call.error is not None:
+            raise call.error
+
+
+def _make_run(
+    integration: IntegrationProblem,
+    method: GeneralizedAlpha,
+    closing: StateProjector | None,
+    addresses: Sequence[int],
+    compiled: Sequence[CompiledFunction],
+    work_tolerance: float,
+) -> ImplicitRun:
+    """Return the run at its start."""
+    laws, n_u = integration.problem.laws, integration.n_u
+    inputs, tables = np.zeros(len(laws.callbacks)), laws.table_numbers()
+    functions = ImplicitFunctions(
+        *(
+            RightHandSide(place, n_u, inputs, np.zeros(0), function.constants(), function.work_size, tables)
+            for place, function in zip(addresses, compiled, strict=True)
+        )
+    )
+    tolerances = np.array([*integration.tolerances, work_tolerance])
+    longest = method.max_step if method.step is None else method.step
+    bounds = bounds_of_steps(integration.breakpoints, method)
+    goal = make_goal(integration.span, integration.rtol, tolerances, longest, bounds)
+    goal = goal._replace(max_trials=int(integration.max_steps))
+    block = make_block(
+        functions.slopes, _projector(closing, method), METHOD, goal, integration.x0, integration.span[0],
+        float(method.step or 0.0),
+    )  # fmt: skip
+    n_q = len(integration.eqs.coordinate_names)
+    array = make_array(
+        functions, integration.x0.size, n_q, float(method.rho), one_length=method.step is not None
+    )
+    return ImplicitRun(functions, 0 if closing is None else closing.projector.address, block, array)
+
+
+def _projector(closing: StateProjector | None, method: GeneralizedAlpha) -> Projector:
+    """Return what closes the constraints; steps of one length never become shorter, however far one went."""
+    if closing is None:
+        return NOTHING_TO_PROJECT
+    return closing.projector if method.step is None else closing.projector._replace(limit=math.inf)
+
+
+def bounds_of_steps(bounds: Breakpoints, method: GeneralizedAlpha) -> Breakpoints:
+    """Return what bounds the steps, from what depends on time: those of one length end at jumps alone."""
+    if method.step is not None:
+        return bounds.jumps_alone()
+    return replace(bounds, longest=_SHARE_OF_PIECE * bounds.longest)
+
+
+def _times(integration: IntegrationProblem) -> Floats | None:
+    return None if integration.times is None else np.asarray(integration.times, dtype=np.float64)
+
+
+class _LoopStepper:
+    """Takes single steps of the compiled loop, for runs that are watched."""
+
+    def __init__(self, run: ImplicitRun) -> None:
+        self._run, self._has_begun = run, False
+        n, rows = int(run.block[at.N]), int(run.block[at.METHOD + at.DENSE_ROWS])
+        self._record = Record(
+            np.zeros(0), np.zeros(1), np.zeros((1, n)), np.zeros(2), np.zeros((1, rows, n)),
+            every_step=False, keep_dense=True,
+        )  # fmt: skip
+
+    @property
+    def evaluations(self) -> int:
+        """How often the slopes were computed."""
+        return int(self._run.block[at.EVALUATIONS])
+
+    @property
+    def rejections(self) -> int:
+        """How many steps were tried in vain."""
+        return int(self._run.block[at.REJECTED])
+
+    def advance(self) -> Step | Failure:
+        """Take one step; inside it the state is the cubic through states and slopes of both ends."""
+        run, block = self._run, self._run.block
+        code = at.RUNNING
+        if not self._has_begun:
+            code, self._has_begun = run.begin(self._record), True
+        begin = float(block[at.TIME])
+        block[at.STEPS] = 0.0
+        while code == at.RUNNING and block[at.STEPS] == 0.0:
+            code = run.advance(self._record, 1)
+        if block[at.STEPS] == 0.0:
+            return self._failure(code)
+        end = float(self._record.breaks[1])
+        inside = DenseOutput(np.array([begin, end]), self._record.pieces)
+        nodes = inside(begin + SHARES * (end - begin)).T[:, :-1].copy()
+        nodes[-1] = state_of(block)[:-1]
+        return Step(end, nodes)
+
+    def restart(self, t: float, x: Floats) -> None:
+        """Go on from another state."""
+        self._run.restart(t, np.append(x, 0.0))
+        self._has_begun = False
+
+    def _failure(self, code: int) -> Failure:
+        block = self._run.block
+        status = VERDICTS[code]
+        blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
+        singular = status is Status.SINGULAR
+        return Failure(
+            status, int(block[at.STATE]) if blamed else None, int(block[at.KERNEL]) - 1 if singular else None
+        )

@@ -1,0 +1,138 @@
+"""Implicit integration of stiff motions: `Stiff` chooses backward differentiation, `run_stiff` runs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.arguments import checked_fields
+from symbody.errors import Problem, UsageError
+from symbody.simulation.events.event_watch import EventWatch
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.implicit.solved_steps import SolvedSteps
+from symbody.simulation.methods.implicit.state_jacobian import (
+    CALLBACK_JACOBIAN,
+    STATE_JACOBIAN,
+    STATE_RATES,
+    drop_idle_rows,
+    with_state_jacobian,
+)
+from symbody.simulation.methods.implicit.sundials import MonitoredFunction, SundialsStepper, solver_class
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
+from symbody.simulation.methods.stepping import march
+from symbody.simulation.native.run import RawRun
+
+Floats = NDArray[np.float64]
+
+# Between two projections the constraints are left to the solver; `Baumgarte` with this frequency, over the
+# time of the mechanism, keeps their drift from growing. On the constraints it vanishes: it changes no motion.
+DRIFT: Final = 5.0
+# A new start costs dozens of small steps of low order: it waits for so many times the limit of `Projection`.
+PATIENCE: Final = 100.0
+# Steps that see the input at their end alone are so much shorter than pieces in which it is a polynomial.
+SHARE_OF_PIECE: Final = 0.125
+
+
+@checked_fields
+@dataclass(frozen=True, slots=True)
+class Stiff:
+    """Backward differentiation with variable order and step, for fast damped motions.
+
+    Attributes
+    ----------
+    max_order : int
+        Highest order, 1 to 5; 2 is stable for every damped oscillation.
+    max_step : float, optional
+        Longest step [s].
+
+    Raises
+    ------
+    UsageError
+        Another order, or a step that is not positive.
+    """
+
+    max_order: int = 5
+    max_step: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.max_order not in (1, 2, 3, 4, 5):
+            what = f"backward differentiation has no order {self.max_order!r}"
+            raise UsageError(Problem("simulation.order", "max_order", what, "", "give 1 to 5"))
+        if self.max_step is not None and not self.max_step > 0.0:
+            what = f"max_step = {self.max_step!r} is not a positive number"
+            fix = "leave max_step out, or give seconds"
+            raise UsageError(Problem("simulation.max_step", "max_step", what, "", fix))
+
+    def options(self) -> dict[str, float | int]:
+        """Return the options as the solvers take them."""
+        longest = 0.0 if self.max_step is None else float(self.max_step)
+        return {"max_order": int(self.max_order), "max_step": longest}
+
+
+def run_stiff(
+    integration: IntegrationProblem,
+    method: Stiff,
+    constraints: Projection | Baumgarte,
+    events: EventWatch | None,
+) -> RawRun:
+    """Integrate ``x' = f(t, x)`` by CVODE, with df/dx from the graph, and from differences of Python's laws.
+
+    With `Projection` the ends of all steps and all samples are brought onto the constraints; a drift far
+    beyond its limit starts the solver anew from there. So does a step whose end does not solve the equations.
+
+    Raises
+    ------
+    SimulationError, EnvironmentFault
+        If the solver does not start, or is not installed.
+    """
+    closing = integration.projection(constraints) if isinstance(constraints, Projection) else None
+    eqs = drop_idle_rows(integration.eqs, integration.problem.parameters)
+    if closing is not None and eqs.multiplier_names:
+        eqs = Baumgarte(zeta=1.0, omega=DRIFT / integration.problem.scales.time).applied(eqs)
+    laws = integration.problem.laws
+    wider = with_state_jacobian(eqs, laws.formulas, laws.callbacks)
+    rates = integration.compile_outputs(STATE_RATES, wider)
+    slopes = integration.compile_outputs((STATE_JACOBIAN, CALLBACK_JACOBIAN), wider)
+    watch = MonitoredFunction(rates)
+
+    def right_hand_side(t: float, x: Floats, out: Floats) -> None:
+        out[:] = watch(t, x)
+
+    def jacobian(t: float, x: Floats) -> Floats:
+        by_state, by_callbacks = slopes(t, x)
+        found: Floats = (
+            by_state + by_callbacks @ laws.slopes(t, x, integration.n_u) if laws.callbacks else by_state
+        )
+        return found
+
+    def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
+        out[:] = jacobian(t, x)
+
+    solved = SolvedSteps(watch, jacobian, integration.rtol, integration.tolerances)
+    solver = solver_class("CVODE")(
+        right_hand_side, method="BDF", jacfn=state_jacobian, rtol=integration.rtol,
+        atol=integration.tolerances, **method.options(),
+    )  # fmt: skip
+    stepper = SundialsStepper(
+        solver, solver.init_step, _Settling(closing, constraints), watch, integration.state, integration.span,
+        integration.step_ends(SHARE_OF_PIECE), solved,
+    )  # fmt: skip
+    return march(stepper, integration.course(events, None if closing is None else closing.project_all))
+
+
+class _Settling:
+    """Closes the end of a step, and requires a new start where the drift is large."""
+
+    def __init__(self, closing: StateProjector | None, constraints: Projection | Baumgarte) -> None:
+        self._closing = closing
+        self._limit = PATIENCE * constraints.limit if isinstance(constraints, Projection) else np.inf
+
+    def __call__(self, t: float, x: Floats) -> tuple[Floats, bool]:
+        """Return the closed state, and whether the solver has to start from it."""
+        if self._closing is None:
+            return x, False
+        closed, moved = self._closing.project_one(t, x)
+        return (closed, moved > self._limit) if np.isfinite(moved) else (x, False)

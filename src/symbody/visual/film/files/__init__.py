@@ -1,0 +1,1 @@
+"""Files of pictures and films: pixels, SVG, axes of matplotlib, GIF, MP4."""
