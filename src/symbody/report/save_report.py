@@ -123,12 +123,7 @@ def save_report(
     frame = None if template is None else (read_text(template), str(template))
     values = parameters if parameters is not None else run.parameters if run is not None else {}
     document = _content(Setting(eqs, run, values), tuple(SECTIONS if sections is None else sections), title)
-    try:
-        _write(document, target, frame)
-    except OSError as error:
-        fix = "choose a folder that exists and is yours"
-        what = f"the report cannot be written: {error.strerror}"
-        raise EnvironmentFault(Problem("report.unwritable", str(path), what, fix=fix)) from error
+    _write(document, target, frame)
 
 
 def _content(setting: Setting, chosen: Sequence[str], title: str | None) -> ReportContent:
@@ -188,6 +183,15 @@ def _check(
 
 
 def _write(document: ReportContent, path: Path, template: tuple[str, str] | None) -> None:
+    try:
+        _write_files(document, path, template)
+    except OSError as error:
+        fix = "choose a folder that exists and is yours"
+        what = f"the report cannot be written: {error.strerror}"
+        raise EnvironmentFault(Problem("report.unwritable", str(path), what, fix=fix)) from error
+
+
+def _write_files(document: ReportContent, path: Path, template: tuple[str, str] | None) -> None:
     suffix = path.suffix.lower()
     if suffix == ".ipynb":
         text = notebook_document(document)
