@@ -18,7 +18,8 @@ from typing import Final
 from benchmarks.engines.deriving import COMPILE, DERIVE, ENGINES, OURS, VALUES
 from benchmarks.expressions import relative_difference
 from benchmarks.from_file import FILES, examples
-from benchmarks.mechanisms import Mechanism, example, pendulum_on_cart, robot, spatial_chain, top
+from benchmarks.kane import robot, top
+from benchmarks.mechanisms import Mechanism, example, pendulum_on_cart, spatial_chain
 from benchmarks.process import Floats, Process, Round
 from benchmarks.table import Table, difference_text, ratio_text, seconds_text
 from benchmarks.timing import Settings, rotated, seconds

@@ -1,5 +1,6 @@
 """A spatial chain from its file to the first call of its accelerations, from ten bodies to two thousand.
 
+Stages are seconds of the processor, of all threads together: other work on the computer counts little.
 Every figure is of a process that has only imported what it needs: once with nothing on the disk, and once
 more with what the first one left there. "per body" is followed by its ratio to the shortest chain's: where it
 stays at 1, the work grows with the number of bodies. The last column is KanesMethod with `cse` and its time
@@ -14,7 +15,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Final
 
 import numpy as np
@@ -50,7 +51,10 @@ Figures = Mapping[str, float]
 def tables(settings: Settings, sizes: Sequence[int] = SIZES) -> Iterator[Table]:
     """Yield the table of chains, from file to first call."""
     rows: list[tuple[str, ...]] = []
-    notes = ["memory: the most that the process had, with Python and all packages"]
+    notes = [
+        "stages: seconds of the processor",
+        "memory: the most that the process had, with Python and all packages",
+    ]
     first: tuple[float, float] | None = None
     peer_goes_on = True
     for links in sizes:
@@ -106,20 +110,20 @@ def _attempt(links: int, folder: str) -> Task:
 
     def task(word: str) -> Iterator[Step]:
         gc.collect()  # of the imports
-        start = perf_counter()
+        start = process_time()
         model = load_model(path)
-        loaded = perf_counter()
+        loaded = process_time()
         yield Step("load", loaded - start)
         eqs = form_equations(model)
-        formed = perf_counter()
+        formed = process_time()
         yield Step("form", formed - loaded)
         sequence, signature = form_sequence(eqs, "udot")
-        sequenced = perf_counter()
+        sequenced = process_time()
         yield Step("sequence", sequenced - formed)
         function = CompiledFunction(sequence, signature)
         q, u = np.full(links, 0.1), np.full(links, 0.2)
         function(0.0, q, u)
-        yield Step("compile", perf_counter() - sequenced)
+        yield Step("compile", process_time() - sequenced)
         yield Step(_MEMORY, _most_memory())
         yield Step(_CALL, min(seconds_per_call(lambda: function(0.0, q, u)) for _ in range(5)))
 

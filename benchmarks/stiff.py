@@ -24,7 +24,7 @@ LIMIT: Final = 30.0  # s that a run may take
 BOUNDS: Final = (1e-3, 1e-5, 1e-8)
 _PREPARING: Final = 300.0  # s that forming and compiling may take
 _SHORT: Final = 0.5  # s, below which a run is repeated
-_USELESS: Final = 1.0  # m or rad: an error as large as the motion
+_USELESS: Final = 0.1  # m or rad: an error that is no result
 _MUJOCO: Final = "MuJoCo"
 
 

@@ -149,7 +149,7 @@ def mechanism_lines(path: Path) -> Iterator[str]:
     title, paragraphs = title_and_text(path)
     folder = Path("..") / path.parent.relative_to(EXAMPLES.parent)
     files = " · ".join(f"[{name}]({(folder / name).as_posix()})" for name in (path.name, f"{path.stem}.toml"))
-    page = f"not live: {PLAYED[path.stem]}" if path.stem in PLAYED else "`--live`"
+    page = f"not live: {PLAYED[path.stem]}" if path.stem in PLAYED else "also `--live`"
     yield f"(gallery-{path.stem})=\n"
     yield f"### {title}\n"
     yield f"![{title}](pictures/gallery/{path.stem}.png)\n"
@@ -178,8 +178,10 @@ def write_motion_page(path: Path, page: Path) -> None:
     entry = script_of(path)
     live = path.stem not in PLAYED
     shown = sb.form_equations(entry["model"]()) if live else entry["motion"]()
-    title = title_and_text(path)[0]
-    sb.animate(shown, page, live=live, title=title, traces=entry["LOOK"].get("traces", ()))
+    look, title = entry["LOOK"], title_and_text(path)[0]
+    view: Any = look.get("view", "auto")  # pages know names of views alone
+    view = view if isinstance(view, str) else "isometric"
+    sb.animate(shown, page, live=live, title=title, traces=look.get("traces", ()), view=view)
 
 
 def write_pages(paths: Sequence[Path], folder: Path) -> None:

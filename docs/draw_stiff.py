@@ -46,8 +46,8 @@ def draw(results: Mapping[str, Diagram]) -> None:
                 marker=marker, markersize=4, linewidth=1.1, linestyle=line, label=method,
             )  # fmt: skip
         panel.set_title(name, fontsize=10)
-        panel.set_xlim(1.0, 1e-12)
-        panel.set_xticks([10.0**-k for k in range(0, 13, 2)])
+        panel.set_xlim(1e-1, 1e-12)
+        panel.set_xticks([10.0**-k for k in range(2, 13, 2)])
         panel.grid(which="major", color="#dddddd", linewidth=0.6)
         panel.tick_params(labelsize=8, labelbottom=True)
         panel.set_xlabel(f"error at the end [{'rad' if name == 'bushing' else 'm'}]", fontsize=8)

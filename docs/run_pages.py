@@ -1,10 +1,13 @@
 """Run the scripts of pages, renew what they print and draw: ``python docs/run_pages.py docs/tutorial/*.md``.
 
-The Python blocks of a page are one script, run from top to bottom in an empty folder, and so are the commands
-of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what it prints. A block in
-``toml`` or ``xml`` whose first line is a comment with the name of a file is written to that file. A picture
-that the script writes takes the place of the one in ``docs/pictures/tutorial``, those of the course in
-``docs/pictures/course``.
+The Python blocks of a page are one script, run from top to bottom in a folder with nothing but ``examples``,
+and so are the commands of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what
+it prints. A block in ``toml`` or ``xml`` whose first line is a comment with the name of a file is written to
+that file; all in ``toml`` are read. A picture that the script writes takes the place of the one in
+``docs/pictures/tutorial``, those of the course in ``docs/pictures/course``.
+
+What a block needs and the page does not show stands in a comment right above it, ``<!-- before: ... -->``:
+Python, and lines that begin with ``symbody``. A block below ``<!-- not run: reason -->`` is left out.
 """
 
 from __future__ import annotations
@@ -17,7 +20,8 @@ import shlex
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
+import tomllib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,8 +30,11 @@ from symbody.cli import run as run_command
 
 PICTURES = Path(__file__).parent / "pictures"
 BLOCK = re.compile(
-    r"^```(?P<language>python|sh|toml|xml|text)\n(?P<text>.*?)^```\n", re.MULTILINE | re.DOTALL
+    r"^(?:<!-- (?P<mark>before|not run):(?P<comment>(?:(?!-->).)*)-->\n)?"
+    r"```(?P<language>[a-z]+)\n(?P<text>.*?)^```\n",
+    re.MULTILINE | re.DOTALL,
 )
+RUN = ("python", "sh", "toml", "xml", "text")
 FILE = re.compile(r"(?:#|<!--) (?P<name>\w+\.(?:toml|urdf|csv))\b")
 
 
@@ -45,6 +52,10 @@ class Block:
         Where ``text`` begins and ends in the page [characters].
     follows : bool
         Whether nothing but blank lines stands between it and the block before.
+    before : str
+        What is run before it.
+    reason : str
+        Why it is not run; empty if it is.
     """
 
     language: str
@@ -52,6 +63,8 @@ class Block:
     start: int
     end: int
     follows: bool
+    before: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +87,8 @@ def blocks(page: str) -> Iterator[Block]:
             match.start("text"),
             match.end("text"),
             end > 0 and not between.strip(),
+            match["comment"].strip() if match["mark"] == "before" else "",
+            match["comment"].strip() if match["mark"] == "not run" else "",
         )
         end = match.end()
 
@@ -83,27 +98,57 @@ def run_page(page: str, folder: Path) -> list[Output]:
     listed = list(blocks(page))
     outputs: list[Output] = []
     names: dict[str, Any] = {"__name__": "__page__"}
+    (folder / "examples").symlink_to(Path(__file__).parents[1] / "examples", target_is_directory=True)
     with contextlib.chdir(folder):
         for block, below in zip(listed, [*listed[1:], None], strict=False):
+            if block.reason:
+                continue
+            if block.language not in RUN:
+                raise ValueError(f"a block in {block.language} is not run: say why in a comment above it")
+            if block.before:
+                _run_before(block.before, names)
             if block.language in ("python", "sh"):
                 printed = io.StringIO()
                 with contextlib.redirect_stdout(printed):
                     _run_block(block, names)
                 shown = below if below and below.language == "text" and below.follows else None
                 outputs.append(Output(block, printed.getvalue(), shown))
-            elif named := FILE.match(block.text):
-                Path(named["name"]).write_text(block.text, encoding="utf-8")
+            else:
+                _write_file(block)
     return outputs
+
+
+def _run_before(text: str, names: dict[str, Any]) -> None:
+    """Run what a page does not show; what it prints is not shown either."""
+    lines = text.splitlines()
+    with contextlib.redirect_stdout(io.StringIO()):
+        _run_commands(line for line in lines if line.startswith("symbody "))
+        exec(
+            compile("\n".join(line for line in lines if not line.startswith("symbody ")), "page", "exec"),
+            names,
+        )
 
 
 def _run_block(block: Block, names: dict[str, Any]) -> None:
     if block.language == "python":
         exec(compile(block.text, "page", "exec"), names)
-        return
-    for line in block.text.splitlines():
-        command, *arguments = shlex.split(line)
+    else:
+        _run_commands(block.text.splitlines())
+
+
+def _run_commands(lines: Iterable[str]) -> None:
+    for line in lines:
+        command, *arguments = shlex.split(line, comments=True)
         if command != "symbody" or run_command(arguments):
             raise ValueError(f"{line} does not run")
+
+
+def _write_file(block: Block) -> None:
+    """Write a block that names its file; blocks in TOML must be TOML."""
+    if block.language == "toml":
+        tomllib.loads(block.text)
+    if named := FILE.match(block.text):
+        Path(named["name"]).write_text(block.text, encoding="utf-8")
 
 
 def renew(path: Path) -> None:

@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import math
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 
+import symbody
 from docs.run_pages import run_page
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGES = [DOCS / "index.md", DOCS / "simulate.md", DOCS / "model_file.md"]
-PAGES += sorted((DOCS / "tutorial").glob("[!i]*.md"))
-HOW_TO = sorted((DOCS / "how_to").glob("[!i]*.md"))
-# Every third of these in the fast tier.
-PAGES += [
-    page if k % 3 == 0 else pytest.param(page, marks=pytest.mark.exhaustive) for k, page in enumerate(HOW_TO)
+PLAYER = Path(symbody.__file__).parent / "visual" / "pages"
+FAST = [
+    DOCS / "index.md",
+    DOCS / "simulate.md",
+    DOCS / "model_file.md",
+    *sorted((DOCS / "tutorial").glob("[!i]*.md")),
 ]
-COURSE = sorted((DOCS / "course").glob("[0-9]*.md"))
-PAGES += [pytest.param(page, marks=pytest.mark.exhaustive) for page in COURSE]
+FAST += sorted((DOCS / "how_to").glob("[!i]*.md"))[::3]  # every third of these in the fast tier
+WITH_CODE = sorted(
+    path for path in DOCS.rglob("*.md") if re.search("^```[a-z]", path.read_text(encoding="utf-8"), re.M)
+)
+PAGES = [*FAST, *(pytest.param(page, marks=pytest.mark.exhaustive) for page in WITH_CODE if page not in FAST)]
+# Pages that show motions in browsers, and as films.
+SHOW = ("animation.md", "live_pages.md")
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
 
 
@@ -37,10 +44,27 @@ def agree(printed: str, shown: str) -> bool:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
 def test_scripts_print_what_the_page_shows(page: Path, tmp_path: Path) -> None:
+    if page.name in SHOW and not (PLAYER / "player.html").is_file():
+        pytest.skip("the pages that show motions are not built")
+    if page.name == "film.md" and shutil.which("ffmpeg") is None:
+        pytest.skip("films are made by ffmpeg")
     outputs = run_page(page.read_text(encoding="utf-8"), tmp_path)
+    if not any(output.shown for output in outputs):
+        return  # a page that shows nothing that is printed
     for output in outputs:
         shown = output.shown.text if output.shown else ""
         assert agree(output.printed, shown), f"run: python docs/run_pages.py {page.relative_to(DOCS.parent)}"
+
+
+def test_what_is_not_run_says_why(tmp_path: Path) -> None:
+    (output,) = run_page(
+        "<!-- before:\na = 2\n-->\n```python\nprint(a)\n```\n<!-- not run: a part -->\n```python\nstop\n```\n",
+        tmp_path,
+    )
+    assert output.printed == "2\n"
+    (tmp_path / "next").mkdir()
+    with pytest.raises(ValueError, match="a block in rust is not run"):
+        run_page("```rust\nfn f() {}\n```\n", tmp_path / "next")
 
 
 def test_numbers_agree_to_the_digits_that_matter() -> None:

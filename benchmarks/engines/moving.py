@@ -13,8 +13,8 @@ from time import perf_counter
 from typing import Any, Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 import symbody as sb
 from benchmarks.mechanisms import spatial_chain
@@ -87,7 +87,7 @@ def scipy_around_ours(links: int, end: float) -> Engine:
 
     def move(rtol: float) -> Motion:
         began = perf_counter()
-        found = solve_ivp(rates, (0.0, end), x, "DOP853", [end], rtol=rtol, atol=_ATOL)
+        found = scipy.integrate.solve_ivp(rates, (0.0, end), x, "DOP853", [end], rtol=rtol, atol=_ATOL)
         return Motion(perf_counter() - began, found.y[links:, -1])
 
     return Engine(_LADDER, move)

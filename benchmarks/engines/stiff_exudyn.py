@@ -27,8 +27,7 @@ def motion(problem: Stiff, end: float) -> Callable[[float], Floats]:
     settings.timeIntegration.newton.relativeTolerance = _TOLERANCE
     settings.timeIntegration.newton.absoluteTolerance = _TOLERANCE
     settings.timeIntegration.generalizedAlpha.spectralRadius = _DAMPING
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.solutionSettings.sensorsWritePeriod = end
+    settings.solution.file.write = False
     settings.parallel.numberOfThreads = 1
 
     def move(step: float) -> Floats:

@@ -19,7 +19,8 @@ Law = Callable[[float, float], float]
 def motion(problem: Stiff, end: float, integrator: str) -> Callable[[float], Floats]:
     """Return what moves a mechanism for `end` seconds in steps of a length, and gives coordinates there."""
     bodies, start, law = describe(problem)
-    option = f'<option gravity="0 {-GRAVITY} 0" integrator="{integrator}"><flag contact="disable"/></option>'
+    flags = '<flag contact="disable" autoreset="disable"/>'  # what became unstable shall be seen
+    option = f'<option gravity="0 {-GRAVITY} 0" integrator="{integrator}">{flags}</option>'
     text = f"<mujoco>{option}<worldbody>{bodies}</worldbody></mujoco>"
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)

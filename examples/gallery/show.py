@@ -31,7 +31,9 @@ def main():
     difference = np.abs(np.asarray(computed) - formula).max()
     print(f"{words.name}: {difference:.1e} from the closed form, {entry['TOLERANCE']:g} allowed")
     shown = sb.form_equations(entry["model"]()) if words.live else run
-    sb.animate(shown, page, live=words.live, traces=entry["LOOK"].get("traces", ()))
+    view = entry["LOOK"].get("view", "auto")
+    view = view if isinstance(view, str) else "isometric"
+    sb.animate(shown, page, live=words.live, traces=entry["LOOK"].get("traces", ()), view=view)
     print(page.resolve())
     if words.open:
         import webbrowser

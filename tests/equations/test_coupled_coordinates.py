@@ -155,18 +155,35 @@ def test_a_coupling_said_twice_is_dropped_and_its_contradiction_refused() -> Non
         sb.form_equations(pair(*chain[:2], sb.Gear("k", ["x", "z"], ratio=0.03, offset=1)), substitute=True)
 
 
-@pytest.mark.parametrize("number", [1, 2])
-def test_a_long_chain_stays_linear(number: int) -> None:
-    """Coupled joints far apart in a chain: articulated bodies with one pass a coupling agree with M."""
+def chain(number: int, gears: list[Any]) -> sb.Model:
+    """A spatial chain of hinges."""
     elements: list[Any] = []
     before = "ground"
-    for k in range(6):
+    for k in range(number):
         frames = {"start": sb.Frame(at=[0, 0.2, 0]), "end": sb.Frame(at=[0.1, -0.2, 0])}
         elements.append(sb.Body(f"B{k}", mass=1, inertia=[0.1, 0.1, 0.1], frames=frames))
         elements.append(sb.Revolute(f"J{k}", before, f"B{k}.start", axis="xyz"[k % 3], coordinate=f"q{k}"))
         before = f"B{k}.end"
-    gears = [sb.Gear("g", ["q1", "q4"], ratio=2), sb.Gear("h", ["q2", "q3"], ratio=-1)][:number]
-    model = sb.Model("chain", [*elements, *gears], gravity=[0, -9.81, 0])
+    return sb.Model("chain", [*elements, *gears], gravity=[0, -9.81, 0])
+
+
+GEARS = [sb.Gear("g", ["q1", "q4"], ratio=2), sb.Gear("h", ["q2", "q3"], ratio=-1)]
+
+
+def test_derivatives_of_coupled_chains_side_by_side() -> None:
+    model = chain(10, GEARS)
+    recursive, other = (
+        sb.form_equations(model, formulation, substitute=True) for formulation in (None, sb.VirtualWork())
+    )
+    u = np.linspace(0.1, 0.8, 8)
+    found = [sb.compile(eqs, "A")(0.0, u, -u) for eqs in (recursive, other)]
+    assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_long_chain_stays_linear(number: int) -> None:
+    """Coupled joints far apart in a chain: articulated bodies with one pass a coupling agree with M."""
+    model = chain(6, GEARS[:number])
     found = []
     for method in ("articulated", "composite"):
         eqs = sb.form_equations(model, sb.Recursive(method), substitute=True)

@@ -14,8 +14,8 @@ from fmpy.validation import validate_fmu
 import symbody as sb
 from symbody.cli.entry import run
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.precise_numbers import MPMATH
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.precise_numbers import MPMATH
 from tests.fmu.importer import EXAMPLES, check_archive, example, instance, pendulum, simulate, states
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")

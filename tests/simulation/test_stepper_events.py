@@ -139,3 +139,14 @@ def test_a_motion_of_its_own_watches_what_stopped_the_one_before() -> None:
     eqs = pushed_mass("-4*x", 1.0, 0.0)
     stepper = sb.Stepper(eqs, 2.0, events=sb.Event("x", 0, "stop"), integrator=sb.Stiff())
     assert take(stepper, 3) == pytest.approx(np.pi / 4 * np.array([1.0, 3.0, 5.0]), abs=1e-5)
+
+
+@pytest.mark.parametrize("action", ACTIONS[:3], ids=["record", "stop", "reflect"])
+def test_a_zero_beside_a_sample_and_the_end_of_a_step_is_one_event(action: Any) -> None:
+    held = sb.Signal("held", value="cos(3*t)", sample=0.1)
+    slide = sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", force=sb.Drive("0*held"))
+    eqs = sb.form_equations(sb.Model("held", [slide, held]))
+    for steps, ulps in ((1, -2), (2, 0), (2, 1), (3, 1)):
+        zero = shifted(0.1 * steps, ulps)
+        stepper = sb.Stepper(eqs, 0.1, initial={"x": -zero, "x_dot": 1.0}, events=sb.Event("x", 0, action))
+        assert take(stepper, steps + 2) == pytest.approx([zero], abs=1e-12)

@@ -16,7 +16,7 @@ import symbody as sb
 
 INERTIA, SPIN, OFF = (1.0e-3, 2.0e-3, 2.8e-3), 6.0, 0.02  # kg m^2; rad/s about the middle and the third axis
 TOLERANCE = 1e-6
-LOOK = {"times": (0.0, 1.1, 1.8, 2.2, 2.6, 3.6), "view": (0.25, -1.0, 0.35)}
+LOOK = {"times": (0.0, 2.2, 4.6, 6.6), "view": (0.25, -1.0, 0.35)}
 
 
 def model():
@@ -31,7 +31,7 @@ def model():
         coordinates=["x", "y", "z", "qw", "qx", "qy", "qz"], speeds="end",
         speed_names=["vx", "vy", "vz", "w1", "w2", "w3"],
     )  # fmt: skip
-    return sb.Model("wing nut", [flight], initial={"qw": 1.0, "vx": 0.25, "w2": SPIN, "w3": OFF})
+    return sb.Model("wing nut", [flight], initial={"qw": 1.0, "vx": 0.1, "w2": SPIN, "w3": OFF})
 
 
 def motion():

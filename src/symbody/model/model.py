@@ -280,15 +280,17 @@ def _sort_by_kind(elements: Iterable[Element]) -> tuple[Element, ...]:
 
 
 def _find_named(elements: Iterable[E], kind: str, name: str) -> E:
-    known = {element.name: element for element in elements}
-    if name in known:
-        return known[name]
+    named: list[str] = []
+    for element in elements:
+        if element.name == name:
+            return element
+        named.append(element.name)
     raise ModelError(
         Problem(
             "model.unknown_element",
             f"{kind} {name}",
             f"the model has no {kind} {name!r}",
             "",
-            nearest(name, known),
+            nearest(name, named),
         )
     )

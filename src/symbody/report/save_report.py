@@ -77,10 +77,8 @@ def save_report(
 ) -> None:
     """Write the derivation of a mechanism in the order of a textbook.
 
-    Picture, linear graph and trees; bodies, joints, parameters; coordinates and why they are these;
-    kinematics, constraints, mass matrix, forcing and Jacobian; the equations of motion; reactions; an
-    equilibrium and its modes; a motion; sizes of generated code; versions. Formulas longer than 400
-    operations are written in named shared parts; those that nobody reads are counted.
+    Formulas longer than 400 operations are written in named shared parts; those that nobody reads are
+    counted.
 
     Parameters
     ----------
@@ -124,16 +122,13 @@ def save_report(
     _check(eqs, target, sections, run, parameters or {}, template)
     frame = None if template is None else (read_text(template), str(template))
     values = parameters if parameters is not None else run.parameters if run is not None else {}
-    setting = Setting(eqs, run, values)
-    chosen = tuple(SECTIONS if sections is None else sections)
+    document = _content(Setting(eqs, run, values), tuple(SECTIONS if sections is None else sections), title)
+    _write(document, target, frame)
+
+
+def _content(setting: Setting, chosen: Sequence[str], title: str | None) -> ReportContent:
     parts = tuple(part for part in (SECTIONS[name](setting) for name in chosen) if part.blocks)
-    document = ReportContent(title or eqs.model.name, parts)
-    try:
-        _write(document, target, frame)
-    except OSError as error:
-        fix = "choose a folder that exists and is yours"
-        what = f"the report cannot be written: {error.strerror}"
-        raise EnvironmentFault(Problem("report.unwritable", str(path), what, fix=fix)) from error
+    return ReportContent(title or setting.eqs.model.name, parts)
 
 
 def _check(
@@ -188,6 +183,15 @@ def _check(
 
 
 def _write(document: ReportContent, path: Path, template: tuple[str, str] | None) -> None:
+    try:
+        _write_files(document, path, template)
+    except OSError as error:
+        fix = "choose a folder that exists and is yours"
+        what = f"the report cannot be written: {error.strerror}"
+        raise EnvironmentFault(Problem("report.unwritable", str(path), what, fix=fix)) from error
+
+
+def _write_files(document: ReportContent, path: Path, template: tuple[str, str] | None) -> None:
     suffix = path.suffix.lower()
     if suffix == ".ipynb":
         text = notebook_document(document)

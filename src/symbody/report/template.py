@@ -29,13 +29,13 @@ def fill_template(template: str, pieces: Mapping[str, str], where: str) -> str:
         If a name is no piece, or there is none.
     """
     names = _PLACE.findall(template)
-    known = f"there are {', '.join(pieces)}"
+    choices = f"there are {', '.join(pieces)}"
     problems = [
         Problem(
             "report.template_name",
             where,
             f"there is no part {name!r} of a report to be put in",
-            known,
+            choices,
             nearest(name, pieces),
         )
         for name in dict.fromkeys(names)
@@ -44,7 +44,7 @@ def fill_template(template: str, pieces: Mapping[str, str], where: str) -> str:
     if not names:
         what = "the template has no place for the report"
         problems.append(
-            Problem("report.template_empty", where, what, known, "write {{ body }} where it is to stand")
+            Problem("report.template_empty", where, what, choices, "write {{ body }} where it is to stand")
         )
     if problems:
         raise UsageError(*problems)

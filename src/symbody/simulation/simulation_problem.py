@@ -64,7 +64,7 @@ class SimulationProblem:
         default_factory=partial(SingleFlight, 64), repr=False, compare=False
     )
 
-    def kept(self, key: Hashable, make: Callable[[], T]) -> T:
+    def keep(self, key: Hashable, make: Callable[[], T]) -> T:
         """Return what `make` makes from these equations and values, made once for each key."""
         made: T = self._made.get((self.eqs, key), make)
         return made

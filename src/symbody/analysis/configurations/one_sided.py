@@ -103,11 +103,11 @@ class _ModeSearch:
         except (AssemblyError, SimulationError):
             return None
         scales = self._scales(evaluator, state)
-        watched = {name: self._watched(name, mode) for name, mode in modes.items()}
-        values = state.values_of(tuple(watched.values()))
+        outputs = {name: self._deciding_output(name, mode) for name, mode in modes.items()}
+        values = state.values_of(tuple(outputs.values()))
         notes, edges, fits = [], [], True
         for name, mode in modes.items():
-            surplus, note = self._surplus(float(values[watched[name]]), name, mode)
+            surplus, note = self._surplus(float(values[outputs[name]]), name, mode)
             limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
                              scales[1] * self.unit(name))  # fmt: skip
             has_choice = len(self.ways[name]) > 1
@@ -133,7 +133,7 @@ class _ModeSearch:
         )
         return settled
 
-    def _watched(self, name: str, mode: int) -> str:
+    def _deciding_output(self, name: str, mode: int) -> str:
         """Return the output whose value decides whether a mode holds."""
         if mode in (_TAUT, _SLACK):
             return f"rope_tension {name}" if mode == _TAUT else f"rope_slack_ddot {name}"

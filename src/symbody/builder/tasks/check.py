@@ -10,7 +10,7 @@ from symbody.builder.formulas import model_formulas
 from symbody.builder.page_problems import PageProblem, page_notes, page_problem, page_problems
 from symbody.builder.task_failure import Report
 from symbody.builder.tasks.mechanisms import mechanism_of, solver_of
-from symbody.builder.tasks.placement import draw_unassembled, drawn_at
+from symbody.builder.tasks.placement import draw_at, draw_unassembled
 from symbody.builder.tasks.reading import Data, Latest, ReadModel, model_key, read_model
 from symbody.builder.tasks.summary import equation_summary, tree_summary
 from symbody.builder.wires import model_wires
@@ -131,7 +131,7 @@ def _picture(model: Model | None, checked: Checked, data: Data) -> tuple[Answer 
         if eqs is None or positions is None:
             scene, motion = draw_unassembled(model)
         else:
-            scene, motion = drawn_at(eqs, positions)
+            scene, motion = draw_at(eqs, positions)
     except SymbodyError as error:
         return None, page_problems(error.problems, data)
     notes = page_notes(scene.notes, data, "builder.drawing")

@@ -53,7 +53,7 @@ def placed_motion(
     return _stand(eqs, positions, parameters, frame_transforms(eqs.model, numbers), steps, names)
 
 
-def drawn_at(
+def draw_at(
     eqs: EquationSet, positions: Mapping[str, float], parameters: Mapping[str, Value] = _NONE
 ) -> tuple[Scene, SceneMotion]:
     """Return the shapes of a mechanism that stands in a configuration at the start, and where its bodies are.

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from symbody.builder.task_failure import Report, TaskFailure
 from symbody.builder.tasks.mechanisms import mechanism_of
-from symbody.builder.tasks.placement import drawn_at
+from symbody.builder.tasks.placement import draw_at
 from symbody.builder.tasks.reading import Data, complete_model
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
@@ -45,7 +45,7 @@ def _redrawn(data: Data, folder: str) -> Answer:
     if changed is None:
         return dict(_NOTHING)
     positions = mechanism.solver(eqs, changed).positions({}, {})
-    scene, motion = drawn_at(eqs, positions, changed)
+    scene, motion = draw_at(eqs, positions, changed)
     return {
         "picture": {"scene": scene_to_json(scene), "motion": motion_to_json(motion)},
         "values": positions,

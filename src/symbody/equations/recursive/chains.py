@@ -74,7 +74,7 @@ class Chains:
 
 
 def chains(graph: Graph, tree: KinematicTree, rates: Mapping[int, int]) -> Chains | None:
-    """Return the chains of a tree; None where a link has several joints, is driven, or shares its speed.
+    """Return the chains of a tree; None where a link has several joints, is driven, or follows the base.
 
     Parameters
     ----------
@@ -84,7 +84,9 @@ def chains(graph: Graph, tree: KinematicTree, rates: Mapping[int, int]) -> Chain
     base = bool(tree.links) and len(tree.links[0].motion.columns) > 1
     speeds = {column.speed for link in tree.links for column in link.motion.columns}
     coordinates = {rate: q for q, rate in rates.items() if rate in speeds}
-    if tree.followers or (base and not _is_free(graph, tree.links[0])):
+    if base and not _is_free(graph, tree.links[0]):
+        return None
+    if base and any(column.speed in tree.followers.values() for column in tree.links[0].motion.columns):
         return None
     for link in tree.links[base:]:
         if (base and link.parent == GROUND) or not _is_single(graph, link, coordinates):

@@ -50,6 +50,25 @@ class InverseDynamicsPartials:
     by_position: Entries = field(default_factory=dict)
     mass: Entries = field(default_factory=dict)
 
+    def add_shared_speeds(self) -> InverseDynamicsPartials:
+        """Return one row and column for each speed, where coupled joints share it."""
+        speeds = list(dict.fromkeys(self.speeds))
+        if len(speeds) == len(self.speeds):
+            return self
+        place = [speeds.index(speed) for speed in self.speeds]
+        by_rate, by_position, mass = Entries(), Entries(), Entries()
+        for source, target in ((self.by_rate, by_rate), (self.by_position, by_position)):
+            for (i, j), entry in source.items():
+                _add(target, (place[i], place[j]), entry)
+        for (i, j), entry in self.mass.items():
+            a, b = max(place[i], place[j]), min(place[i], place[j])
+            _add(mass, (a, b), entry * 2 if a == b and i != j else entry)
+        return InverseDynamicsPartials(speeds, by_rate, by_position, mass)
+
+
+def _add(entries: Entries, place: tuple[int, int], entry: Expr) -> None:
+    entries[place] = entries[place] + entry if place in entries else entry
+
 
 class _LinkState(NamedTuple):
     """A link in the common frame: where it is, how it moves, its column and the column's rate."""
@@ -96,7 +115,7 @@ def inverse_dynamics_partials(
     assembly.place_pairs(forces)
     if base is not None:
         assembly.place_base(base, velocity, forces)
-    return assembly.partials
+    return assembly.partials.add_shared_speeds()
 
 
 def _base_motion(

@@ -63,6 +63,9 @@ class Recursion:
     _joined: SingleFlight[None, bool] = field(default_factory=SingleFlight, repr=False)
     _forcing: SingleFlight[None, tuple[Expr, ...]] = field(default_factory=SingleFlight, repr=False)
     _chosen: SingleFlight[None, str] = field(default_factory=SingleFlight, repr=False)
+    _solutions: SingleFlight[tuple[int, ...], LinearSolution] = field(
+        default_factory=SingleFlight, repr=False
+    )
 
     @property
     def graph(self) -> Graph:
@@ -136,7 +139,9 @@ class Recursion:
     def solve(self, forces: Sequence[Expr]) -> LinearSolution:
         """Return u' with ``M u' = forces``, and the pivots, in the order of the speeds."""
         method = self._chosen.get(None, lambda: self.method or self._cheaper(forces))
-        return self._solve_with(method, forces)
+        key = tuple(force.index for force in forces)
+        values, pivots = self._solutions.get(key, lambda: self._solve_with(method, forces))
+        return LinearSolution(list(values), list(pivots))
 
     def solve_columns(self, columns: Sequence[Sequence[Expr]]) -> list[list[Expr]]:
         """Return u' with ``M u' = column`` for many columns; by other operations than `solve`."""

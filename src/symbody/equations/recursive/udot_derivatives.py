@@ -193,10 +193,10 @@ class _Columns:
 
     def _homes(self) -> tuple[dict[int, int], dict[int, frozenset[int]]]:
         """Return the segment of each row but those of the base, and the rows that a column of one reaches."""
-        segments = self._tree.segments
-        links = self._tree.links
-        first = self._count - len(links)
-        place = {k: first + row for row, k in enumerate(links)}
+        segments, links = self._tree.segments, self._tree.tree.links
+        first = len(links[0].motion.columns) if self._tree.base else 0
+        rows = {speed: row for row, speed in enumerate(self._closed.speeds)}
+        place = {k: rows[links[k].motion.columns[0].speed] for k in self._tree.links}
         homes = {place[k]: home for home, segment in enumerate(segments) for k in segment.links}
         reached = {home: set(range(first)) for home in range(len(segments))}
         for home in reached:

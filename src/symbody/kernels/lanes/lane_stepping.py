@@ -102,9 +102,10 @@ def step_all(
     """Take a step in `count` lanes, whose common blocks lie one behind the other, `stride` numbers apart.
 
     Where a call `begins`, all lanes begin their steps; later ones go on. They return `RUNNING` until all have
-    ended, each with the code of its lane.
+    ended, each with the code of its lane; then `FINISHED` if all came to their ends, else a code that is not.
     """
     code = FINISHED
+    running = 0
     first = 0
     place = 0
     while first < count:
@@ -115,7 +116,13 @@ def step_all(
             for lane in range(some):
                 begin_lane(f, own, lane, part(rows, lane * size, size))
         if step_lanes(f, wide, g, own, rows, size, some, turns) == RUNNING:
-            code = RUNNING
+            running = 1
+        for lane in range(some):
+            ended = int(own[int(own[LANE_BLOCKS]) + lane * int(own[LANE_SIZE]) + LANE_CODE])
+            if ended != FINISHED:
+                code = ended
         first = first + LANES
         place = place + stride
+    if running != 0:
+        return RUNNING
     return code

@@ -131,7 +131,7 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
     if torn.any():
         row, k = np.argwhere(torn)[0]
         raise UsageError(
-            _torn_motion(
+            _jump_problem(
                 [*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k])
             )
         )
@@ -187,7 +187,7 @@ def remove_turns(changes: Floats, is_angle: Flags) -> Floats:
     return found
 
 
-def _torn_motion(name: str, t: float) -> Problem:
+def _jump_problem(name: str, t: float) -> Problem:
     return Problem(
         "simulation.torn_motion", f"motion {name}", f"the prescribed position jumps at t = {t:.9g} s",
         "nothing moves by a distance in no time",

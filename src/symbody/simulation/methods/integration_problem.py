@@ -162,7 +162,7 @@ class IntegrationProblem:
         def make() -> Projector:
             return make_projector(function, self.eqs, self.problem.scales, method, self.atol)
 
-        projector = self.problem.kept(("projector", method, self.atol), make)
+        projector = self.problem.keep(("projector", method, self.atol), make)
         return StateProjector(function, projector, self.rtol, self.tolerances, method)
 
     def event_watch(self, closing: StateProjector | None) -> EventWatch | None:
@@ -175,7 +175,7 @@ class IntegrationProblem:
 
         key = ("events", self.events, None if closing is None else closing.method, self.atol)
         is_plain = not self.problem.laws.need_python and not any(event.mapping for event in self.events)
-        functions = self.problem.kept(key, make) if is_plain else make()
+        functions = self.problem.keep(key, make) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides)
 
     def course(

@@ -24,7 +24,7 @@ from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.sampling.sampled_loop import SampledLoop
-from symbody.simulation.sampling.sampler import HeldValue, Sampler, held_of
+from symbody.simulation.sampling.sampler import HeldValue, Sampler, record_of
 from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
@@ -78,7 +78,7 @@ class HeldSignals:
     @property
     def record(self) -> HeldRecord | None:
         """What was sampled."""
-        return held_of((self.active, *self.passive), self.names)
+        return record_of((self.active, *self.passive), self.names)
 
     def others(self, given: Mapping[str, Value] | None) -> dict[str, Value]:
         """Return what is given by name without held values."""

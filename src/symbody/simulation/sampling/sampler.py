@@ -174,7 +174,7 @@ class Sampler:
         self._first = self.block.copy()
 
 
-def held_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | None:
+def record_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | None:
     """Return what several samplers recorded, as one record with names in this order; None without any."""
     records = [sampler.samples for sampler in samplers if sampler.values]
     records = [record for record in records if record.t.size]

@@ -14,7 +14,6 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
-from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.inputs.input_laws import Law
@@ -301,10 +300,10 @@ class LaneStepper:
         """Take a step in all lanes at once; return what is wrong with those that broke off."""
         if self._reads_time and self._t.max() + 1.5 * self.dt > self._seen_until:
             blocks = self._look_ahead(blocks)
-        codes = blocks.step()
-        if not self._failed and (codes == at.FINISHED).all():
+        if blocks.step() and not self._failed:
             return {}
-        return self._conclude(lambda place, lane: lane.conclude(int(codes[place])))
+        codes = blocks.codes
+        return self._conclude(lambda place, lane: lane.conclude(codes[place]))
 
     def _look_ahead(self, blocks: LaneBlocks) -> LaneBlocks:
         """Look at what depends on time alone for further steps; return the blocks that have seen it."""

@@ -53,14 +53,13 @@ def input_columns(
     """
     problems, columns = [], []
     if values is not None:
-        table = _numbers("step", values, (lanes, len(places)))
+        table = _numbers("step", values, ((lanes, len(places)),))
         columns += list(zip(places.values(), table.T, strict=True))
     for name, value in named.items():
         if name not in places:
             problems.append(unknown_name("input", name, places, "steps give inputs that have no law"))
             continue
-        shape = () if np.ndim(value) == 0 else (lanes,)
-        columns.append((places[name], _numbers(name, value, shape)))
+        columns.append((places[name], _numbers(name, value, ((lanes,), ()))))
     if problems:
         raise UsageError(*problems)
     return columns
@@ -118,13 +117,14 @@ def _parts(content: bytes) -> Iterator[bytes]:
         content = content[end:]
 
 
-def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
+def _numbers(name: str, value: ArrayLike, shapes: Sequence[tuple[int, ...]]) -> Floats:
+    """Return finite numbers in one of some shapes, the first of which has the lanes first."""
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        array = np.full(shape, np.nan)
-    if array.shape != shape:
-        raise _wrong_count(name, f"an array of shape {array.shape}", shape[0] if shape else 1, shape)
+        array = np.full(shapes[0], np.nan)
+    if array.shape not in shapes:
+        raise _wrong_count(name, f"an array of shape {array.shape}", shapes[0][0], shapes[0])
     if not np.isfinite(array).all():
         raise UsageError(
             Problem("stepper.input_value", name, f"{name} is not finite in every lane", "",
@@ -134,7 +134,7 @@ def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
 
 
 def _wrong_count(where: str, what: str, lanes: int, shape: tuple[int, ...] = ()) -> UsageError:
-    fits = f"one value, or an array of shape {shape or (lanes,)}"
+    fits = f"an array of shape {shape}" if len(shape) > 1 else f"one value, or {lanes}"
     return UsageError(
-        Problem("stepper.lane_values", where, f"{what} do not fit {lanes} lanes", "", f"give {fits}")
+        Problem("stepper.lane_values", where, f"{lanes} lanes cannot take {what}", "", f"give {fits}")
     )

@@ -61,6 +61,7 @@ class LaneBlocks:
         self._state = (at.VECTOR_ROWS + len(tableau.A)) * int(pattern[at.N])
         self._functions = first  # keeps the compiled code alive
         self._under_way = False
+        self._kernel = step_all()
         self._arguments = (
             first.right_hand_side.address, wide.address, first.projects_by, address(self._all), pattern.size,
             address(rows), rows.shape[1], self._count,
@@ -79,15 +80,22 @@ class LaneBlocks:
         steps.move_to(self._row(lane))
         return True
 
-    def step(self) -> Floats:
-        """Take a step in all lanes; return the code of each."""
+    def step(self) -> bool:
+        """Take a step in all lanes; return whether all came to its end."""
         begins = not self._under_way
         self._under_way = True
-        while step_all()(*self._arguments, int(begins), _SLICE) == at.RUNNING:
-            begins = False
+        kernel = self._kernel
+        code = kernel(*self._arguments, begins, _SLICE)
+        while code == at.RUNNING:
+            code = kernel(*self._arguments, False, _SLICE)
         self._under_way = False
+        return bool(code == at.FINISHED)
+
+    @property
+    def codes(self) -> list[int]:
+        """How the last step of each lane ended."""
         codes: Floats = self._own[:, :, at.LANE_CODE].ravel()[: self._count]
-        return codes
+        return [int(code) for code in codes]
 
     def _row(self, lane: int) -> Floats:
         row: Floats = self._own[lane // self._width, lane % self._width]

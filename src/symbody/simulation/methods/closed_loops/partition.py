@@ -61,8 +61,15 @@ class Partition:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.worst < 1.0:
-            what = f"worst = {self.worst!r} is not between 0 and 1"
-            raise UsageError(Problem("simulation.constraints", "worst", what, "", "leave it out"))
+            raise UsageError(
+                Problem(
+                    "simulation.constraints",
+                    "worst",
+                    f"worst = {self.worst!r} is not between 0 and 1",
+                    "",
+                    "leave it out",
+                )
+            )
 
 
 def run_partition(
