@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import symbody as sb
 
 
 def wheels(ratio: float, name: str) -> sb.Model:
-    elements: list[object] = []
+    elements: list[Any] = []
     for wheel in "xy":
         elements.append(sb.Body(f"B{wheel}", mass=1, inertia=[1, 1, 1]))
         torque = sb.Drive(stiffness=2 if wheel == "y" else 0)
