@@ -126,16 +126,16 @@ def test_a_tree_is_taken_as_it_is() -> None:
 
 def test_what_a_state_computes_is_compiled_once(monkeypatch: pytest.MonkeyPatch) -> None:
     state = sb.assemble(sb.form_equations(slider_crank()), {"theta": 0.7}, {"s": 4.0})
-    formed: list[str] = []
+    formed: list[tuple[str, ...]] = []
     bound_function = state_module.bound_function
 
-    def counted(eqs: sb.EquationSet, outputs: str, *rest: object, **choices: object) -> object:
+    def counted(eqs: sb.EquationSet, outputs: tuple[str, ...], *rest: object, **choices: object) -> object:
         formed.append(outputs)
         return bound_function(eqs, outputs, *rest, **choices)
 
     monkeypatch.setattr(state_module, "bound_function", counted)
     energies = {other["s + beta"] for other in (state, state, *state.branches)}
-    assert formed == ["s + beta"] and len(energies) == 1 + len(state.branches)
+    assert formed == [("s + beta",)] and len(energies) == 1 + len(state.branches)
 
 
 def test_guessed_rates_that_are_no_speeds_are_told_when_they_move() -> None:

@@ -226,8 +226,9 @@ class ConstraintEvaluator:
         return name in self.angles
 
     def _difference(self, name: str, a: float, b: float) -> float:
-        """Return the difference of two values of a coordinate, of an angle within half a turn."""
-        return float(np.arctan2(np.sin(a - b), np.cos(a - b))) if self._is_angle(name) else a - b
+        """Return the difference of two values; of an angle that counts no turns within half a turn."""
+        counts = name not in self.eqs.measured_angles
+        return a - b if counts else float(np.arctan2(np.sin(a - b), np.cos(a - b)))
 
     def _measured_size(self, name: str) -> float:
         """Return the size of changes of a coordinate of a cut joint."""

@@ -121,6 +121,14 @@ class ConstraintManifold:
         q, values, slopes = descend(
             start, lambda point, move: self.constraints(self._step_from(point.q, move)), step
         )
+        return self._judge(q, values, slopes)
+
+    def judge(self, q: Floats) -> Configuration:
+        """Return a configuration as it is, with how far it is from the constraints."""
+        point = self.constraints(q)
+        return self._judge(q, point.values, point.slopes)
+
+    def _judge(self, q: Floats, values: Floats, slopes: Floats) -> Configuration:
         residual = float(np.abs(values).max(initial=0.0))
         is_closed = residual <= self.tolerance(q) and bool(np.isfinite(slopes).all()) and self.admits(q)
         return Configuration(q, residual, is_closed)

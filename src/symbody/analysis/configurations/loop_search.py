@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import islice
+from itertools import chain, islice
 from types import MappingProxyType
 from typing import Final
 
@@ -39,27 +39,36 @@ def find_assembly(
 ) -> Configuration | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
     for guess in _starts(evaluator, start, fixed, ranges):
-        attempt = _restrict_to_ranges(evaluator, newton_end(evaluator, guess, fixed), ranges)
+        attempt = _restrict_to_ranges(evaluator, newton_end(evaluator, guess, fixed), fixed, ranges)
         if attempt.is_closed:
             return attempt
-        if evaluator.is_tree:
+        if evaluator.is_tree and all(name in evaluator.eqs.coordinate_names for name in ranges):
             return None
     starts = _starts(evaluator, start, fixed, ranges)
-    for guess, inside in zip(starts, draw_measured_values(evaluator, ranges, fixed, STARTS), strict=False):
-        attempt = _restrict_to_ranges(evaluator, newton_end(evaluator, guess, {**fixed, **inside}), ranges)
+    trials = zip(starts, draw_measured_values(evaluator, ranges, fixed, STARTS), strict=False)
+    names = evaluator.eqs.coordinate_names
+    held = {name: float(x) for name, x in zip(names, start, strict=True) if name in ranges}
+    for guess, inside in chain([(start, held)] if held else [], trials):
+        end = newton_end(evaluator, guess, {**fixed, **inside})
+        attempt = _restrict_to_ranges(evaluator, end, fixed, ranges)
         if attempt.is_closed:
             return attempt
     return None
 
 
 def _restrict_to_ranges(
-    evaluator: ConstraintEvaluator, attempt: Configuration, ranges: Ranges
+    evaluator: ConstraintEvaluator, attempt: Configuration, fixed: Mapping[str, float], ranges: Ranges
 ) -> Configuration:
     """Return an end of Newton's method with angles in their ranges; not closed outside of these."""
     if not attempt.is_closed or not ranges:
         return attempt
     q = turn_into_ranges(evaluator, attempt.q, ranges)
-    return replace(attempt, is_closed=False) if q is None else replace(attempt, q=q)
+    if q is None:
+        return replace(attempt, is_closed=False)
+    if np.array_equal(q, attempt.q):
+        return attempt
+    # Whole turns of one wheel alone are none of the gear it is in.
+    return evaluator.manifold(fixed).judge(q)
 
 
 def _starts(
@@ -84,7 +93,7 @@ def further_assemblies(
     different = [q]
     others = []
     for guess in islice(_starts(evaluator, start, fixed, ranges), 1, None):
-        attempt = _restrict_to_ranges(evaluator, newton_end(evaluator, guess, fixed), ranges)
+        attempt = _restrict_to_ranges(evaluator, newton_end(evaluator, guess, fixed), fixed, ranges)
         if attempt.is_closed and all(evaluator.differs(attempt.q, other) for other in different):
             if evaluator.is_isolated(attempt.q, fixed):
                 different.append(attempt.q)

@@ -48,10 +48,11 @@ def turn_into_ranges(evaluator: ConstraintEvaluator, q: Floats, ranges: Ranges) 
     """Return coordinates with angles turned by whole turns into their ranges; None if one is outside."""
     result = q.copy()
     names = evaluator.eqs.coordinate_names
-    for name, (low, high) in ranges.items():
+    # What is measured follows from coordinates, so that these are turned before.
+    for name, (low, high) in sorted(ranges.items(), key=lambda entry: entry[0] not in names):
         edge = _EDGE * (1.0 if name in evaluator.angles else float(evaluator.sizes.max(initial=1.0)))
-        value = float(q[names.index(name)]) if name in names else evaluator.measure(name, q)
-        if name in evaluator.angles:
+        value = float(q[names.index(name)]) if name in names else evaluator.measure(name, result)
+        if name in evaluator.angles and (name in names or name in evaluator.eqs.measured_angles):
             value += 2 * np.pi * np.ceil((low - edge - value) / (2 * np.pi))
         if not low - edge <= value <= high + edge:
             return None

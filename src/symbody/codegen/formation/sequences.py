@@ -63,7 +63,8 @@ def _specialized_sequence(
     if impossible:
         raise CompileError(*impossible)
     replacements = parameter_nodes(eqs, parameters, kept)
-    eqs = eqs.for_values(_known_values(eqs, replacements)) if eqs.multiplier_names else eqs
+    if eqs.multiplier_names or eqs.formed.coupled.rows:
+        eqs = eqs.for_values(_known_values(eqs, replacements))
     # What belongs to values of this call alone goes when it is done: equations serve for many calls.
     graph = Graph() if parameters or inputs else eqs.formed.graph
     return outputs_sequence(eqs, names, replacements, kept, inputs, graph)

@@ -93,6 +93,8 @@ def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], S
         return (), [measured]
     if any(name == row.name for row in formed.coupled.rows):
         return (), substitute_shares(formed, [formed.coupling_multipliers[name]])
+    if name.startswith("lambda_") and name in formed.readable_names.values:
+        return (), [formed.readable_names.value(name)]  # its constraint may have a space in its name
     first, _, rest = name.partition(" ")
     if first in OUTPUTS_BY_NAME and rest:
         shape, values = _named_output(formed, name)
