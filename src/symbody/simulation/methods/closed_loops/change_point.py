@@ -168,7 +168,7 @@ def is_change_point(problem: SimulationProblem, t: float, x: Floats) -> bool:
 def _reason_to_replace(
     problem: SimulationProblem, raw: RawRun, at: float | None, end: _BranchEnd | None
 ) -> str:
-    """Return why `Partition` should integrate a motion again that `Projection` computed; empty if it need not."""
+    """Return why `Partition` should integrate again what `Projection` computed; empty if it need not."""
     if at is not None:
         return _CHANGED.format(at)
     if end is not None:
