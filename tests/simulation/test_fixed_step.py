@@ -267,3 +267,21 @@ def test_a_jump_at_the_very_end_of_a_motion_is_read_from_before(integrator: obje
     if isinstance(integrator, sb.FixedStep):
         cases = sb.sweep(eqs, 0.5, initial={"x": [0.0, 1.0]}, times=[0.5], **given)  # type: ignore[arg-type]
         assert (cases["x_dot"] == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    "integrator",
+    [sb.FixedStep(0.1), sb.FixedStep(0.03, "semi-implicit"), sb.GeneralizedAlpha(step=0.1), sb.Explicit()],
+    ids=str,
+)
+@pytest.mark.parametrize(("law", "ends", "gain"), [("floor(2*t)", (1.0, 0.0), -0.5), ("if(t <= 1, 3, 1)", (1.0, 2.0), 1.0), (sb.Table([0.0, 1.0, 1.0, 2.0], [0.0, 0.0, 1.0, 1.0]), (1.0, 0.0), 0.0)], ids=["floor", "equal", "table"])  # fmt: skip
+def test_a_jump_at_the_very_start_of_a_motion_is_read_from_behind(
+    integrator: object, law: object, ends: tuple[float, float], gain: float
+) -> None:
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
+    model = sb.Model("push", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), inputs=["F"])
+    run = sb.simulate(sb.form_equations(model), ends, inputs={"F": law}, integrator=integrator)  # type: ignore[dict-item, arg-type]
+    if integrator == sb.FixedStep(0.03, "semi-implicit") and law == "floor(2*t)":
+        assert run["x_dot"][-1] == pytest.approx(gain, abs=0.03)  # the jump at 0.5 s is not on the raster
+    else:
+        assert run["x_dot"][-1] == pytest.approx(gain, abs=1e-9)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -129,6 +131,29 @@ def test_saved_lanes_go_on_to_the_bit() -> None:
     assert lanes.save() == ends[0]
 
 
+@pytest.mark.parametrize("copies", [copy.copy, copy.deepcopy])
+def test_copies_by_the_library_go_their_own_way(copies: Callable[[Any], Any]) -> None:
+    """An environment of reinforcement learning that holds a stepper is copied by `copy.deepcopy`."""
+    lanes, singles = balancing()
+    for motion in (lanes, singles[0]):
+        motion.step(F=1.0)
+        before, other = motion.save(), copies(motion)
+        other.step(F=-5.0)
+        assert motion.save() == before
+        motion.step(F=-5.0)
+        assert motion.save() == other.save()
+
+
+def test_restored_motions_keep_their_own_duration_of_steps() -> None:
+    for make in (
+        lambda dt: sb.Stepper(example("cart_pole"), dt),
+        lambda dt: sb.LaneStepper(example("cart_pole"), dt, 2),
+    ):
+        saved, other = make(0.01).step(F=1.0).save(), make(0.03)
+        other.restore(saved).step()
+        assert np.ravel(other.t) == pytest.approx(0.04, rel=1e-12)
+
+
 def test_events_of_lanes() -> None:
     """Lanes with events are stepped one after the other; one that stops keeps its own time."""
     event = sb.Event("y", -1, "stop", "ground")
@@ -166,6 +191,10 @@ REFUSED: list[tuple[str, Callable[[sb.LaneStepper], object]]] = [
     ("stepper.lanes", lambda s: s.reset([N])),
     ("stepper.lanes", lambda s: s.reset(np.ones(N - 1, dtype=bool))),
     ("stepper.lanes", lambda s: s.lane(N)),
+    ("stepper.lanes", lambda s: s.lane([0, 1])),  # type: ignore[arg-type]
+    ("stepper.lanes", lambda s: s.lane(None)),  # type: ignore[arg-type]
+    ("stepper.lanes", lambda s: s.set([[0], [1, 2]], mp=0.1)),
+    ("stepper.pickle", pickle.dumps),
     ("stepper.lane_values", lambda s: s.set([0, 1], mp=[0.1])),
     ("model.negative_mass", lambda s: s.set(mp=[0.2] * (N - 1) + [-1.0])),
     ("assembly.unknown_name", lambda s: s.reset(z=0.0)),

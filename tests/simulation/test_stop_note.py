@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.native.run import RawRun, Statistics
 from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.simulation_problem import SimulationProblem
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def slider_crank(crank_mass: float, rod: float = 3.0) -> sb.EquationSet:
@@ -68,3 +71,28 @@ def test_a_success_needs_no_note() -> None:
     run = sb.simulate(eqs, 0.1, {"theta": 0.3}, {"s": 3.9})
     assert run.success and not any("known up to" in note for note in run.notes)
     assert replace(run.statistics, rejected=None).rejected is None
+
+
+def test_where_constraints_follow_from_others_partition_goes_on_or_is_named() -> None:
+    eqs = sb.form_equations(sb.load_model(EXAMPLES / "gallery" / "drives" / "cycloid_drive.toml"))
+    run = sb.simulate(eqs, 2.4)
+    assert run.status is sb.Status.SUCCESS and "sb.Partition() integrates the motion" in run.notes[0]
+    assert run["psi"][-1] == pytest.approx(-0.2 * np.pi * 2.4, abs=1e-6)
+    held = sb.simulate(eqs, 2.4, constraints=sb.Baumgarte(50.0))
+    assert held.status is sb.Status.STEP_COLLAPSE and "sb.Partition() may pass it" in held.notes[-1]
+
+
+def test_a_corner_in_the_balance_of_a_massless_foot_is_named() -> None:
+    leg = sb.Drive(applied="-k*(l+0.5)")
+    elements = [
+        sb.Body("Trunk", mass=1.0),
+        sb.Body("Foot"),
+        sb.Prismatic("lift", "ground", "Trunk", axis="y", coordinate="y"),
+        sb.Prismatic("leg", "Trunk", "Foot", axis="y", coordinate="l", force=leg),
+        sb.Force("ground contact", "Foot", (0, "if(y + l < 0, -K*(y + l), 0)", 0)),
+    ]
+    values = {"k": 1000.0, "K": 1e5}
+    eqs = sb.form_equations(sb.Model("hopper", elements, gravity=(0, -9.81, 0), parameters=values))
+    run = sb.simulate(eqs, 1.0, {"y": 0.5, "y_dot": -1.0})
+    assert run.status is sb.Status.STEP_COLLAPSE
+    assert "no mass resists l" in run.notes[-1] and "put a damper along it" in run.notes[-1]

@@ -129,7 +129,7 @@ def find_breakpoints(
 ) -> list[Breakpoints]:
     """Return the pieces of a span for each row of free parameters (cases, n_p), by default one without.
 
-    Pieces also meet at the end of the span, its second time, if values jump there.
+    Pieces also meet at the ends of the span where a motion would read values from beyond a jump.
     """
     p = np.zeros((1, 0)) if parameters is None else parameters
     if span[0] == span[1] or functions.are_straight:
@@ -170,7 +170,7 @@ class _PieceSearch:
     def __init__(self, functions: TimeFunctions, span: tuple[float, float], p: Floats) -> None:
         self._functions, self._p = functions, p
         self._start, self._end = sorted(span)
-        self._last = span[1]
+        self._first, self._last = span
         self._cases = p.shape[1]
         self.margin = _ROUNDINGS * EPSILON * max(abs(self._start), abs(self._end))
         self._known, self._open = functions.known_switches, functions.open_switches
@@ -348,22 +348,22 @@ class _PieceSearch:
         for case in range(self._cases):
             own, is_own = leaves.select(leaves.case == case), owners == case
             pieces = self._result(own, cuts[is_own], widths[is_own], case)
-            found.append(self._with_jump_at_end(pieces, case))
+            found.append(self._with_jumps_at_ends(pieces, case))
         return found
 
-    def _with_jump_at_end(self, pieces: Breakpoints, case: int) -> Breakpoints:
-        """Return pieces that also meet at the end of the motion if values jump there."""
-        t, margin = self._last, 2.0 * self.margin
-        if not self._jump(np.array([t - margin]), np.array([t + margin]), case).any():
-            return pieces
-        place = pieces.times.size if t == self._end else 0
-        return Breakpoints(
-            np.insert(pieces.times, place, t),
-            np.insert(pieces.longest, place, pieces.longest[place]),
-            np.insert(pieces.jumps, place, True),
-            np.insert(pieces.margins, place, margin),
-            pieces.is_complete,
-        )
+    def _with_jumps_at_ends(self, pieces: Breakpoints, case: int) -> Breakpoints:
+        """Return pieces that also meet at the ends of a motion that would read values beyond a jump there."""
+        margin = 2.0 * self.margin
+        behind = self._first + np.copysign(margin, self._last - self._first)
+        sides = np.array([[self._first, behind], [self._last - margin, self._last + margin]])
+        is_jump = self._jump(sides[:, 0], sides[:, 1], case)
+        for t in np.array([self._first, self._last])[is_jump]:
+            k = pieces.times.size if t == self._end else 0
+            times, jumps = np.insert(pieces.times, k, t), np.insert(pieces.jumps, k, True)
+            longest = np.insert(pieces.longest, k, pieces.longest[k])
+            margins = np.insert(pieces.margins, k, margin)
+            pieces = Breakpoints(times, longest, jumps, margins, pieces.is_complete)
+        return pieces
 
     def _jump(self, before: Floats, after: Floats, case: int) -> Flags:
         """Return whether some value jumps between each of some pairs of times."""

@@ -39,7 +39,28 @@ def stop_note(problem: SimulationProblem, raw: RawRun) -> str:
         cause = _massless(problem, raw) or _springs_of_no_length(problem, raw)
         if cause:
             return f"{reached}; {cause}"
-    return raw.stop_note((*problem.eqs.state_names, "work"))
+    return raw.stop_note((*problem.eqs.state_names, "work")) + _cure(problem, raw)
+
+
+def _cure(problem: SimulationProblem, raw: RawRun) -> str:
+    """Return what to do where a state changes too fast, if the mechanism shows it; empty otherwise."""
+    eqs = problem.eqs
+    if raw.status is not Status.STEP_COLLAPSE or not eqs.multiplier_names:
+        return ""
+    balanced = [name for name in eqs.coordinate_names if f"balance_{name}" in eqs.multiplier_names]
+    name = (*eqs.state_names, "work")[raw.state or 0].removesuffix("_dot")
+    if name in balanced:
+        return (
+            f": no mass resists {name}, so that its rate jumps where the balance of forces along it has a "
+            "corner; put a damper along it, give mass to what moves there, or round the corner"
+        )
+    rows, _ = _constraint_rows(problem, raw)
+    if (
+        np.isfinite(rows).all()
+        and count_significant(np.linalg.svd(rows[-1:], compute_uv=False)) < rows.shape[1]
+    ):
+        return "; some constraints follow from others, see sb.redundancy(): sb.Partition() may pass it"
+    return ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,7 @@ from symbody.simulation.stepper.input_values import missing_values
 from symbody.simulation.stepper.lane import Lane
 from symbody.simulation.stepper.lane_values import (
     LaneValue,
+    chosen_lane,
     chosen_lanes,
     input_columns,
     join_saved,
@@ -30,6 +31,7 @@ from symbody.simulation.stepper.lane_values import (
     values_by_lane,
 )
 from symbody.simulation.stepper.numbers import read_only
+from symbody.simulation.stepper.own_copies import OwnCopies
 from symbody.simulation.stepper.side_by_side import LaneBlocks
 from symbody.simulation.stepper.stepper import Stepper
 
@@ -38,7 +40,7 @@ Floats = NDArray[np.float64]
 _MOST_NAMED: Final = 5  # lanes that broke off
 
 
-class LaneStepper:
+class LaneStepper(OwnCopies):
     """Motions of one mechanism, each in a lane, that go on by one step of `dt` at each call of `step`.
 
     It serves reinforcement learning, identification and Monte Carlo: steps of many motions by one call, where
@@ -191,8 +193,7 @@ class LaneStepper:
 
     def lane(self, number: int) -> Stepper:
         """Return a stepper that goes on from the present of one lane by itself."""
-        (place,) = chosen_lanes(number, len(self))
-        return self._lanes[place].copy()
+        return self._lanes[chosen_lane(number, len(self))].copy()
 
     def set(self, only: ArrayLike | None = None, /, **values: LaneValue) -> Self:
         """Change values of parameters, or of inputs, in all lanes or in some; return this stepper.
@@ -213,9 +214,9 @@ class LaneStepper:
         """
         return self._change(only, values, Stepper.reset)
 
-    def copy(self) -> LaneStepper:
+    def copy(self) -> Self:
         """Return a stepper that goes on from here by itself; compiled functions are shared."""
-        other: LaneStepper = object.__new__(type(self))
+        other = object.__new__(type(self))
         copies = [lane.copy() for lane in self._lanes]
         other._adopt([copy for copy in copies if isinstance(copy, Lane)])
         return other

@@ -75,16 +75,33 @@ def chosen_lanes(only: ArrayLike | None, lanes: int) -> tuple[int, ...]:
     """
     if only is None:
         return tuple(range(lanes))
-    array = np.atleast_1d(np.asarray(only))
+    try:
+        array = np.atleast_1d(np.asarray(only))
+    except ValueError:  # lists of several lengths
+        raise _no_lanes(only, lanes) from None
     if array.dtype == np.bool_ and array.shape == (lanes,):
         return tuple(np.flatnonzero(array).tolist())
     is_fit = array.ndim == 1 and (array.dtype.kind in "iu" or not array.size)
     if not is_fit or (array < -lanes).any() or (array >= lanes).any():
-        raise UsageError(
-            Problem("stepper.lanes", "lanes", f"{only!r} names no lanes", f"there are {lanes}, from 0",
-                    f"give numbers below {lanes}, or an array of {lanes} times True or False")
-        )  # fmt: skip
+        raise _no_lanes(only, lanes)
     return tuple(dict.fromkeys(int(place) % lanes for place in array))
+
+
+def chosen_lane(number: ArrayLike, lanes: int) -> int:
+    """Return the one lane that a caller means.
+
+    Raises
+    ------
+    UsageError
+        If this is no lane, or several.
+    """
+    if not isinstance(number, int | np.integer):
+        raise UsageError(
+            Problem("stepper.lanes", "lanes", f"{number!r} is not one lane", f"there are {lanes}, from 0",
+                    f"give a number below {lanes}")
+        )  # fmt: skip
+    (place,) = chosen_lanes(number, lanes)
+    return place
 
 
 def join_saved(parts: Sequence[bytes]) -> bytes:
@@ -131,6 +148,13 @@ def _numbers(name: str, value: ArrayLike, shapes: Sequence[tuple[int, ...]]) -> 
                     f"give finite numbers, as step({name}=values)")
         )  # fmt: skip
     return array
+
+
+def _no_lanes(only: ArrayLike, lanes: int) -> UsageError:
+    return UsageError(
+        Problem("stepper.lanes", "lanes", f"{only!r} names no lanes", f"there are {lanes}, from 0",
+                f"give numbers below {lanes}, or an array of {lanes} times True or False")
+    )  # fmt: skip
 
 
 def _wrong_count(where: str, what: str, lanes: int, shape: tuple[int, ...] = ()) -> UsageError:

@@ -89,10 +89,11 @@ class StepNumbers:
         self.count_from(t)
 
     def take(self, array: Floats) -> None:
-        """Take over all numbers but how many inputs there are, which tells where memory ends."""
-        inputs = self.array[at.INPUTS]
+        """Take over all numbers but how long steps are, and how many inputs there are: there memory ends."""
+        inputs, duration = self.array[at.INPUTS], self.array.item(at.DURATION)
         self.array[:] = array
         self.array[at.INPUTS] = inputs
+        self.set_duration(duration)
 
     @contextmanager
     def unless_it_fails(self) -> Iterator[None]:

@@ -26,6 +26,7 @@ from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import Steps
 from symbody.simulation.stepper.input_values import checked_inputs, missing_values, set_inputs
 from symbody.simulation.stepper.numbers import StepNumbers, read_only, state_values
+from symbody.simulation.stepper.own_copies import OwnCopies
 from symbody.simulation.stepper.saved_stepper import (
     SavedStepper,
     check_kind,
@@ -54,7 +55,7 @@ from symbody.simulation.stepper.ways import broken_off, steps_of
 Floats = NDArray[np.float64]
 
 
-class Stepper:
+class Stepper(OwnCopies):
     """A motion that goes on by one step of `dt` at each call of `step`.
 
     It serves loops of the caller's own: controllers, games, hardware in the loop, reinforcement learning. A
@@ -278,9 +279,9 @@ class Stepper:
         self._take(self._problem, self._steps, self._slow, Status.SUCCESS)
         return self
 
-    def copy(self) -> Stepper:
+    def copy(self) -> Self:
         """Return a stepper that goes on from here by itself; compiled functions are shared."""
-        other: Stepper = object.__new__(type(self))
+        other = object.__new__(type(self))
         other._settings, other._names, other._input_notes = self._settings, self._names, self._input_notes
         other._lay_out(self._numbers.copy())
         other._missing = set(self._missing)
@@ -311,9 +312,9 @@ class Stepper:
         """
         content, numbers, problem = read_saved(saved), self._numbers, self._problem
         check_kind(content, self._settings, numbers.array.size)
+        steps, slow = self._steps, self._slow
         with numbers.unless_it_fails():
             numbers.take(content.numbers)
-            steps, slow = self._steps, self._slow
             if content.parameters != saved_parameters(problem.parameters):
                 problem = step_problem(self._settings, content.parameters, numbers, numbers.x, problem.sizes)
                 steps, slow = steps_of(problem, numbers)

@@ -86,6 +86,10 @@ _LOCKED: Final = (
     "some constraints follow from others only where all loops are closed, see sb.redundancy(), so that {} "
     "finds the mechanism locked beside such states: leave constraints out, or use sb.Partition()"
 )
+_EXCHANGED: Final = (
+    "at t = {:.6g} s sb.Projection() finds no way on: some constraints follow from others, see "
+    "sb.redundancy(), and which of them count changes there; sb.Partition() integrates the motion"
+)
 _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, Status.TOO_MANY_STEPS)
 # Ends after which the motion is looked at: one that was interrupted is not begun again.
 _JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
@@ -123,10 +127,7 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
         if is_plain
         else _end_of_branch(problem, t, x, run, is_locked=follows and isinstance(constraints, GGL))
     )
-    reason = "" if end is None else end.note.format("sb.Projection()")
-    if at is not None:
-        reason = _CHANGED.format(at)
-    if is_replaceable and reason:
+    if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
         second = integrate_plan(by_partition)
         if second.raw.status.success:
             return second._replace(notes=(reason, *second.notes))
@@ -162,6 +163,25 @@ def is_change_point(problem: SimulationProblem, t: float, x: Floats) -> bool:
         branch.speeds > 0
         and loops.singular_values(t, x[loops.places])[branch.speeds - 1] < NEAR * branch.reference
     )
+
+
+def _reason_to_replace(
+    problem: SimulationProblem, raw: RawRun, at: float | None, end: _BranchEnd | None
+) -> str:
+    """Return why `Partition` should integrate again what `Projection` computed; empty if it need not."""
+    if at is not None:
+        return _CHANGED.format(at)
+    if end is not None:
+        return end.note.format("sb.Projection()")
+    return _EXCHANGED.format(raw.reached) if _breaks_off_dependent(problem, raw) else ""
+
+
+def _breaks_off_dependent(problem: SimulationProblem, raw: RawRun) -> bool:
+    """Return whether steps became ever smaller where constraints follow from others."""
+    loops, dense = LoopConstraints(problem), raw.dense_output
+    if dense is None or not _is_collapse(raw.status, dense.breaks):
+        return False
+    return loops.depends(raw.reached, dense(raw.reached)[loops.places])
 
 
 def change_point(problem: SimulationProblem, raw: RawRun) -> float | None:
