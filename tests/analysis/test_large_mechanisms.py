@@ -97,6 +97,7 @@ def test_columns_that_are_not_finite_are_refused_by_their_names(
             sb.linearize(eqs, {**moving(eqs), "q3": 0.0}, inputs={"T": law})
 
 
+@pytest.mark.exhaustive
 def test_the_graph_of_linear_equations_grows_with_the_bodies_not_with_their_square() -> None:
     nodes = []
     for bodies in (60, 120):

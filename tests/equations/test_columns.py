@@ -121,7 +121,7 @@ def check(model: sb.Model, seed: int, by: list[str]) -> float:
     return float((np.abs(found - expected).max(axis=(1, 2)) / scale).max())
 
 
-KINDS = [(False, ""), (False, "own"), (True, "own"), (True, "tie")]
+KINDS = [(False, ""), (False, "own"), (True, "own"), pytest.param(True, "tie", marks=pytest.mark.exhaustive)]
 
 
 @pytest.mark.parametrize(("floating", "loads"), KINDS)

@@ -94,6 +94,7 @@ def test_any_tree(tree: TreeChoice, formulation: Formulation) -> None:
     check(driven_pendulum(), formulation, tree, {"p": 0.5, "s": 0.4, "p_dot": 0.7, "s_dot": 0.3})
 
 
+@pytest.mark.exhaustive
 def test_random_mechanisms() -> None:
     tally = Tally()
     for seed in (5, 14, 19, 20, 22, 23, 25, 34, 43, 57):

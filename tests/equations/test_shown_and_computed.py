@@ -11,6 +11,7 @@ import symbody as sb
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.outputs import textbook
 from symbody.equations.recursive import recursion
+from symbody.equations.recursive.coupled_aba import UncoupledMotions
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import ADD, SUB
 from tests.equations.test_derivation import chain
@@ -52,12 +53,12 @@ def test_a_mass_matrix_that_does_not_fit_the_inverse_dynamics_is_raised(
 
 def test_accelerations_that_do_not_fit_the_mass_matrix_are_raised(monkeypatch: pytest.MonkeyPatch) -> None:
     """Articulated bodies give twice the accelerations."""
-    solve = recursion.accelerations
+    solve = UncoupledMotions.accelerations
 
     def doubled(*arguments: Any) -> Any:
         return {u: value * 2 for u, value in solve(*arguments).items()}
 
-    monkeypatch.setattr(recursion, "accelerations", doubled)
+    monkeypatch.setattr(UncoupledMotions, "accelerations", doubled)
     with pytest.raises(sb.FormulationError, match=r"\[equations\.views_differ\] udot"):
         print(sb.form_equations(chain(3), sb.Recursive("articulated")).forcing)
 

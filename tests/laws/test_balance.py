@@ -30,7 +30,7 @@ def check(seeds: Iterable[int], tree: TreeChoice) -> None:
         energy.close("energy")
 
 
-@pytest.mark.parametrize("seeds", chunks(20), ids=name_of)
+@pytest.mark.parametrize("seeds", chunks(10), ids=name_of)
 def test_balance_and_energy(seeds: range) -> None:
     check(seeds, None)
 

@@ -26,12 +26,16 @@ ORIGIN: Final[Triple] = (ZERO, ZERO, ZERO)
 RATES: Final = "rates"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class InTrees:
     """Whether a joint is to be in the rotation tree and in the translation tree; None: automatic."""
 
     rotation: bool | None = None
     translation: bool | None = None
+
+    def __repr__(self) -> str:
+        choices = {"rotation": self.rotation, "translation": self.translation}
+        return repr({tree: flag for tree, flag in choices.items() if flag is not None})
 
 
 @dataclass(frozen=True, slots=True)

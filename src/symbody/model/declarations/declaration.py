@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import math
 import reprlib
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
@@ -215,12 +216,20 @@ class Declared(Displayed):
 def _argument_text(value: object) -> str:
     """Return what an element holds as it may be given to a constructor."""
     if isinstance(value, Formula):
-        return value.text if value.is_number else repr(value.text)
+        return value.text if value.is_number and _is_literal(value.text) else repr(value.text)
     if isinstance(value, tuple):
         return f"({', '.join(map(_argument_text, value))}{',' * (len(value) == 1)})"
     if isinstance(value, Mapping):
         return f"{{{', '.join(f'{name!r}: {_argument_text(item)}' for name, item in value.items())}}}"
     return repr(value)
+
+
+def _is_literal(number: str) -> bool:
+    """Return whether Python reads the same number; 60/18 it would round."""
+    try:
+        return math.isfinite(float(number))
+    except ValueError:
+        return False
 
 
 class ElementPart(Declared):
