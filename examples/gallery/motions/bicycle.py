@@ -22,7 +22,7 @@ K0 = np.array([[-80.95, -2.59951685249872], [-2.59951685249872, -0.8032948845861
 K2 = np.array([[0.0, 76.59734589573222], [0.0, 2.65431523794604]])
 C1 = np.array([[0.0, 33.86641391492494], [-0.85035641456978, 1.68540397397560]])
 TOLERANCE = 1e-3  # of the largest lean and steer
-LOOK = {"times": (0.8,), "view": (0.6, -1.0, 0.3)}
+LOOK = {"times": (0.8,), "view": (0.6, -1.0, 0.13)}
 
 
 def tube(start, end, at, color):
@@ -57,7 +57,7 @@ def model():
     ]  # fmt: skip
     person = [
         tube((0.22, 0.98), (0.5, 1.35), rider, "orange"),
-        sb.Sphere(0.11, at=(0.29, 0, 0.57), color="orange"),
+        sb.Sphere(0.11, at=(0.26, 0, 0.53), color="orange"),
     ]
     x, z = (float(each) for each in top - fork)
     bar = sb.Cylinder(0.018, 0.5, at=(x, 0, z), rotate=[("x", "pi/2")], color="crimson")
