@@ -15,6 +15,7 @@ from matplotlib.figure import Figure as Canvas
 
 from symbody.analysis.state import State
 from symbody.graph.spanning_tree import SpanningTree
+from symbody.model.model import Model
 from symbody.model.naming import GROUND
 from symbody.report.document import PictureKind
 from symbody.simulation.results.trajectory import Trajectory
@@ -24,6 +25,7 @@ from symbody.visual.viewer.still import run_of_state
 
 _SIZE: Final = (960, 540)  # of the mechanism [px]
 _INCH: Final = (7.0, 3.6)  # of other pictures
+_MOST_LABELS: Final = 30  # more names would hide what they name; tables have them
 _TREE_COLOR: Final = "#1f5f99"
 _CHORD_COLOR: Final = "#b3541e"
 # Parallel edges bend apart by this share of their length.
@@ -35,7 +37,9 @@ def mechanism_picture(state: State, kind: PictureKind) -> bytes:
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"picture.{kind}"
         with mpl.rc_context(_settings()):
-            save_animation(run_of_state(state), path, size=_SIZE, labels=True, progress=None)
+            model: Model = state.eqs.model
+            few = len(model.bodies) + len(model.joints) <= _MOST_LABELS
+            save_animation(run_of_state(state), path, size=_SIZE, labels=few, progress=None)
         return path.read_bytes()
 
 

@@ -129,7 +129,9 @@ def facets_of(
 def weld(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
     """Return a mesh whose vertices of equal place are one, without triangles that have no area."""
     span = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
-    grid = np.round((vertices - vertices.min(axis=0, initial=np.inf)) * (1e6 / (span or 1.0))).astype(np.int64)
+    grid = np.round((vertices - vertices.min(axis=0, initial=np.inf)) * (1e6 / (span or 1.0))).astype(
+        np.int64
+    )
     keys = (grid[:, 0] << 42) | (grid[:, 1] << 21) | grid[:, 2]  # 20 bits each
     _, first, place = np.unique(keys, return_index=True, return_inverse=True)
     corners = place.reshape(-1)[triangles].astype(np.int64).reshape(-1, 3)

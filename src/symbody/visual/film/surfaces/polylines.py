@@ -39,7 +39,9 @@ def join_lines(lines: Iterable[Floats]) -> tuple[Floats, ...]:
     unused = set(range(len(pieces)))
     chains = []
     # Chains begin where they end anyway; what is left then are rings.
-    loose = [k for k, each in enumerate(pieces) if any(len(meeting[at]) != 2 for at in (each.start, each.end))]
+    loose = [
+        k for k, each in enumerate(pieces) if any(len(meeting[at]) != 2 for at in (each.start, each.end))
+    ]
     for start in (*loose, *range(len(pieces))):
         if start not in unused:
             continue

@@ -31,11 +31,10 @@ def trace_regions(samples: Bytes, background: str) -> tuple[Region, ...]:
     Borders between two regions are the same for both: each is cut where three regions meet, and what is
     between two cuts is made straight by itself.
     """
-    labels = np.zeros(np.array(samples.shape[:2]) + 2, dtype=np.int64)
-    labels[1:-1, 1:-1] = samples.astype(np.int64) @ np.array([65536, 256, 1])
+    red, green, blue = (samples[..., k].astype(np.int32) for k in range(3))
+    labels = (red << 16) | (green << 8) | blue
     nothing = int(background[1:], 16)
-    labels[[0, -1], :] = nothing
-    labels[:, [0, -1]] = nothing
+    labels, corner = _frame(labels, nothing)
     starts, directions, colors = _sides(labels, nothing)
     if not len(starts):
         return ()
@@ -46,8 +45,19 @@ def trace_regions(samples: Bytes, background: str) -> tuple[Region, ...]:
     by_color: dict[int, list[Floats]] = {}
     for ring, color in zip(rings, loop_colors, strict=True):
         if len(ring):
-            by_color.setdefault(color, []).append(ring - 1.0)
+            by_color.setdefault(color, []).append(ring + corner)
     return tuple(Region(tuple(each), f"#{color:06x}") for color, each in by_color.items())
+
+
+def _frame(labels: Ints, nothing: int) -> tuple[Ints, Floats]:
+    """Return what is not background, with background all around, and where (x, y) its first sample lies."""
+    seen = labels != nothing
+    row, column = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
+    if not len(row):
+        return np.full((2, 2), nothing, dtype=labels.dtype), np.zeros(2)
+    top, left = int(row[0]), int(column[0])
+    inner = labels[top : int(row[-1]) + 1, left : int(column[-1]) + 1]
+    return np.pad(inner, 1, constant_values=nothing), np.array([left, top]) - 1.0
 
 
 def _sides(labels: Ints, nothing: int) -> tuple[Ints, Ints, Ints]:
@@ -90,7 +100,8 @@ def _loops(following: Ints) -> tuple[Ints, Ints]:
     """Return sides loop by loop, and how many each loop has."""
     successors = following.tolist()
     visited = bytearray(len(successors))
-    order, counts = [], []
+    order: list[int] = []
+    counts: list[int] = []
     for start in range(len(successors)):
         if visited[start]:
             continue
@@ -105,8 +116,11 @@ def _loops(following: Ints) -> tuple[Ints, Ints]:
 
 def _cuts(labels: Ints) -> Bools:
     """Return for each corner of samples (row, column) whether three regions or more meet there."""
-    four = np.stack([labels[:-1, :-1], labels[:-1, 1:], labels[1:, 1:], labels[1:, :-1]])
-    borders = (four != np.roll(four, 1, axis=0)).sum(axis=0)
+    a, b, c, d = labels[:-1, :-1], labels[:-1, 1:], labels[1:, 1:], labels[1:, :-1]
+    borders = sum(
+        np.not_equal(one, other, dtype=np.bool_).view(np.int8)
+        for one, other in ((a, b), (b, c), (c, d), (d, a))
+    )
     cuts = np.zeros(labels.shape, dtype=np.bool_)
     cuts[1:, 1:] = borders >= 3
     return cuts
@@ -182,9 +196,7 @@ def _lines(
     points[(offsets + cut - starts)[line] + np.arange(len(side))] = middles[side]
     points[offsets[cut]] = corners[side[starts[cut]]]
     last = side[starts + lengths - 1]
-    points[offsets + counts - 1] = np.where(
-        cut[:, np.newaxis], corners[after[last]], middles[side[starts]]
-    )
+    points[offsets + counts - 1] = np.where(cut[:, np.newaxis], corners[after[last]], middles[side[starts]])
     return points, counts
 
 
@@ -212,4 +224,4 @@ def _areas(points: Floats, counts: Ints) -> Floats:
     after[starts + counts - 1] = starts
     x, y = points[:, 0], points[:, 1]
     ring = np.repeat(np.arange(len(counts)), counts)
-    return 0.5 * np.bincount(ring, x * y[after] - x[after] * y, len(counts))
+    return np.asarray(0.5 * np.bincount(ring, x * y[after] - x[after] * y, len(counts)), dtype=np.float64)

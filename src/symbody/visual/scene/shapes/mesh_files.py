@@ -54,7 +54,8 @@ def split_at_edges(vertices: Floats, triangles: NDArray[np.int64]) -> SceneMesh:
     So have the borders of large flat faces, which would look bent where they meet a rounding.
     """
     pairs = _neighbours(triangles)
-    cross = np.cross(*(vertices[triangles[:, k]] - vertices[triangles[:, 0]] for k in (1, 2)))
+    first, second, third = (vertices[triangles[:, k]] for k in range(3))
+    cross = np.asarray(np.cross(second - first, third - first), dtype=np.float64)
     doubled = np.linalg.norm(cross, axis=1)
     normals = cross / np.where(doubled > 0.0, doubled, 1.0)[:, np.newaxis]
     cosines = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
@@ -82,7 +83,7 @@ def _connected(pairs: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """Return for each of `count` things the number of the group that pairs connect it to."""
     ones = np.ones(len(pairs), dtype=np.int8)
     graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def stretch_mesh(mesh: SceneMesh, factors: Floats) -> SceneMesh:
