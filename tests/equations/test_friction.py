@@ -230,7 +230,7 @@ def test_reserves_of_all_joints_are_one_output() -> None:
     eqs = equations("ABC", "cut at D")
     t, q, u = 0.0, [0.3] * len(eqs.coordinate_names), [0.7] * len(eqs.speed_names)
     outputs = ["friction_reserve", *(f"friction_reserve {x}" for x in "ABC")]
-    reserves, *each = sb.compile(eqs, outputs)(t, q, u)
+    reserves, *each = sb.compile(eqs, outputs)(t, q, u, [1.0])
     np.testing.assert_allclose(reserves, each, rtol=1e-12)
     assert np.isfinite(reserves).all()
 

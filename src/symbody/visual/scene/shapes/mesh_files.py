@@ -60,10 +60,10 @@ def split_at_edges(vertices: Floats, triangles: NDArray[np.int64]) -> SceneMesh:
     normals = cross / np.where(doubled > 0.0, doubled, 1.0)[:, np.newaxis]
     cosines = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
     flat = pairs[cosines > np.cos(_FLAT)]
-    plane = _connected(flat, len(triangles))
+    plane = _groups(flat, len(triangles))
     is_large = np.bincount(plane, doubled)[plane] > doubled.sum() / _LARGE
     smooth = pairs[(cosines > np.cos(_SHARP)) & ~is_large[pairs].any(axis=1)]
-    patch = _connected(np.concatenate([flat, smooth]), len(triangles))
+    patch = _groups(np.concatenate([flat, smooth]), len(triangles))
     keys = np.repeat(patch, 3) * len(vertices) + triangles.reshape(-1)
     corners, place = np.unique(keys, return_inverse=True)
     return SceneMesh(vertices[corners % len(vertices)], place.reshape(-1, 3).astype(np.int32))
@@ -79,7 +79,7 @@ def _neighbours(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.stack([order[first], order[first + 1]], axis=1) // 3
 
 
-def _connected(pairs: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+def _groups(pairs: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """Return for each of `count` things the number of the group that pairs connect it to."""
     ones = np.ones(len(pairs), dtype=np.int8)
     graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
