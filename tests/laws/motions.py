@@ -65,7 +65,13 @@ def motion(
     mechanism: Mechanism, state: State, tree: TreeChoice, share: float, method: Method = USUAL
 ) -> Motion:
     """The motion from a state through a share of the mechanism's unit of time; every step is a sample."""
-    eqs = equations(mechanism, tree)
+    return motion_of(mechanism, equations(mechanism, tree), state, share, method)
+
+
+def motion_of(
+    mechanism: Mechanism, eqs: sb.EquationSet, state: State, share: float, method: Method = USUAL
+) -> Motion:
+    """The motion by given equations of the mechanism."""
     known = {name: state.known[name] for name in (*eqs.coordinate_names, *eqs.speed_names)}
     inputs = {name: state.known[name] for name in eqs.input_names}
     span = (state.t, state.t + share * mechanism.units.time)

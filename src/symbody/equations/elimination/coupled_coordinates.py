@@ -4,7 +4,7 @@ A coupling of first degree with constant factors, ``sum of c_j q_j + o = 0``, is
 coordinates, and those that follow from other couplings are put in (Gauss-Jordan). With all coordinates
 ``q = W q_i + o`` and W constant, speeds and accelerations are ``u = W u_i``, ``u' = W u_i'``, so that the
 equations are ``W^T M W u_i' = W^T F``: a joint whose motion is a function of the speed of another adds to the
-equations of that speed by projection (Featherstone 2008, sections 3.2 and 9.6; Jain 2011).
+equations of that speed by projection (Featherstone 2008, chapters 3 and 9; Jain 2011).
 """
 
 from __future__ import annotations
