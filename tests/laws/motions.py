@@ -28,9 +28,10 @@ FRAMES = (
 class Method:
     """How a motion is computed; None leaves the integrator out."""
 
-    integrator: sb.GeneralizedAlpha | None = None
+    integrator: sb.GeneralizedAlpha | sb.Stiff | None = None
     rtol: float = RTOL
     atol: float = ATOL
+    most_steps: int = MOST_STEPS
 
 
 USUAL = Method()
@@ -77,7 +78,7 @@ def motion_of(
     span = (state.t, state.t + share * mechanism.units.time)
     run = sb.simulate(
         eqs, span, guess=known, inputs=inputs, integrator=method.integrator, rtol=method.rtol,
-        atol=method.atol, max_steps=MOST_STEPS,
+        atol=method.atol, max_steps=method.most_steps,
     )  # fmt: skip
     frames = [word.format(body.name) for body in mechanism.bodies for word in FRAMES]
     function = sb.compile(eqs, ["energy", "kinetic_energy", "potential_energy", *frames])
