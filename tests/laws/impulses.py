@@ -170,8 +170,9 @@ def _balanced(
     inverted = max(1.0, 1.0 / float(sizes[rank - 1]), 1.0 / _least_turn(mechanism))
     condition = (1.0 + float(np.linalg.norm(kept))) * inverted
     struck = Struck(
-        mechanism, *states, gained=energies[1] - energies[0], speed=float(np.abs([s, s + jump]).max()),
-        energy=max(energies), words=words, rank=rank, magnified=inverted**2, condition=condition,
+        mechanism, before=states[0], behind=states[1], gained=energies[1] - energies[0],
+        speed=float(np.abs([s, s + jump]).max()), energy=max(energies), words=words, rank=rank,
+        magnified=inverted**2, condition=condition,
     )  # fmt: skip
     return struck, float(left), float(np.abs(jump).max())
 
