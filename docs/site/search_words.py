@@ -30,14 +30,14 @@ WORDS: Final[Mapping[str, str]] = MappingProxyType(
         "inverse_dynamics": "required torque motor drive constant speed given motion",
         "joints": "hinge pin slider ball cardan hooke rotational translational fixed rigid",
         "kinematic_analysis": "dead center point toggle limit position singularity stroke workspace",
-        "linearization": "natural frequency eigenfrequency resonance modal mode shape transfer function stability",
+        "linearization": "natural frequency eigenfrequency resonance modal shape transfer function",
         "model_file": "units millimeter mm degrees kilogram center gravity moment default value keyword",
         "plots": "graph chart figure diagram",
         "robots": "arm manipulator panda",
         "signals": "controller saturation servo filter step setpoint dead zone",
         "simulate": "solver integrate run results save export csv excel step size",
         "sweeps": "monte carlo parametric study variation optimization",
-        "tutorial/6_equilibrium_and_vibration": "natural frequency eigenfrequency resonance modal static rest",
+        "tutorial/6_equilibrium_and_vibration": "natural frequency resonance modal static rest",
         "tutorial/10_controller": "feedback pid step response balance",
     }
 )
