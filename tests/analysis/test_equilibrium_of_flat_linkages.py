@@ -65,6 +65,10 @@ def test_equilibria_are_those_of_the_potential(kind: str) -> None:
         check_equilibria(kind, seed)
 
 
+def test_an_equilibrium_a_thousandth_of_a_radian_beside_a_crossing() -> None:
+    check_equilibria("slider-crank", 1387)
+
+
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("chunk", range(34))
 @pytest.mark.parametrize("kind", LINKAGES)

@@ -29,6 +29,7 @@ _PATIENCE: Final = 8  # steps, with states of signals
 # Constraints open by e have the Jacobian of a place sqrt(2 e / K) beside; K, their curvature, is of order 1.
 _BESIDE: Final = 10.0
 _SAME_CROSSING: Final = 1e-3
+_CLOSINGS: Final = 3  # of Newton's steps, from constraints closed to 1e-10
 _MOST_BESIDE: Final = 4  # starts beside a crossing
 _STEP: Final = 0.05  # in sizes: finite, so that terms of higher order show
 _STAYED: Final = 0.5  # of the step: equilibria go on where Newton's method leads back by less
@@ -95,18 +96,18 @@ class EquilibriumSearch:
         """Return the end of steps of least length; `bearing` as of `Balance.rest`."""
         free, sizes, balance = self.free, self.evaluator.sizes, self.balance
         largest = balance.largest_term(self.start)
-        rest = balance.residual(q, balance.first_inputs, largest, bearing)
+        start = balance.residual(q, balance.first_inputs, largest, bearing)
 
-        def move(rest: StaticResidual, step: Floats) -> StaticResidual:
-            q = rest.q.copy()
+        def move(place: StaticResidual, step: Floats) -> StaticResidual:
+            q = place.q.copy()
             q[free] += step * sizes[free]
-            return balance.residual(self.evaluator.normalize(q), rest.inputs, largest, bearing)
+            return balance.residual(self.evaluator.normalize(q), place.inputs, largest, bearing)
 
         def step(values: Floats, slopes: Floats) -> Floats:
             return least_step(values, slopes[:, free])
 
         # Controllers at their limits have no slope, and starts crawl along them.
-        return descend(rest, move, step, patience=_PATIENCE if self.evaluator.signals.size else None)
+        return descend(start, move, step, patience=_PATIENCE if self.evaluator.signals.size else None)
 
     def attempts(self, q: Floats) -> list[StaticResidual]:
         """Return the ends of a start: equilibria, or places with the least unbalanced forces.
@@ -127,11 +128,28 @@ class EquilibriumSearch:
         """Return an end of Newton's method with the loads that stay bounded about it."""
         if not self._is_closed(rest):
             return rest
+        if ((rest.shares > BEARING) & (rest.shares < _SAME_CROSSING)).any():
+            rest = self._close(rest)
         cut = _BESIDE * float(np.sqrt(max(rest.largest_gap, EXACT)))
         bearing = rest.shares[rest.shares > BEARING] if rest.bearing is None else rest.shares[: rest.bearing]
         if (bearing >= cut).all():
             return rest
         return self.descend(rest.q, int((bearing >= cut).sum()))
+
+    def _close(self, rest: StaticResidual) -> StaticResidual:
+        """Return the same place with its constraints closed to rounding.
+
+        Where singular values fall to s, constraints open by e turn the loads by e / s, which balances forces
+        that nothing balances at the place itself.
+        """
+        q, free, sizes = rest.q.copy(), self.free, self.evaluator.sizes
+        for _ in range(_CLOSINGS):
+            _, values, rows = self.evaluator.manifold().constraints(q)
+            q[free] += least_step(values, rows[:, free]) * sizes[free]
+        closed = self.balance.residual(
+            self.evaluator.normalize(q), rest.inputs, self.balance.largest_term(self.start), rest.bearing
+        )
+        return closed if closed.largest_gap < rest.largest_gap else rest
 
     def _is_repeated(self, rest: StaticResidual) -> bool:
         """Return whether starts beside this crossing were tried already."""
@@ -198,7 +216,12 @@ class EquilibriumSearch:
 
     def flat_directions(self, rest: StaticResidual) -> Floats:
         """Return the directions of free coordinates, in sizes, in which no force changes, as columns."""
-        return null_space(rest.slopes[:, self.free], SHARP_RANK)
+        count = rest.unbalanced.size
+        slopes, rows = rest.slopes[:count, self.free], rest.slopes[count:, self.free]
+        tangent = null_space(rows, SHARP_RANK)
+        _, singular, right = np.linalg.svd(slopes @ tangent)
+        stiff = int((singular > SHARP_RANK * np.linalg.norm(slopes)).sum())
+        return np.asarray(tangent @ right[stiff:].T)
 
     def _is_closed(self, rest: StaticResidual) -> bool:
         return rest.largest_gap <= ASSEMBLED and self.evaluator.is_aligned(rest.q)
