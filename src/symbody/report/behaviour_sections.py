@@ -141,9 +141,9 @@ def origin_section(setting: Setting) -> ReportSection:
         ("symbody", symbody.__version__),
         ("Python", platform.python_version()),
         ("numpy", np.__version__),
-        ("fingerprint of the equations", _fingerprint(setting.eqs)),
+        ("equations, by their fingerprint", _fingerprint(setting.eqs)),
     )
-    return ReportSection("origin", "Versions", (TextTable(("", ""), rows),))
+    return ReportSection("origin", "Versions", (TextTable(("computed with", "version"), rows),))
 
 
 def _fingerprint(eqs: EquationSet) -> str:

@@ -18,6 +18,7 @@ from symbody.report.document import (
     Block,
     Cell,
     Figure,
+    FormulaList,
     Name,
     NameList,
     Notes,
@@ -113,7 +114,7 @@ def parts_section(setting: Setting) -> ReportSection:
     return ReportSection(
         "parts", "Bodies and joints",
         (
-            TextTable(("body", "mass [kg]", "inertia [kg m^2]"), tuple(map(_body_row, model.bodies))),
+            TextTable(("body", "mass [kg]", "inertia [kg m\u00b2]"), tuple(map(_body_row, model.bodies))),
             TextTable(("frame", "origin [m]", "turned about"), tuple(frames)),
             TextTable(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
             TextTable(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
@@ -127,13 +128,20 @@ def _ends(element: Element) -> str:
 
 
 def _body_row(body: Body) -> tuple[Cell, ...]:
-    return (body.name, body.mass, _plain(body.given_arguments().get("inertia", "none")))
+    return (body.name, body.mass, _components(body.given_arguments().get("inertia", "none")))
 
 
 def _frame_rows(frames: Mapping[str, Frame], body: str) -> Iterator[tuple[Cell, ...]]:
     for name, frame in frames.items():
         turns = ", ".join(f"{axis} by {_plain(angle)}" for axis, angle in frame.rotate)
-        yield (f"{body}.{name}", _plain(frame.at), turns or "none")
+        yield (f"{body}.{name}", _components(frame.at), turns or "none")
+
+
+def _components(value: object) -> Cell:
+    """Return components of a vector as formulas, all else as text."""
+    if isinstance(value, tuple | list) and all(isinstance(x, Formula | str | int | float) for x in value):
+        return FormulaList(tuple(x if isinstance(x, Formula) else str(x) for x in value))
+    return _plain(value)
 
 
 def _law(element: Element) -> str:
@@ -186,13 +194,13 @@ def coordinates_section(setting: Setting) -> ReportSection:
         where = f"{type(joint).__name__} {joint.name}" if joint is not None else "beside the joints"
         rows.append((Name(name), Unit(units.get(name, "")), where))
     speeds: list[tuple[Cell, ...]] = [(Name(name), Unit(units.get(name, ""))) for name in eqs.speed_names]
-    states: list[tuple[Cell, ...]] = [(Name(name), "state of a signal") for name in eqs.signal_state_names]
+    states: list[tuple[Cell, ...]] = [(Name(name), "a signal") for name in eqs.signal_state_names]
     return ReportSection(
         "coordinates", "Coordinates and speeds",
         (
             TextTable(("coordinate", "unit", "of"), tuple(rows)),
             TextTable(("speed", "unit"), tuple(speeds)),
-            TextTable(("state", ""), tuple(states)),
-            Notes(eqs.notes),
+            TextTable(("state", "of"), tuple(states)),
+            Notes(tuple(note for note in eqs.notes if note not in eqs.formed.topology.notes)),
         ),
     )  # fmt: skip
