@@ -190,10 +190,10 @@ def _break_pages(aligned: str) -> str:
 
 
 def _matrices(matrices: Sequence[parts.Matrix]) -> str:
-    """Return matrices beside each other, as wide as the page at most: they cannot be broken."""
+    """Return matrices beside each other where there is room, each as wide as the page at most."""
     formulas = [matrix_formulas(matrix, _PAGE_WIDTH) for matrix in matrices]
-    shown = r" \qquad ".join(matrix for matrix, _ in formulas)
     width = r"\ifdim\width>\textwidth\textwidth\else\width\fi"
-    fitted = rf"\resizebox{{{width}}}{{!}}{{$\displaystyle {shown}$}}"
+    boxes = (rf"\resizebox{{{width}}}{{!}}{{$\displaystyle {matrix}$}}" for matrix, _ in formulas)
     where = "".join(_break_pages(text) for _, text in formulas if text)
-    return f"\\begin{{center}}\n{fitted}\n\\end{{center}}\n{where}"
+    row = " \\quad\n".join(boxes)  # lines are broken between them
+    return f"\\begin{{center}}\n{row}\n\\end{{center}}\n{where}"
