@@ -273,7 +273,7 @@ def test_vectors_are_named_before_they_are_printed(tmp_path: Path) -> None:
     tex = write(eqs, tmp_path / "x.tex", sections=chosen)
     assert r"$\boldsymbol{u}$ = ($\dot{\theta}$, $\dot{\beta}$, $\dot{s}$)" in tex
     assert r"\dot{\boldsymbol{u}} = \boldsymbol{F}" in tex and tex.index("speeds") < tex.index("bmatrix")
-    assert r"($\frac{1}{2} \, L_{1}$, 0, 0)" in write(eqs, tmp_path / "x.md", sections=chosen)
+    assert r"($\frac{1}{2} \, L_{1}$, $0$, $0$)" in write(eqs, tmp_path / "x.md", sections=chosen)
     page = write(eqs, tmp_path / "x.html", sections=chosen)
     assert "with the speeds" in page and '<th scope="col"></th>' not in page
     assert ">turned about<" not in page  # nothing is turned
