@@ -266,3 +266,14 @@ def test_graphs_with_long_names_are_outlines(tmp_path: Path) -> None:
     ).groups()  # type: ignore[union-attr]
     assert float(height) > 5 * 20  # a row for each body and the ground
     assert float(width) < 504  # narrower than beside each other
+
+
+def test_vectors_are_named_before_they_are_printed(tmp_path: Path) -> None:
+    eqs, chosen = load("slider_crank"), ["parts", "dynamics"]
+    tex = write(eqs, tmp_path / "x.tex", sections=chosen)
+    assert r"$\boldsymbol{u}$ = ($\dot{\theta}$, $\dot{\beta}$, $\dot{s}$)" in tex
+    assert r"\dot{\boldsymbol{u}} = \boldsymbol{F}" in tex and tex.index("speeds") < tex.index("bmatrix")
+    assert r"($\frac{1}{2} \, L_{1}$, $0$, $0$)" in write(eqs, tmp_path / "x.md", sections=chosen)
+    page = write(eqs, tmp_path / "x.html", sections=chosen)
+    assert "with the speeds" in page and '<th scope="col"></th>' not in page
+    assert ">turned about<" not in page  # nothing is turned

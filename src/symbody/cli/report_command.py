@@ -13,7 +13,7 @@ from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.stages import StageBar
 from symbody.errors import Problem, UsageError
-from symbody.report.save_report import save_report
+from symbody.report.save_report import SECTIONS, save_report
 from symbody.simulation.simulate import simulate
 
 
@@ -25,8 +25,9 @@ def report(
     ] = None,
     end: Annotated[float | None, option("--end", "-t", text="Also a motion up to this time in s.")] = None,
     sections: Annotated[
-        Pairs, option("--section", metavar="NAME", text="What is in it; repeatable; all.")
+        Pairs, option("--section", metavar="NAME", text=f"{', '.join(SECTIONS)}; repeatable; all.")
     ] = None,
+    title: Annotated[str | None, option("--title", text="By default the name of the model.")] = None,
     template: Annotated[
         Path | None,
         option("--template", metavar="FILE", text="Text around the report, with {{ body }} in it."),
@@ -62,5 +63,7 @@ def report(
                 eqs, (0.0, end), parameters=given.parameters, inputs=given.laws(), initial=given.initial
             )
     with bar.stage("writing"):
-        save_report(eqs, target, run, sections=sections, parameters=given.parameters, template=template)
+        save_report(
+            eqs, target, run, sections=sections, parameters=given.parameters, title=title, template=template
+        )
     typer.echo(str(target))

@@ -24,6 +24,25 @@ def show_formula(formula: Formula | None, states: Collection[str] = ()) -> str:
         return "\u2013"
     if formula.is_number:
         return formula.text
+    try:
+        return Markup(math_element(to_mathml(*graph_of_formula(formula, states))))
+    except ExpressionError:  # a division by zero, or longer than anybody reads
+        return formula.text
+
+
+def graph_of_formula(formula: Formula, states: Collection[str] = ()) -> tuple[Graph, int]:
+    """Return a formula as a node of a graph of its own.
+
+    Parameters
+    ----------
+    states : collection of str
+        Coordinates and speeds, which stand behind parameters in a product.
+
+    Raises
+    ------
+    ExpressionError
+        If it divides by zero, or is longer than anybody reads.
+    """
     graph = Graph()
 
     def look_up(name: str, column: int) -> int:
@@ -34,7 +53,4 @@ def show_formula(formula: Formula | None, states: Collection[str] = ()) -> str:
                 return graph.symbol(Symbol(name.removesuffix(ending), SymbolKind.COORDINATE, order))
         return graph.symbol(Symbol(name, SymbolKind.COORDINATE if name in states else SymbolKind.PARAMETER))
 
-    try:
-        return Markup(math_element(to_mathml(graph, build(formula, graph, look_up))))
-    except ExpressionError:  # a division by zero, or longer than anybody reads
-        return formula.text
+    return graph, build(formula, graph, look_up)

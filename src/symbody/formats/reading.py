@@ -122,7 +122,11 @@ def _similar(name: str, folder: Path) -> str:
         names: Sequence[str] = sorted(entry.name for entry in os.scandir(folder))[:1000]
     except OSError:
         return f"there is no directory {str(folder)!r} either"
-    return nearest(name, [other for other in names if other.endswith(".toml")] or names)
+    if not names:
+        return f"the directory {str(folder)!r} is empty: give the path of a file"
+    suffixes = Path(name).suffix or ".toml", ".toml"
+    alike = [[other for other in names if other.endswith(suffix)] for suffix in suffixes]
+    return nearest(name, next(filter(None, alike), names))
 
 
 def _unreadable(where: str, error: OSError | ValueError) -> Problem:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 from collections.abc import Iterator
 from hashlib import sha256
@@ -71,14 +72,22 @@ def _equilibrium(setting: Setting) -> Iterator[Block]:
         return
     yield Paragraph(f"Its small motions are {linear.verdict}.")
     yield Notes(tuple(note for note in linear.notes if note not in balance.notes))
-    modes = tuple(_mode_row(mode) for mode in linear.modes if mode.eigenvalue.imag >= 0.0)
+    shown = [mode for mode in linear.modes if mode.eigenvalue.imag >= 0.0]
+    zeros = sum(map(_is_zero, shown))
+    modes = tuple(_mode_row(mode) for mode in shown if not _is_zero(mode))
+    if zeros:  # one row for all
+        times = f" ({zeros} times)" if zeros > 1 else ""
+        modes = (*modes, (f"0{times}", 0.0, math.nan, math.inf))
     heading = ("eigenvalue [1/s]", "frequency [rad/s]", "damping ratio", "time constant [s]")
     yield TextTable(heading, modes)
 
 
+def _is_zero(mode: Mode) -> bool:
+    """Return whether an eigenvalue is zero but for rounding."""
+    return bool(mode.frequency <= mode.tolerance)
+
+
 def _mode_row(mode: Mode) -> tuple[Cell, ...]:
-    if mode.frequency <= mode.tolerance:  # zero but for rounding
-        return ("0", 0.0, mode.damping_ratio, mode.time_constant)
     value = eigenvalue_on_axes(mode)
     pair = "\u00b1" if value.imag else ""
     shown = f"{value.real:.5g} {pair} {abs(value.imag):.5g} i" if pair else f"{value.real:.5g}"
@@ -93,10 +102,10 @@ def motion_section(setting: Setting) -> ReportSection:
     """Return a motion as pictures, with its energy and the violation of the constraints."""
     if setting.run is None:
         return ReportSection("motion", "Motion")
-    return ReportSection("motion", "Motion", tuple(_motion(setting.run)))
+    return ReportSection("motion", "Motion", tuple(_motion(setting.run, bool(setting.eqs.multiplier_names))))
 
 
-def _motion(run: Trajectory) -> Iterator[Block]:
+def _motion(run: Trajectory, has_constraints: bool) -> Iterator[Block]:
     yield Paragraph(f"From t = {run.t[0]:g} s to {run.t[-1]:g} s, {run.t.size} samples: {run.status.value}.")
     names = run.coordinate_names
     if names:
@@ -109,8 +118,9 @@ def _motion(run: Trajectory) -> Iterator[Block]:
     yield Figure("energy", "Energies over time", lambda kind: motion_picture(run, energies, kind))
     energy = np.asarray(run["energy"])
     yield Paragraph(f"Energy: {energy[0]:.6g} J at first, {energy[-1]:.6g} J at the end.")
-    worst = float(np.max(run.constraint_violation, initial=0.0))
-    yield Paragraph(f"Largest open constraint: {worst:.2g} of the mechanism's size.")
+    if has_constraints:
+        worst = float(np.max(run.constraint_violation, initial=0.0))
+        yield Paragraph(f"Largest open constraint: {worst:.2g} of the mechanism's size.")
     rows = tuple((f"{event.t:.9g}", event.name) for event in run.events[:30])
     yield TextTable(("t [s]", "event"), rows)
     yield Notes(run.notes)
@@ -141,9 +151,9 @@ def origin_section(setting: Setting) -> ReportSection:
         ("symbody", symbody.__version__),
         ("Python", platform.python_version()),
         ("numpy", np.__version__),
-        ("fingerprint of the equations", _fingerprint(setting.eqs)),
+        ("equations, by their fingerprint", _fingerprint(setting.eqs)),
     )
-    return ReportSection("origin", "Versions", (TextTable(("", ""), rows),))
+    return ReportSection("origin", "Versions", (TextTable(("computed with", "version"), rows),))
 
 
 def _fingerprint(eqs: EquationSet) -> str:

@@ -42,7 +42,14 @@ class Unit:
     text: str
 
 
-Cell: TypeAlias = str | float | Formula | Name | NameList | Unit
+@dataclass(frozen=True, slots=True)
+class FormulaList:
+    """Components in parentheses."""
+
+    entries: tuple[Formula | str, ...]
+
+
+Cell: TypeAlias = str | float | Formula | Name | NameList | FormulaList | Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +97,7 @@ class Matrix:
     Attributes
     ----------
     symbol : str
-        A name, shown as in formulas.
+        A name, shown as in formulas, in bold type: names of parameters are not.
     shape : (int, int)
         Rows and columns.
     nodes : tuple of int
@@ -129,7 +136,26 @@ class MatrixRow:
     matrices: tuple[Matrix, ...]
 
 
-Block: TypeAlias = Paragraph | Notes | TextTable | EquationBlock | Matrix | MatrixRow | Figure
+@dataclass(frozen=True, slots=True)
+class GoverningEquations:
+    """The equations of motion as matrices, and the names that stand in their vectors.
+
+    Attributes
+    ----------
+    speeds, multipliers : tuple of str
+        In the order of rows; none where they are too many to be listed.
+    has_constraints : bool
+        Whether multipliers and the rows of J belong to them.
+    """
+
+    speeds: tuple[str, ...]
+    multipliers: tuple[str, ...]
+    has_constraints: bool
+
+
+Block: TypeAlias = (
+    Paragraph | Notes | TextTable | EquationBlock | Matrix | MatrixRow | Figure | GoverningEquations
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ from symbody.report.document import (
     Block,
     Cell,
     EquationBlock,
+    GoverningEquations,
     Matrix,
     MatrixRow,
     Name,
@@ -93,7 +94,7 @@ def _constraints(eqs: EquationSet) -> Iterator[Block]:
         (row.element, "positions" if row.is_holonomic else "velocities", Name(row.name))
         for row in formed.rows
     ]
-    yield TextTable(("of", "on", "multiplier"), tuple(rows))
+    yield TextTable(("joint or element", "constraint on", "multiplier"), tuple(rows))
     values = eqs.textbook.readable("constraints").nodes
     if values:
         yield Paragraph("On positions:")
@@ -107,16 +108,11 @@ def _constraints(eqs: EquationSet) -> Iterator[Block]:
 def dynamics_section(setting: Setting) -> ReportSection:
     """Return M, F, J and gamma, and how many operations each output takes."""
     eqs = setting.eqs
-    first = "There are no speeds: nothing moves, or all that moves is prescribed."
-    blocks: list[Block] = [
-        Paragraph(first)
-        if not eqs.speed_names
-        else Paragraph(
-            "The equations of motion are M u' = F + J^T lambda, J u' = gamma: speeds u, multipliers lambda."
-        )
-        if eqs.multiplier_names
-        else Paragraph("The equations of motion are M u' = F, with speeds u.")
-    ]
+    blocks: list[Block] = []
+    if eqs.speed_names:
+        blocks.append(_governing_equations(eqs))
+    else:
+        blocks.append(Paragraph("There are no speeds: nothing moves, or all that moves is prescribed."))
     blocks += _matrices(eqs) if eqs.speed_names else ()
     counted: list[tuple[Cell, ...]] = []
     for name in _COUNTED:
@@ -128,6 +124,12 @@ def dynamics_section(setting: Setting) -> ReportSection:
         TextTable(("output", "operations"), tuple(counted)),
     ]
     return ReportSection("dynamics", "Mass matrix, forcing, Jacobian", blocks)
+
+
+def _governing_equations(eqs: EquationSet) -> GoverningEquations:
+    speeds, multipliers = eqs.speed_names, eqs.multiplier_names
+    short = max(len(speeds), len(multipliers)) <= _MOST_SPEEDS
+    return GoverningEquations(speeds if short else (), multipliers if short else (), bool(multipliers))
 
 
 def _matrices(eqs: EquationSet) -> Iterator[Block]:

@@ -11,7 +11,7 @@ from symbody.display.html import Markup, number, show_unit, symbol
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml import mathml_name, to_mathml_with_definitions
-from symbody.expr.printing.mathml_tables import mathml_equations, mathml_matrix
+from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import tree_sizes
 from symbody.report import document as parts
@@ -102,6 +102,8 @@ def _block(block: parts.Block) -> str:
         words = escape(block.caption)
         picture = f'<img src="data:image/svg+xml;base64,{content}" alt="{words}">'
         return f"<figure>{picture}<figcaption>{words}</figcaption></figure>\n"
+    if isinstance(block, parts.GoverningEquations):
+        return _governing_equations(block)
     if isinstance(block, parts.MatrixRow):
         return f'<div class="row">{"".join(map(_matrix, block.matrices))}</div>\n'
     return _matrix(block) if isinstance(block, parts.Matrix) else _equations(block)
@@ -128,10 +130,42 @@ def _cell(cell: parts.Cell) -> str:
         return ", ".join(map(symbol, cell.texts))
     if isinstance(cell, parts.Unit):
         return escape(show_unit(cell.text))
-    if isinstance(cell, Formula):
-        shown = show_formula(cell)
-        return shown if isinstance(shown, Markup) else escape(shown)
-    return escape(cell) if isinstance(cell, str) else number(cell)
+    if isinstance(cell, parts.FormulaList):
+        return f"({', '.join(map(_formula_cell, cell.entries))})"
+    return _formula_cell(cell) if isinstance(cell, str | Formula) else _negative(number(cell))
+
+
+def _formula_cell(cell: str | Formula) -> str:
+    if isinstance(cell, str):
+        return escape(cell)
+    shown = show_formula(cell)
+    return shown if isinstance(shown, Markup) else escape(_negative(shown))
+
+
+def _negative(text: str) -> str:
+    """Return a number with a minus instead of a hyphen."""
+    return text.replace("-", "\u2212")
+
+
+def _governing_equations(block: parts.GoverningEquations) -> str:
+    mass, force, speed = (_bold(mathml_name(name, order)) for name, order in (("M", 0), ("F", 0), ("u", 1)))
+    content = f"{mass}{speed}<mo>=</mo>{force}"
+    lists = [("speeds", "u", block.speeds)]
+    if block.has_constraints:
+        jacobian, gamma, multipliers = (_bold(mathml_name(name)) for name in ("J", "gamma", "lambda"))
+        content += f'<mo>+</mo><msup>{jacobian}<mi mathvariant="normal">T</mi></msup>{multipliers}'
+        content += f'<mo>,</mo><mspace width="2em"/>{jacobian}{speed}<mo>=</mo>{gamma}'
+        lists.append(("multipliers", "lambda", block.multipliers))
+    words = [
+        f"the {word} {math_element(_bold(mathml_name(letter)))}"
+        + (f" = ({', '.join(map(symbol, names))})" if names else "")
+        for word, letter, names in lists
+    ]
+    return f"<p>The equations of motion are</p>\n{_formula(content, '')}<p>with {' and '.join(words)}.</p>\n"
+
+
+def _bold(content: str) -> str:
+    return f'<mrow style="font-weight:bold">{content}</mrow>'
 
 
 def _equations(block: parts.EquationBlock) -> str:
@@ -146,7 +180,7 @@ def _matrix(block: parts.Matrix) -> str:
     texts, named = to_mathml_with_definitions(block.graph, list(block.nodes), parts.LONG)
     columns = block.shape[1]
     rows = [texts[start : start + columns] for start in range(0, len(texts), columns)]
-    content = f"{mathml_name(block.symbol)}<mo>=</mo>{mathml_matrix(rows)}"
+    content = f"{_bold(mathml_name(block.symbol))}<mo>=</mo>{mathml_matrix(rows)}"
     return _with_definitions(_formula(content, _annotation(block.graph, block.nodes)), named)
 
 

@@ -6,12 +6,15 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from symbody.display.formulas import graph_of_formula
+from symbody.errors import ExpressionError
 from symbody.expr.language.formula import Formula
-from symbody.expr.printing.latex import latex_name, to_latex_with_definitions
-from symbody.expr.printing.latex_rows import latex_equations_page
+from symbody.expr.printing.latex import latex_name, to_latex, to_latex_with_definitions
+from symbody.expr.printing.latex_rows import WIDTH, latex_equations_page
 from symbody.report import document as parts
 from symbody.report.template import fill_template
 
+_PAGE_WIDTH: Final = 64  # letters of a row of the page below
 _PACKAGES: Final = r"""\usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
 \usepackage{amsmath,amssymb,graphicx,longtable}
@@ -73,6 +76,11 @@ def _block(block: parts.Block, folder: str) -> str:
         picture = f"\\includegraphics[width=0.9\\textwidth]{{{folder}/{block.name}.pdf}}"
         caption = f"\\caption{{{latex_words(block.caption)}}}"
         return f"\\begin{{figure}}[h]\n\\centering\n{picture}\n{caption}\n\\end{{figure}}\n"
+    if isinstance(block, parts.GoverningEquations):
+        formula, words = governing_formulas(block)
+        return (
+            f"The equations of motion are\n\\begin{{equation*}}\n{formula}\n\\end{{equation*}}\n{words}\n\n"
+        )
     if isinstance(block, parts.Matrix | parts.MatrixRow):
         return _matrices(block.matrices if isinstance(block, parts.MatrixRow) else (block,))
     return _equations(block)
@@ -95,9 +103,40 @@ def _cell(cell: parts.Cell) -> str:
         return ", ".join(f"${name_formula(text)}$" for text in cell.texts)
     if isinstance(cell, parts.Unit):
         return unit_formula(cell.text)
+    if isinstance(cell, parts.FormulaList):
+        return f"({', '.join(map(formula_cell, cell.entries))})"
     if isinstance(cell, Formula):
+        return formula_cell(cell)
+    return latex_words(cell) if isinstance(cell, str) else f"${plain_number(cell)}$"
+
+
+def formula_cell(cell: Formula | str) -> str:
+    """Return a formula between dollars, and text as it is."""
+    if isinstance(cell, str):
+        return latex_words(cell)
+    if cell.is_number:
+        return f"${cell.text}$"
+    try:
+        return f"${to_latex(*graph_of_formula(cell))}$"
+    except ExpressionError:  # a division by zero, or longer than anybody reads
         return latex_words(cell.text)
-    return latex_words(cell) if isinstance(cell, str) else plain_number(cell)
+
+
+def governing_formulas(block: parts.GoverningEquations) -> tuple[str, str]:
+    """Return the equations of motion as matrices, and a sentence with the names in their vectors."""
+    bold = r"\boldsymbol"
+    formula = rf"{bold}{{M}} \, \dot{{{bold}{{u}}}} = {bold}{{F}}"
+    lists = [("speeds", "u", block.speeds)]
+    if block.has_constraints:
+        formula += rf" + {bold}{{J}}^{{\mathrm{{T}}}} {bold}{{\lambda}}, \qquad "
+        formula += rf"{bold}{{J}} \, \dot{{{bold}{{u}}}} = {bold}{{\gamma}}"
+        lists.append(("multipliers", r"\lambda", block.multipliers))
+    words = [
+        f"the {word} ${bold}{{{letter}}}$"
+        + (f" = ({', '.join(f'${name_formula(name)}$' for name in names)})" if names else "")
+        for word, letter, names in lists
+    ]
+    return formula, f"with {' and '.join(words)}."
 
 
 def plain_number(value: float) -> str:
@@ -119,35 +158,42 @@ def unit_formula(unit: str) -> str:
     return latex_words(first) + "".join(f"$^{{{part[:1]}}}${latex_words(part[1:])}" for part in others)
 
 
-def equation_formulas(block: parts.EquationBlock) -> str:
+def equation_formulas(block: parts.EquationBlock, width: int = WIDTH) -> str:
     """Return equations with their definitions as one ``aligned`` environment."""
     nodes = [node for pair in block.sides for node in pair]
     texts, named = to_latex_with_definitions(block.graph, nodes, parts.LONG)
     blocks = [list(zip(texts[::2], texts[1::2], strict=True))]
     if named:
         blocks.append([(latex_name(name), text) for name, text in named])
-    return latex_equations_page(blocks)
+    return latex_equations_page(blocks, width)
 
 
-def matrix_formulas(block: parts.Matrix) -> tuple[str, str]:
+def matrix_formulas(block: parts.Matrix, width: int = WIDTH) -> tuple[str, str]:
     """Return a matrix, and the definitions that its entries read as an ``aligned`` environment."""
     texts, named = to_latex_with_definitions(block.graph, list(block.nodes), parts.LONG)
     columns = block.shape[1]
     rows = (" & ".join(texts[start : start + columns]) for start in range(0, len(texts), columns))
     entries = r" \\ ".join(rows)
-    shown = rf"{latex_name(block.symbol)} = \begin{{bmatrix}}{entries}\end{{bmatrix}}"
-    return shown, latex_equations_page([[(latex_name(name), text) for name, text in named]]) if named else ""
+    shown = rf"\boldsymbol{{{latex_name(block.symbol)}}} = \begin{{bmatrix}}{entries}\end{{bmatrix}}"
+    where = [[(latex_name(name), text) for name, text in named]]
+    return shown, latex_equations_page(where, width) if named else ""
 
 
 def _equations(block: parts.EquationBlock) -> str:
-    return f"\\begin{{equation*}}\n{equation_formulas(block)}\n\\end{{equation*}}\n"
+    return _break_pages(equation_formulas(block, _PAGE_WIDTH))
+
+
+def _break_pages(aligned: str) -> str:
+    """Return equations that may go on on the next page."""
+    inner = aligned.removeprefix(r"\begin{aligned}").removesuffix(r"\end{aligned}")
+    return f"\\begin{{align*}}{inner}\\end{{align*}}\n"
 
 
 def _matrices(matrices: Sequence[parts.Matrix]) -> str:
-    """Return matrices beside each other, as wide as the page at most: they cannot be broken."""
-    formulas = [matrix_formulas(matrix) for matrix in matrices]
-    shown = r" \qquad ".join(matrix for matrix, _ in formulas)
+    """Return matrices beside each other where there is room, each as wide as the page at most."""
+    formulas = [matrix_formulas(matrix, _PAGE_WIDTH) for matrix in matrices]
     width = r"\ifdim\width>\textwidth\textwidth\else\width\fi"
-    fitted = rf"\resizebox{{{width}}}{{!}}{{$\displaystyle {shown}$}}"
-    where = "".join(f"\\begin{{equation*}}\n{text}\n\\end{{equation*}}\n" for _, text in formulas if text)
-    return f"\\begin{{center}}\n{fitted}\n\\end{{center}}\n{where}"
+    boxes = (rf"\resizebox{{{width}}}{{!}}{{$\displaystyle {matrix}$}}" for matrix, _ in formulas)
+    where = "".join(_break_pages(text) for _, text in formulas if text)
+    row = " \\quad\n".join(boxes)  # lines are broken between them
+    return f"\\begin{{center}}\n{row}\n\\end{{center}}\n{where}"

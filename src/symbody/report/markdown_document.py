@@ -13,6 +13,8 @@ from symbody.expr.language.formula import Formula
 from symbody.report import document as parts
 from symbody.report.latex_document import (
     equation_formulas,
+    formula_cell,
+    governing_formulas,
     matrix_formulas,
     name_formula,
     plain_number,
@@ -88,6 +90,9 @@ def _block(block: parts.Block, place: Place) -> str:
         return f"![{_words(block.caption)}]({place(block)})\n"
     if isinstance(block, parts.MatrixRow):
         return "\n".join(_block(matrix, place) for matrix in block.matrices)
+    if isinstance(block, parts.GoverningEquations):
+        formula, words = governing_formulas(block)
+        return f"The equations of motion are\n\n$$\n{formula}\n$$\n\n{words}\n"
     if isinstance(block, parts.Matrix):
         shown, where = matrix_formulas(block)
         return "".join(f"$$\n{text}\n$$\n" for text in (shown, where) if text)
@@ -108,9 +113,15 @@ def _cell(cell: parts.Cell) -> str:
         return ", ".join(f"${name_formula(text)}$" for text in cell.texts)
     if isinstance(cell, parts.Unit):
         return unit_formula(cell.text).replace("|", r"\|")
+    if isinstance(cell, parts.FormulaList):
+        return f"({', '.join(_words(x) if isinstance(x, str) else _formula_cell(x) for x in cell.entries)})"
     if isinstance(cell, Formula):
-        return f"`{cell.text}`".replace("|", r"\|")
+        return _formula_cell(cell)
     return _words(cell) if isinstance(cell, str) else plain_number(cell)
+
+
+def _formula_cell(formula: Formula) -> str:
+    return formula_cell(formula).replace("|", r"\vert ")
 
 
 def _words(text: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import partial
+from typing import Final
 
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.parameter_units import symbol_units
@@ -18,6 +19,7 @@ from symbody.report.document import (
     Block,
     Cell,
     Figure,
+    FormulaList,
     Name,
     NameList,
     Notes,
@@ -28,6 +30,8 @@ from symbody.report.document import (
 )
 from symbody.report.pictures import graph_picture, mechanism_picture
 from symbody.report.setting import Setting
+
+_EMPTY: Final[tuple[Cell, ...]] = ("", "none", NameList(()), Unit(""))
 
 
 def mechanism_section(setting: Setting) -> ReportSection:
@@ -42,12 +46,13 @@ def _mechanism(setting: Setting) -> Iterator[Block]:
         freedoms = _freedoms(eqs.degrees_of_freedom)
     except SymbodyError as error:
         freedoms = f"degrees of freedom that are not counted ({error.problems[0].what})"
-    parts = (
+    parts = [
         number_in_words(len(model.bodies), "body"),
         number_in_words(len(model.joints), "joint"),
         number_in_words(len(eqs.coordinate_names), "coordinate"),
-        number_in_words(len(eqs.multiplier_names), "constraint"),
-    )
+    ]
+    if eqs.multiplier_names:
+        parts.append(number_in_words(len(eqs.multiplier_names), "constraint"))
     yield Paragraph(f"{model.name} has {', '.join(parts)} and {freedoms}.")
     state = setting.start
     if isinstance(state, str):
@@ -77,16 +82,15 @@ def graph_section(setting: Setting) -> ReportSection:
     )
     for word, tree in shown:
         kind = "both trees" if word == "tree" else f"the tree of {word}s"
-        caption = f"Linear graph: {kind} solid, cut joints dashed"
+        caption = f"Linear graph: {kind} solid, cut joints dashed" if tree.chords else "Linear graph, a tree"
         blocks.append(Figure(f"graph-{word}", caption, partial(graph_picture, tree)))
-    rows: list[tuple[Cell, ...]] = [
-        (joint.name, *("branch" if joint.name in names else "cut" for names in same))
-        for joint in topology.joints
-    ]
-    blocks += [
-        TextTable(("joint", "tree of rotations", "tree of translations"), tuple(rows)),
-        Notes(topology.notes),
-    ]
+    if any(tree.chords for tree in trees):
+        rows: list[tuple[Cell, ...]] = [
+            (joint.name, *("branch" if joint.name in names else "cut" for names in same))
+            for joint in topology.joints
+        ]
+        blocks.append(TextTable(("joint", "tree of rotations", "tree of translations"), tuple(rows)))
+    blocks.append(Notes(topology.notes))
     return ReportSection("graph", "Linear graph and trees", blocks)
 
 
@@ -113,12 +117,20 @@ def parts_section(setting: Setting) -> ReportSection:
     return ReportSection(
         "parts", "Bodies and joints",
         (
-            TextTable(("body", "mass [kg]", "inertia [kg m^2]"), tuple(map(_body_row, model.bodies))),
-            TextTable(("frame", "origin [m]", "turned about"), tuple(frames)),
-            TextTable(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
-            TextTable(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
+            TextTable(("body", "mass [kg]", "inertia [kg m\u00b2]"), tuple(map(_body_row, model.bodies))),
+            _table(("frame", "origin [m]", "turned about"), tuple(frames)),
+            _table(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
+            _table(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
         ),
     )  # fmt: skip
+
+
+def _table(heading: tuple[str, ...], rows: tuple[tuple[Cell, ...], ...]) -> TextTable:
+    """Return a table without the columns that have no entries."""
+    columns = [k for k in range(len(heading)) if any(row[k] not in _EMPTY for row in rows)]
+    return TextTable(
+        tuple(heading[k] for k in columns), tuple(tuple(row[k] for k in columns) for row in rows)
+    )
 
 
 def _ends(element: Element) -> str:
@@ -127,13 +139,20 @@ def _ends(element: Element) -> str:
 
 
 def _body_row(body: Body) -> tuple[Cell, ...]:
-    return (body.name, body.mass, _plain(body.given_arguments().get("inertia", "none")))
+    return (body.name, body.mass, _components(body.given_arguments().get("inertia", "none")))
 
 
 def _frame_rows(frames: Mapping[str, Frame], body: str) -> Iterator[tuple[Cell, ...]]:
     for name, frame in frames.items():
         turns = ", ".join(f"{axis} by {_plain(angle)}" for axis, angle in frame.rotate)
-        yield (f"{body}.{name}", _plain(frame.at), turns or "none")
+        yield (f"{body}.{name}", _components(frame.at), turns or "none")
+
+
+def _components(value: object) -> Cell:
+    """Return components of a vector as formulas, all else as text."""
+    if isinstance(value, tuple | list) and all(isinstance(x, Formula | str | int | float) for x in value):
+        return FormulaList(tuple(x if isinstance(x, Formula) else str(x) for x in value))
+    return _plain(value)
 
 
 def _law(element: Element) -> str:
@@ -171,7 +190,7 @@ def parameters_section(setting: Setting) -> ReportSection:
     ]
     return ReportSection(
         "parameters", "Parameters and inputs",
-        (TextTable(("parameter", "value", "unit"), tuple(rows)), TextTable(("input", "unit"), tuple(inputs))),
+        (_table(("parameter", "value", "unit"), tuple(rows)), _table(("input", "unit"), tuple(inputs))),
     )  # fmt: skip
 
 
@@ -186,13 +205,13 @@ def coordinates_section(setting: Setting) -> ReportSection:
         where = f"{type(joint).__name__} {joint.name}" if joint is not None else "beside the joints"
         rows.append((Name(name), Unit(units.get(name, "")), where))
     speeds: list[tuple[Cell, ...]] = [(Name(name), Unit(units.get(name, ""))) for name in eqs.speed_names]
-    states: list[tuple[Cell, ...]] = [(Name(name), "state of a signal") for name in eqs.signal_state_names]
+    states: list[tuple[Cell, ...]] = [(Name(name), "a signal") for name in eqs.signal_state_names]
     return ReportSection(
         "coordinates", "Coordinates and speeds",
         (
-            TextTable(("coordinate", "unit", "of"), tuple(rows)),
+            _table(("coordinate", "unit", "of"), tuple(rows)),
             TextTable(("speed", "unit"), tuple(speeds)),
-            TextTable(("state", ""), tuple(states)),
-            Notes(eqs.notes),
+            TextTable(("state", "of"), tuple(states)),
+            Notes(tuple(note for note in eqs.notes if note not in eqs.formed.topology.notes)),
         ),
     )  # fmt: skip
