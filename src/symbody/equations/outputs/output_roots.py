@@ -20,6 +20,7 @@ from symbody.equations.outputs.friction_outputs import (
     friction_names,
     friction_normal,
     friction_reserve,
+    friction_reserves,
 )
 from symbody.equations.outputs.joint_outputs import (
     ENTRIES,
@@ -336,6 +337,7 @@ OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     # determined
     "friction_residual": _vector("friction_residual", lambda formed: resistance(formed).residuals),
     "friction_margin": _vector("friction_margin", lambda formed: resistance(formed).margins),
+    "friction_reserve": _vector("friction_reserve", friction_reserves),
     "alignment": _vector("alignment", lambda formed: list(formed.alignments)),
 }
 
