@@ -23,7 +23,7 @@ NUMBER = 200
 # take many steps: where an explicit one of order 8 takes thousands, of order 2 hundred thousands. CVODE takes its
 # steps one by one, which is no test of anything where they are as many.
 METHODS = {
-    "generalized alpha": Method(sb.GeneralizedAlpha(), 1e-6, 1e-9, 500_000),
+    "generalized alpha": Method(sb.GeneralizedAlpha(), 1e-6, 1e-9, 100_000),
     "backward differentiation": Method(sb.Stiff(), 1e-8, 1e-11, 20_000),
 }
 THOUSANDS = 1000
