@@ -12,6 +12,7 @@ import symbody as sb
 from tests.simulation.loops import damped_slider, example, held_pendulum, pushed_mass, turning_pendulum
 
 MODULUS = 0.5  # sine of half the amplitude of a pendulum
+HELD = 1e-5  # rad, from where stiff springs let go
 RADII = (0.0, 0.5, 0.9, 1.0)
 
 
@@ -99,6 +100,41 @@ def test_order_2_with_jumps_that_no_step_meets_and_slopes_of_work() -> None:
         energy = np.asarray(run["energy"]) - np.asarray(run["work"])
         errors.append(np.ptp(energy))
     assert errors[1] < 0.3 * errors[0] < 1e-3
+
+
+def held_hinge(stiffness: float) -> tuple[sb.EquationSet, str]:
+    """A body whose three coordinates a hinge holds by two constraints, on a spring; and its angle."""
+    body = sb.Body("Arm", mass=1, inertia=(0, 0, 0.5), frames={"pivot": sb.Frame(at=(0, 1, 0))})
+    flight = sb.Planar("flight", "ground", "Arm", axis="z", coordinates=("x", "y", "a"))
+    spring = sb.Torque("spring", "Arm", (0, 0, f"-{stiffness!r}*a"))
+    pin = sb.Revolute("pin", "ground", "Arm.pivot", axis="z")
+    initial = {"a": HELD, "x": np.sin(HELD), "y": -np.cos(HELD)}
+    model = sb.Model("hinge", [body, flight, pin, spring], gravity=(0, 0, 0), initial=initial)
+    return sb.form_equations(model, tree=sb.Trees(rotation=["flight"], translation=["flight"])), "a"
+
+
+def held_ball(stiffness: float) -> tuple[sb.EquationSet, str]:
+    """A ball in a socket by quaternion and angular velocity, on a spring; and half its angle."""
+    spring = sb.Torque("spring", "Ball", [f"-{2 * stiffness!r}*e{axis}" for axis in "xyz"])
+    socket = sb.Spherical("socket", "ground", "Ball", coordinates=("ew", "ex", "ey", "ez"))
+    initial = {"ew": np.cos(0.5 * HELD), "ex": np.sin(0.5 * HELD)}
+    body = sb.Body("Ball", mass=1, inertia=(1, 1, 1))
+    return sb.form_equations(sb.Model("ball", [body, socket, spring], initial=initial)), "ex"
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("held", [held_hinge, held_ball])
+def test_of_fast_turns_rho_remains_with_loops_and_quaternions(held: Any, rho: float) -> None:
+    eqs, name = held(1e5)
+    run = sb.simulate(eqs, 200.0, integrator=sb.GeneralizedAlpha(rho=rho, step=1.0))
+    assert run.success, run.notes
+    sizes = np.abs(run[name])
+    if rho == 0.0:
+        assert sizes[5:].max() < 1e-6 * sizes[0]
+        return
+    # The two roots of each motion are not quite equal: what they leave swells and fades.
+    first, last = (sizes[k : k + 40].max() for k in (40, 160))
+    assert (last / first) ** (1.0 / 120.0) == pytest.approx(rho, rel=0.05)
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.9])
