@@ -95,7 +95,6 @@ class EquilibriumSearch:
         """Return the end of steps of least length; `bearing` as of `Balance.rest`."""
         free, sizes, balance = self.free, self.evaluator.sizes, self.balance
         largest = balance.largest_term(self.start)
-        rest = balance.residual(q, balance.first_inputs, largest, bearing)
 
         def move(rest: StaticResidual, step: Floats) -> StaticResidual:
             q = rest.q.copy()
@@ -105,6 +104,7 @@ class EquilibriumSearch:
         def step(values: Floats, slopes: Floats) -> Floats:
             return least_step(values, slopes[:, free])
 
+        rest = balance.residual(q, balance.first_inputs, largest, bearing)
         # Controllers at their limits have no slope, and starts crawl along them.
         return descend(rest, move, step, patience=_PATIENCE if self.evaluator.signals.size else None)
 
