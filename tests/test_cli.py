@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import symbody
+import symbody as sb
 from symbody.cli import run
 from symbody.equations.form import form_equations
 from symbody.equations.outputs.equation_lines import equation_lines
@@ -112,6 +112,11 @@ def test_simulate_closed_loops(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert rows["beta"] == pytest.approx(-lean, abs=1e-9)
     assert rows["s"] == pytest.approx(0.4 * np.cos(rows["theta"]) + np.cos(lean), abs=1e-9)
     assert "reaction_B_Fx" in rows.dtype.names
+    whole = ["simulate", str(path), "-t", "0.1", "-s", "reaction B", "--csv", str(table), "--force"]
+    assert run([*whole, "-o", str(tmp_path / "a.png")]) == 0
+    assert {"reaction_B_Fx", "reaction_B_Mz"} <= set(
+        np.genfromtxt(table, delimiter=",", names=True).dtype.names
+    )
     assert path.with_suffix(".png").stat().st_size > 10_000
 
 
@@ -210,6 +215,20 @@ def test_check_tells_what_the_model_is(model: Path, capsys: pytest.CaptureFixtur
         "degrees of freedom: 1",
         "note: gravity is zero",
     ]
+
+
+def test_check_names_a_body_whose_inertia_may_be_forgotten(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def rod_with(inertia: float) -> sb.Body:
+        return sb.Body("Rod", mass=1, inertia=(0, 0, inertia), frames={"top": sb.Frame(at=(0, 0.5, 0))})
+
+    pivot = sb.Revolute("pivot", "ground", "Rod.top", axis="z")
+    for inertia, is_named in ((0, True), (0.1, False)):
+        path = tmp_path / f"{is_named}.toml"
+        sb.save_model(sb.Model("pendulum", [rod_with(inertia), pivot]), path)
+        assert run(["check", str(path)]) == 0
+        assert ("turn without inertia, as points of mass: Rod" in capsys.readouterr().out) is is_named
 
 
 def test_check_tells_of_loops(capsys: pytest.CaptureFixture[str]) -> None:
@@ -391,15 +410,15 @@ def test_flags_have_no_word_for_a_value_in_the_help(
 def test_ctrl_c_saves_what_was_computed(
     model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    table, usual = model.with_suffix(".csv"), symbody.simulate
+    table, usual = model.with_suffix(".csv"), sb.simulate
     with ctrl_c() as press:
         told = {"progress": press, "max_steps": 10**9}
-        monkeypatch.setattr(symbody, "simulate", lambda *args, **words: usual(*args, **words | told))
+        monkeypatch.setattr(sb, "simulate", lambda *args, **words: usual(*args, **words | told))
         asked = ["--set", "d=0", "--end", "1e8", "--samples", "100001", "--csv", str(table)]
         code = run(["simulate", str(model), *asked])
     assert code == 130
     out = capsys.readouterr().out
-    assert "known up to t = " in out and symbody.Status.INTERRUPTED.value in out
+    assert "known up to t = " in out and sb.Status.INTERRUPTED.value in out
     assert model.with_suffix(".png").stat().st_size > 10_000
     rows = table.read_text(encoding="utf-8").splitlines()
     assert rows[0] == "t,x,x_dot" and rows[1] == "0.0,1.0,0.0" and len(rows) < 100_000
@@ -431,7 +450,7 @@ def test_check_names_the_joint_that_stays_open(tmp_path: Path, capsys: pytest.Ca
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["--version"]) == 0
-    assert capsys.readouterr().out.strip() == symbody.__version__
+    assert capsys.readouterr().out.strip() == sb.__version__
 
 
 def test_a_folder_that_is_missing_is_told_with_a_cure(

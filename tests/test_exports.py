@@ -78,3 +78,8 @@ def test_import_loads_nothing_heavy_and_changes_nothing() -> None:
     loaded = set(run.stdout.split())
     assert "symbody" in loaded
     assert not loaded & HEAVY, f"import symbody loads {sorted(loaded & HEAVY)}"
+
+
+def test_words_of_books_are_answered_by_ours() -> None:
+    with pytest.raises(AttributeError, match="it is called 'Revolute' here"):
+        _ = importlib.import_module("symbody").Hinge

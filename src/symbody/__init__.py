@@ -20,6 +20,10 @@ def __getattr__(name: str) -> object:
     try:
         return _load(name)
     except AttributeError as error:
-        nearest = import_module("symbody.errors").nearest  # loaded when it is needed, as all else
-        text = f"symbody has no {name!r}; {nearest(name, __all__)}"
+        # loaded when they are needed, as all else
+        nearest = import_module("symbody.errors").nearest
+        others = import_module("symbody.formats.checking").OTHER_NAMES
+        word = others.get(name.lower(), "").title().replace("_", "")
+        cure = f"it is called {word!r} here" if word in __all__ else nearest(name, __all__)
+        text = f"symbody has no {name!r}; {cure}"
         raise AttributeError(text, name=name) from error

@@ -77,6 +77,24 @@ def test_sliders_move_what_they_name(surfer: Surfer, tmp_path: Path) -> None:
 
 
 @pytest.mark.exhaustive
+def test_an_input_begins_at_its_number(surfer: Surfer, tmp_path: Path) -> None:
+    path = tmp_path / "live.html"
+    eqs = equations("slider_crank")
+    sb.animate(eqs, path, live=True, sliders={"F": (-50, 50)}, inputs={"F": 12})
+    page = surfer.new_page((1200, 720))
+    page.goto(path.as_uri())
+    wait_until(page, "window.symbodyLive !== undefined && symbodyLive.simulation.time > 0.2")
+    page.keyboard.press(" ")
+    assert page.evaluate("symbodyLive.simulation.input('F')") == 12
+    time = page.evaluate("symbodyLive.simulation.time")
+    run = sb.simulate(eqs, time, inputs={"F": 12})
+    now = [float(run[name][-1]) for name in eqs.state_names]
+    assert state(page)[: len(now)] == pytest.approx(now, abs=1e-5)
+    page.get_by_role("button", name="Reset").click()
+    assert page.evaluate("symbodyLive.simulation.input('F')") == 12
+
+
+@pytest.mark.exhaustive
 def test_a_slider_that_cannot_assemble_says_so_and_keeps_the_state(surfer: Surfer, tmp_path: Path) -> None:
     page = open_live(surfer, tmp_path, "slider_crank", SLIDERS)
     page.keyboard.press(" ")

@@ -84,7 +84,7 @@ def test_nothing_is_converted(data: object) -> None:
 
 def test_names_of_other_programs_lead_to_ours() -> None:
     known = {*element_types("joint"), *element_types("constraint")}
-    assert set(checking._OTHER_NAMES.values()) <= known and not known & set(checking._OTHER_NAMES)
+    assert set(checking.OTHER_NAMES.values()) <= known and not known & set(checking.OTHER_NAMES)
     joint = {"name": "J", "type": "Hinge", "between": ["ground", "A"]}
     data = {"name": "m", "body": [{"name": "A", "mass": 1}], "joint": [joint]}
     with pytest.raises(FormatError, match="it is called 'revolute' here"):

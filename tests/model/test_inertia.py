@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import symbody as sb
 from symbody.model.inertia import is_possible_inertia
 
 POINT = st.tuples(st.floats(0.0, 10.0), *[st.floats(-5.0, 5.0)] * 3)
@@ -53,3 +55,10 @@ def test_limits_at_any_scale(
     moments: tuple[float, ...], products: tuple[float, ...], possible: bool, scale: float
 ) -> None:
     assert is_possible_inertia([m * scale for m in moments], [p * scale for p in products]) is possible
+
+
+def test_a_matrix_of_inertia_is_answered_by_how_to_give_it() -> None:
+    with pytest.raises(sb.ModelError) as caught:
+        sb.Body("B", mass=1, inertia=np.eye(3))
+    (problem,) = caught.value.problems
+    assert problem.code == "model.not_three" and "products=" in problem.fix

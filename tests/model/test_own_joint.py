@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import ClassVar, final
 
 import numpy as np
@@ -151,3 +152,10 @@ def test_the_effort_of_a_prescribed_angle_on_an_ellipse(tree: bool) -> None:
     q = 0.3 + TIMES
     expected = MASS * (A * A - B * B) * np.sin(q) * np.cos(q) + MASS * G * B * np.cos(q)
     assert run["effort track"] == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_file_without_words_for_a_class_is_not_written(tmp_path: Path) -> None:
+    model = sb.Model("m", [BEAD, Hoop("hoop", "ground", "Bead", 1, coordinate="s")])
+    with pytest.raises(sb.FormatError) as caught:
+        sb.save_model(model, tmp_path / "m.toml")
+    assert caught.value.problems[0].code == "file.own_class" and not list(tmp_path.iterdir())

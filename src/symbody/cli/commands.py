@@ -140,7 +140,7 @@ def simulate(
     curves: Annotated[
         Pairs, option("--show", "-s", metavar="OUTPUT", text="What to plot; repeatable; all coordinates.")
     ] = None,
-    out: Annotated[Path | None, option("--out", text="Plot file; by default beside the model.")] = None,
+    out: Annotated[Path | None, option("--out", "-o", text="Plot file; by default beside the model.")] = None,
     csv: Annotated[Path | None, option("--csv", text="Also write states and curves as CSV.")] = None,
     samples: Annotated[
         int | None, option("--samples", text="Evenly spaced samples; default: every step.")
@@ -175,7 +175,7 @@ def simulate(
         ax = symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name, panels=True)
         symbody.save_plot(ax, picture)
         if csv is not None:
-            motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()))
+            motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()), names="outputs")
         pages = [write_motion_page(motion, picture.with_suffix(".html"), curves, None, ())] if page else []
     _print(
         [motion_json(eqs, motion)] if as_json else [*motion_lines(eqs, motion), f"plot: {picture}", *pages]

@@ -9,6 +9,7 @@ from symbody.analysis.redundancy import redundancy
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, SymbodyError
 from symbody.formats.native import to_data
+from symbody.model.body import Body
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.model import Model
@@ -17,11 +18,13 @@ from symbody.model.model import Model
 def summary(model: Model, eqs: EquationSet) -> list[str]:
     """Return what a model is, a line a fact."""
     valueless = [name for name, value in model.parameters.items() if value is None]
+    points = [body.name for body in model.bodies if _is_point(model, body)]
     kinds = [_fact(f"{kind}s", _names(model.elements, kind)) for kind in ("spring", "force", "torque")]
     return [
         _fact("model", [model.name]),
         _fact("gravity", [component.text for component in model.gravity]),
         _fact("bodies", [body.name for body in model.bodies]),
+        *([_fact("turn without inertia, as points of mass", points)] if points else []),
         *_joint_lines(model),
         *_constraint_lines(model, eqs),
         *(line for line in kinds if not line.endswith("none")),
@@ -35,6 +38,13 @@ def summary(model: Model, eqs: EquationSet) -> list[str]:
         *_freedom_lines(eqs),
         *(f"note: {note}" for note in eqs.notes),
     ]
+
+
+def _is_point(model: Model, body: Body) -> bool:
+    """Return whether a body that may turn has mass and no inertia, which may have been forgotten."""
+    joints = [joint for joint in model.joints if body.name in (joint.start.body, joint.end.body)]
+    is_turned = all(joint.locked_rotations < 3 for joint in joints)
+    return is_turned and body.mass.constant() != 0 and all(each.constant() == 0 for each in body.inertia)
 
 
 def _fact(word: str, values: Iterable[str]) -> str:

@@ -24,7 +24,7 @@ _LARGE: Final = 10**60
 _TYPED: Final = (("joint",), ("constraint",), ("block",))
 
 # What other programs, and books, call our types.
-_OTHER_NAMES: Final = MappingProxyType(
+OTHER_NAMES: Final = MappingProxyType(
     {
         other: ours
         for ours, others in (
@@ -166,7 +166,7 @@ def _type_problem(found: dict[str, Any], kind: str) -> tuple[str, str, str, str]
         word = _USUAL_TYPES[kind]
         return "missing_key", "'type' is missing", "", f'add type = "{word}", for instance'
     tag = str(found["ctx"]["tag"])
-    meant = _OTHER_NAMES.get(tag.lower(), "")
+    meant = OTHER_NAMES.get(tag.lower(), "")
     fix = f"it is called {meant!r} here" if meant in known else nearest(tag, known)
     return "unknown_type", f"there is no {kind} type {tag!r}", "", fix
 

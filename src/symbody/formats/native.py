@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 import symbody.formats as formats
 from symbody.arguments import checked_arguments
@@ -31,6 +31,8 @@ from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import KINDS, Model
 from symbody.model.parts.own_content import own_content, whole_content
+
+_PACKAGE: Final = __name__.partition(".")[0]
 
 
 @checked_arguments
@@ -60,14 +62,31 @@ def save_model(model: Model, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     FormatError
-        If the file cannot be written; the one that was there is unchanged.
+        If the file cannot be written, or holds elements of classes that are not symbody's; the one that was
+        there is unchanged.
     """
+    _refuse_own_classes(model)
     try:
         old = read_text(path)
     except FormatError:  # missing, or no text: nothing to keep
         old = ""
     folder = os.path.dirname(os.path.abspath(os.fsdecode(path)))
     write_text(path, _toml_text(_content(model, folder), old, folder))
+
+
+def _refuse_own_classes(model: Model) -> None:
+    """Refuse elements that no file can be read with."""
+    problems = []
+    for each in model.elements:
+        if type(each).__module__.partition(".")[0] != _PACKAGE:
+            where, word = f"{each.kind} {each.name}", type(each).__name__
+            problems.append(
+                Problem("file.own_class", where, f"model files have no word for {word}",
+                        "its class is not in the package, where files are read",
+                        "keep the mechanism as a script, or add the class to the package")
+            )  # fmt: skip
+    if problems:
+        raise FormatError(*problems)
 
 
 def model_from_toml(text: str, where: str = "model file") -> Model:

@@ -119,14 +119,27 @@ def open_problem(
             )
             if find_assembly(evaluator, near, fewer) is None:
                 conflict = fewer
-        listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items())
-        return Problem(
-            "assembly.conflict", "fixed", f"no configuration has {listed}",
-            "the loops close without these values, but not with them", "leave one of them to guess=",
-        )  # fmt: skip
+        return _conflict_problem(evaluator, start, conflict)
     attempts = sorted((newton_end(evaluator, guess, fixed) for guess in _starts(evaluator, start, fixed)),
                       key=lambda attempt: np.nan_to_num(attempt.residual, nan=np.inf))  # fmt: skip
     return _open_joints(evaluator, attempts, fixed)
+
+
+def _conflict_problem(
+    evaluator: ConstraintEvaluator, start: Floats, conflict: Mapping[str, float]
+) -> Problem:
+    """Return values that no configuration has, with the nearest where one alone is impossible."""
+    listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items())
+    cure = "leave one of them to guess="
+    nearest = find_assembly(evaluator, start, {})
+    if len(conflict) == 1 and nearest is not None:
+        places = dict(zip(evaluator.eqs.coordinate_names, nearest.q.tolist(), strict=True))
+        near = [f", for instance {name} = {places[name]:.4g}" for name in conflict if name in places]
+        cure = f"give another value{''.join(near)}, or leave it to guess="
+    return Problem(
+        "assembly.conflict", "fixed", f"no configuration has {listed}",
+        "the loops close without these values, but not with them", cure,
+    )  # fmt: skip
 
 
 def _open_joints(

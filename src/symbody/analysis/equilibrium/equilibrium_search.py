@@ -96,7 +96,6 @@ class EquilibriumSearch:
         """Return the end of steps of least length; `bearing` as of `Balance.rest`."""
         free, sizes, balance = self.free, self.evaluator.sizes, self.balance
         largest = balance.largest_term(self.start)
-        start = balance.residual(q, balance.first_inputs, largest, bearing)
 
         def move(place: StaticResidual, step: Floats) -> StaticResidual:
             q = place.q.copy()
@@ -106,6 +105,7 @@ class EquilibriumSearch:
         def step(values: Floats, slopes: Floats) -> Floats:
             return least_step(values, slopes[:, free])
 
+        start = balance.residual(q, balance.first_inputs, largest, bearing)
         # Controllers at their limits have no slope, and starts crawl along them.
         return descend(start, move, step, patience=_PATIENCE if self.evaluator.signals.size else None)
 

@@ -83,6 +83,12 @@ class Arguments:
                 "give the components along x, y and z",
             )
             return (ZERO, ZERO, ZERO)
+        if all(map(_is_many, items)):
+            self.add(
+                "model.not_three", path, "a matrix stands where three entries are needed", "",
+                "give its diagonal; entries xy, xz, yz of an inertia are products=",
+            )  # fmt: skip
+            return (ZERO, ZERO, ZERO)
         x, y, z = (self.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
         return (x, y, z)
 

@@ -6,7 +6,6 @@ import base64
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
@@ -15,7 +14,7 @@ import numpy as np
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.display import mathml_sides
-from symbody.errors import Problem, SymbodyError, UsageError, nearest
+from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml import mathml_name
 from symbody.expr.printing.mathml_column import mathml_column
@@ -209,10 +208,9 @@ def _constant_law(name: str, law: Law) -> float:
     UsageError
         If it has a law that is no number: the slider would take its place.
     """
-    with suppress(SymbodyError):
-        number = Formula.from_value(law).constant()  # type: ignore[arg-type]
-        if number is not None:
-            return float(number)
+    number = Formula.from_value(law).constant() if isinstance(law, int | float | str | Formula) else None
+    if number is not None:
+        return float(number)
     raise UsageError(
         Problem("animation.slider_law", name, f"{name} has a law and a slider",
                 "a slider moves a number, and the law would be lost",
