@@ -43,6 +43,7 @@ html_theme = "furo"
 html_title = "symbody"
 html_static_path = ["static"]
 html_css_files = ["symbody.css"]
+html_js_files = ["accessible.js"]
 html_show_sphinx = False
 html_copy_source = False
 html_theme_options = {"navigation_with_keys": True}
