@@ -23,6 +23,7 @@ extensions = [
     "mathml",
     "generated_pages",
     "heading_levels",
+    "index_words",
     "search_words",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}

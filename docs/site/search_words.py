@@ -1,97 +1,61 @@
-"""Words that people search for, and the page that the search lists first for each.
-
-They become main entries of the index, which the search ranks above titles, names of the reference and text.
-"""
+"""Words under which people look for a page that says it in others: entries of the search of the site."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, Final
 
 from docutils import nodes
-from sphinx import addnodes
 from sphinx.application import Sphinx
-from sphinx.transforms import SphinxTransform
+from sphinx.environment import BuildEnvironment
+from sphinx.util.logging import getLogger
 
-_BEFORE_THE_INDEX: Final = 800  # entries are gathered at 850
-
-WORDS: Final[Mapping[str, tuple[str, ...]]] = {
-    "animation": ("animate", "animation", "video"),
-    "benchmarks": ("benchmark", "speed"),
-    "builder": ("builder", "diagram", "editor"),
-    "code_generation": ("c code", "fortran", "julia", "matlab", "modelica"),
-    "comparison": ("drake", "mujoco", "pinocchio", "pydy", "sympy"),
-    "constraints": ("belt", "cam", "constraint", "gear", "rolling"),
-    "course/9_virtual_work": ("virtual work",),
-    "course/index": ("course", "exercises"),
-    "dynaflexpro": ("dynaflexpro",),
-    "extending": ("extend", "plugin"),
-    "forces": ("bushing", "force", "spring", "torque"),
-    "fmu": ("fmi", "fmu", "simulink"),
-    "friction": ("friction", "stick", "stiction"),
-    "glossary": ("glossary",),
-    "how_to/closed_loops": ("assembly", "closed loop", "four-bar", "loop"),
-    "how_to/controller_fmu": ("co-simulation",),
-    "how_to/events_and_friction": ("bounce", "contact", "impact", "stop"),
-    "how_to/fit_parameters": ("identification", "parameter fit"),
-    "how_to/initial_values": ("initial", "initial values"),
-    "how_to/keep_loops_closed": ("baumgarte", "drift"),
-    "how_to/linear_models": ("bode", "frequency response", "transfer function"),
-    "how_to/massless_bodies": ("massless",),
-    "how_to/reactions": ("multiplier", "reaction"),
-    "how_to/redundant_constraints": ("overconstrained", "redundant"),
-    "how_to/sampled_control": ("discrete", "sample"),
-    "how_to/singular_angles": ("euler angles", "gimbal lock"),
-    "how_to/stiff_systems": ("stiff",),
-    "installation": ("install", "pip"),
-    "inverse_dynamics": ("inverse dynamics",),
-    "joints": ("joint", "prismatic", "quaternion", "revolute", "spherical", "universal"),
-    "kinematic_analysis": ("dead point", "inverse kinematics", "kinematics", "singular"),
-    "limits": ("limits",),
-    "linearization": ("eigenvalues", "linearize", "modes", "stability"),
-    "mbsymba": ("mbsymba",),
-    "mechanisms": ("gallery", "mechanism"),
-    "model_file": ("model file", "toml"),
-    "notation": ("jacobian", "mass matrix", "names", "outputs"),
-    "notebooks": ("jupyter", "notebook"),
-    "plots": ("curves", "plot"),
-    "reference/model_file_entries": ("units",),
-    "report": ("latex", "report"),
-    "ropes": ("pulley", "rope"),
-    "signals": ("dc motor", "motor", "pid", "signal"),
-    "simulate": ("energy", "events", "integrator", "simulate", "tolerance"),
-    "sweeps": ("monte carlo", "sweep"),
-    "tutorial/10_controller": ("control", "controller", "lqr"),
-    "tutorial/1_spring_mass_damper": ("damper", "gravity", "oscillator"),
-    "tutorial/2_double_pendulum": ("pendulum",),
-    "tutorial/index": ("start", "tutorial"),
-    "urdf": ("robot", "ros", "urdf"),
-}
+# By page. Results hold all words of a question, so that "natural frequency" takes both.
+WORDS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "code_generation": "export simulink embedded microcontroller",
+        "constraints": "cam follower pulley chain pinion",
+        "film": "video movie record screenshot render picture export",
+        "fmu": "cosimulation exchange export",
+        "forces": "actuator load gravity spring constant coefficient",
+        "friction": "coulomb stiction",
+        "how_to/check_a_model": "debug wrong validate verify error",
+        "how_to/events_and_friction": "contact collision bumper limit end stop bounce hit",
+        "how_to/initial_values": "initial conditions start starting position velocity",
+        "how_to/linear_models": "bode nyquist frequency step response open loop margin poles zeros gain",
+        "how_to/reactions": "bearing load pin force joint internal",
+        "how_to/show_motion": "video movie record animate",
+        "index_reduction": "dae differential algebraic",
+        "inverse_dynamics": "required torque motor drive constant speed given motion",
+        "joints": "hinge pin slider ball cardan hooke rotational translational fixed rigid",
+        "kinematic_analysis": "dead center point toggle limit position singularity stroke workspace",
+        "linearization": "natural frequency eigenfrequency resonance modal shape transfer function",
+        "model_file": "units millimeter mm degrees kilogram center gravity moment default value keyword",
+        "plots": "graph chart figure diagram",
+        "robots": "arm manipulator panda",
+        "signals": "controller saturation servo filter step setpoint dead zone",
+        "simulate": "solver integrate run results save export csv excel step size",
+        "sweeps": "monte carlo parametric study variation optimization",
+        "tutorial/6_equilibrium_and_vibration": "natural frequency resonance modal static rest",
+        "tutorial/10_controller": "feedback pid step response balance",
+    }
+)
 
 
-class _SearchWords(SphinxTransform):
-    """Puts the words of a page into the index, at its title."""
-
-    default_priority = _BEFORE_THE_INDEX
-
-    def apply(self, **kwargs: Any) -> None:
-        words = WORDS.get(self.env.docname, ())
-        section = next(iter(self.document.findall(nodes.section)), None)
-        if not words or section is None:
-            return
-        target = section["ids"][0]
-        entries = [("single", word, target, "main", None) for word in words]
-        section.insert(1, addnodes.index(entries=entries, inline=False))
+def _add_words(app: Sphinx, doctree: nodes.document, docname: str) -> None:
+    """Enter the words of a page as its keywords, which the index of the search holds."""
+    if docname in WORDS:
+        doctree += nodes.meta(name="keywords", content=", ".join(WORDS[docname].split()))
 
 
-def setup(app: Sphinx) -> dict[str, bool]:
-    """Add the words to each page, once it is read; a page that is not there is an error."""
-    app.add_transform(_SearchWords)
-    app.connect("env-check-consistency", _look_for_pages)
-    return {"parallel_read_safe": True, "parallel_write_safe": True}
+def _check_pages(app: Sphinx, env: BuildEnvironment) -> None:
+    for page in sorted(WORDS.keys() - env.found_docs):
+        getLogger(__name__).warning("search_words.py has words for %s, which is no page", page)
 
 
-def _look_for_pages(app: Sphinx, env: Any) -> None:
-    missing = sorted(WORDS.keys() - env.found_docs)
-    if missing:
-        raise ValueError(f"docs/site/search_words.py names pages that are not there: {', '.join(missing)}")
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Connect the extension."""
+    app.connect("doctree-resolved", _add_words)
+    app.connect("env-updated", _check_pages)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
