@@ -78,11 +78,11 @@ def point_on_curve(p: Picture) -> None:
 
 def distance(p: Picture) -> None:
     """Draw a rod between two origins, and the force along it."""
-    a, b = np.array([-0.3, -0.7, -0.2]), np.array([0.1, 0.3, 0.4])
-    p.frame(a, UNITS, START, "", 0.5)
-    p.frame(b, turned("z", -50) @ turned("y", 35), END, "'", 0.45)
-    p.box(a - np.array([0, 0, 0.12]), (0.4, 0.4, 0.2), GREY)
-    p.box(b, (0.26, 0.26, 0.26), BLUE, turned("z", -50) @ turned("y", 35))
+    a, b = np.array([-0.2, -1.0, -0.35]), np.array([0.1, 0.75, 0.45])
+    p.frame(a, UNITS, START, "", 0.8)
+    p.frame(b, turned("z", -50) @ turned("y", 35), END, "'", 0.75)
+    p.box(a - np.array([0, 0, 0.16]), (0.5, 0.5, 0.28), GREY)
+    p.box(b, (0.34, 0.34, 0.34), BLUE, turned("z", -50) @ turned("y", 35))
     p.rod(a, b, 0.05, DARK)
     p.text((a + b) / 2 + np.array([0, -0.1, 0.16]), "value", START)
     along = (b - a) / np.linalg.norm(b - a)
@@ -255,7 +255,7 @@ def equation(p: Picture) -> None:
     p.curve(curve, END, 1.6)
     p.text(curve[-1] + np.array([0.1, -0.25, 0]), "f(q1, q2) = 0", END)
     at, slope = curve[52], np.array([1.4 * s[52], 1.0, 0])
-    p.slide(at, at + 0.6 * slope, "lambda grad f", (0.0, 0.3, 0.12))
+    p.slide(at, at + 0.6 * slope, "lambda grad f", (0.3, 0.35, -0.06))
 
 
 CONSTRAINTS: Final[dict[str, Callable[[Picture], None]]] = {

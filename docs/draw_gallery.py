@@ -31,7 +31,7 @@ EXAMPLES: Final = HERE.parent / "examples"
 WINDOW: Final = (960, 640)
 CELL: Final = (390, 260)
 SHARES: Final = (0.0, 0.37, 0.9)  # of a motion, when it is shown
-COLUMNS: Final = 2  # of exhibits in a sheet
+COLUMNS: Final = 1  # of exhibits in a sheet
 FLAGS: Final = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader")
 GROUPS: Final = ("examples", "notes", "robots")
 

@@ -34,7 +34,7 @@ PLAYED: Final[Mapping[str, str]] = {
     "bennett": "its constraints follow from others in closed loops only",
     "block_and_tackle": "the blocks would meet",
     "cycloid_drive": "its two pins repeat each other",
-    "geneva": "its prescribed rates may jump",
+    "geneva": "its constraint changes with the phase",
     "hill_muscle": "the elbow would turn through",
     "rimless_wheel": "each landing is an event",
     "stick_slip": "its friction sticks",

@@ -23,6 +23,7 @@ extensions = [
     "mathml",
     "generated_pages",
     "heading_levels",
+    "index_words",
     "search_words",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
@@ -44,6 +45,7 @@ html_theme = "furo"
 html_title = "symbody"
 html_static_path = ["static"]
 html_css_files = ["symbody.css"]
+html_js_files = ["accessible.js"]
 html_show_sphinx = False
 html_copy_source = False
 html_theme_options = {"navigation_with_keys": True}

@@ -12,7 +12,7 @@ import pytest
 from .conftest import REPOSITORY, wait_until
 
 pytestmark = pytest.mark.exhaustive  # building the site takes a minute
-# What users ask for, and a page that should be among the first ten that are found.
+# What users ask for, and the page that should be the first or second that is found.
 WORDS = {
     "install": "installation.html",
     "units": "reference/model_file_entries.html",
@@ -25,7 +25,7 @@ WORDS = {
     "gear": "constraints.html",
     "rolling": "constraints.html",
     "quaternion": "joints.html",
-    "revolute": "tutorial/2_double_pendulum.html",
+    "revolute": "joints.html",
     "closed loop": "how_to/closed_loops.html",
     "baumgarte": "how_to/keep_loops_closed.html",
     "redundant": "how_to/redundant_constraints.html",
@@ -53,14 +53,8 @@ WORDS = {
     "course": "course/index.html",
     "virtual work": "course/9_virtual_work.html",
 }
-PAGES = (
-    "index.html",
-    "tutorial/1_spring_mass_damper.html",
-    "course/6_lagrange.html",
-    "model_file.html",
-    "signals.html",
-    "limits.html",
-)
+# Of the checks only that of colours can end otherwise in the dark.
+CHECKS: dict[str, dict[str, Any] | None] = {"light": None, "dark": {"runOnly": ["color-contrast"]}}
 # How far the window, and the column of text in it, can be scrolled sideways [pixels].
 SIDEWAYS = """() => [document.documentElement, document.querySelector('.content')].map(
     (element) => element ? element.scrollWidth - element.clientWidth : 0)"""
@@ -103,31 +97,34 @@ def test_search_finds_what_people_ask_for(chromium: Any, site: Path) -> None:
     )  # browsers read no summaries from a folder, and say so; titles and links are there
     missed = {}
     for words, target in WORDS.items():
-        first = list(dict.fromkeys(results(page, site, words)))[:10]
+        first = list(dict.fromkeys(results(page, site, words)))[:2]
         if target not in first:
             missed[words] = first
     assert not missed
+
+
+def pages(site: Path) -> list[Path]:
+    every = sorted(site.rglob("*.html"))
+    return [path for path in every if not path.relative_to(site).parts[0].startswith("_")]
 
 
 def test_all_can_read_it(chromium: Any, site: Path) -> None:
     from axe_playwright_python.sync_playwright import Axe
 
     axe, faults = Axe(), []
-    for scheme in ("light", "dark"):
+    for scheme, options in CHECKS.items():
         page = chromium.new_page(color_scheme=scheme)
-        for name in PAGES:
-            page.goto((site / name).as_uri())
-            for each in axe.run(page).response["violations"]:
-                if each["impact"] in ("serious", "critical"):
-                    faults.append(f"{name}, {scheme}, {each['id']}: {each['nodes'][0]['html'][:160]}")
+        for path in pages(site):
+            page.goto(path.as_uri())
+            for each in axe.run(page, options=options).response["violations"]:
+                if each["impact"] in ("serious", "critical", "moderate"):
+                    html = each["nodes"][0]["html"][:160]
+                    faults.append(f"{path.relative_to(site)}, {scheme}, {each['id']}: {html}")
     assert not faults
 
 
 def test_no_page_scrolls_sideways(chromium: Any, site: Path) -> None:
-    names = [
-        path for path in sorted(site.rglob("*.html")) if not path.relative_to(site).parts[0].startswith("_")
-    ]
-    wide = []
+    names, wide = pages(site), []
     for width in (1350, 1100, 800, 390):
         page = chromium.new_page(viewport={"width": width, "height": 900})
         for path in names:

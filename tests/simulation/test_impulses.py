@@ -114,3 +114,19 @@ def test_friction_that_sticks_refuses_to_be_struck() -> None:
     eqs = sb.form_equations(sb.Model("struck", parts))
     with pytest.raises(UsageError, match="prescribed rates jump at t = 1 s"):
         sb.simulate(eqs, 2.0)
+
+
+def cart_on_two_rows(behind: str) -> sb.EquationSet:
+    """A cart whose constraint is another from t = 1 on; at the start the two disagree."""
+    slide = sb.Prismatic("slide", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    row = sb.Constraint("phases", f"if(t < 1, x - 0.1*t, {behind})")
+    return sb.form_equations(sb.Model("phases", [slide, row]))
+
+
+def test_a_constraint_that_changes_is_judged_where_the_motion_comes_to_it() -> None:
+    run = sb.simulate(cart_on_two_rows("x^2 - 0.01"), 2.0, times=np.linspace(0, 2, 21))
+    assert run.success
+    np.testing.assert_allclose(run["x"], 0.1 * np.minimum(run.t, 1), rtol=0, atol=1e-9)
+    assert abs(run["x_dot"][-1]) < 1e-9
+    with pytest.raises(UsageError, match="position jumps at t = 1"):
+        sb.simulate(cart_on_two_rows("x^2 - 0.02"), 2.0)

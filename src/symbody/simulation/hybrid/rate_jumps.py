@@ -3,7 +3,8 @@
 Where a prescribed rate jumps from one value to another, the mechanism is struck: of all speeds that fit the
 new rates, those are taken to which the momenta of the free directions do not change,
 ``M u' + b' - (M u + b) = J^T P`` [Pars, A treatise on analytical dynamics, chapter 14], b the momenta that
-prescribed rates give. A jump of a prescribed position is refused.
+prescribed rates give. A jump of a prescribed position is refused: at once, or where a constraint reads
+coordinates as well, at the state in which the motion comes to it.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ Flags = NDArray[np.bool_]
 
 # Nor where it is less, of the mechanism's size: rows that always hold are zero but for rounding.
 _ROUNDED: Final = 1e-12
+_TORN: Final = 1e-5  # of the mechanism's size, and of its speeds: more than a motion has drifted by then
+_ELSEWHERE: Final = 0.137  # of coordinates and speeds, by which they are others
 _SAMPLES: Final = 33  # of a motion, for the size of what is prescribed
 _MOST_NOTES: Final = 20
 _MOMENTA: Final = "momenta of the speeds"
@@ -76,17 +79,25 @@ def run_with_jumps(plan: MotionPlan) -> Trajectory:
     spans = zip([span[0], *(t + step for t in times)], [*(t - step for t in times), span[1]], strict=True)
     parts: list[Trajectory] = []
     jumps: dict[int, float] = {}
+    struck: list[int] = []  # of the jumps, those that change a speed
     x = integration.state
     for k, (start, end) in enumerate(spans):
         part = execute(replace(plan, integration=_part(integration, x, parts, (start, end))))
         parts.append(part)
         if part.status is not Status.SUCCESS or k == len(times):
             break
-        x, jumps[k + 1] = _jump(problem, part, end, end + 2.0 * step)
+        _check_positions(problem, part, (end, end + 2.0 * step))
+        before = _end_of(part)
+        x, jumps[k + 1] = _jump(problem, before, end, end + 2.0 * step)
+        if (
+            np.abs(x - before).max(initial=0.0)
+            > _TORN * min(1.0, problem.scales.length) / problem.scales.time
+        ):
+            struck.append(k + 1)
     run = concatenate(parts, [event for part in parts for event in part.events], jumps)
     if integration.times is not None:  # one at a jump was computed behind it
         run = replace(run, t=np.asarray(integration.times)[: run.t.size].copy())
-    return replace(run, notes=(*run.notes, *_jump_notes(times, jumps)))
+    return replace(run, notes=(*run.notes, *_jump_notes(times, {k: jumps[k] for k in struck})))
 
 
 def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
@@ -97,7 +108,7 @@ def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
             f"by {change:.6g} J"
         )
     if len(jumps) > _MOST_NOTES:
-        last = times[len(jumps) - 1]
+        last = times[max(jumps) - 1]
         yield f"{len(jumps) - _MOST_NOTES} more jumps of prescribed rates until t = {last:.9g} s"
 
 
@@ -127,17 +138,48 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
     positions[: len(names)] = remove_turns(positions[: len(names)], np.array(turning, dtype=np.bool_))
     width = 4.0 * margin * (fastest[: len(largest)] + np.abs(rates[: len(largest)]).max(axis=1, initial=0.0))
     rounded = _ROUNDED * _sizes(problem, names)
-    torn = np.abs(positions) > (AT_REST * largest + width + rounded[: len(largest)])[:, np.newaxis]
-    if torn.any():
-        row, k = np.argwhere(torn)[0]
-        raise UsageError(
-            _jump_problem(
-                [*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k])
-            )
-        )
+    limits = (AT_REST * largest + width + rounded[: len(largest)])[:, np.newaxis]
+    torn = np.abs(positions) > limits
+    by_state = torn & (np.abs(positions - _changes_elsewhere(prescribed, names, closed)) > limits)
+    if (torn & ~by_state).any():
+        row, k = np.argwhere(torn & ~by_state)[0]
+        raise UsageError(_jump_problem(_row_name(eqs, names, int(row)), float(times[k])))
     least = (AT_REST * fastest + rounded / problem.scales.time)[:, np.newaxis]
-    found: list[float] = times[(np.abs(rates) > least).any(axis=0)].tolist()
+    found: list[float] = times[(np.abs(rates) > least).any(axis=0) | by_state.any(axis=0)].tolist()
     return found if span[1] >= span[0] else found[::-1], margin
+
+
+def _changes_elsewhere(
+    prescribed: _PrescribedMotions, names: tuple[str, ...], closed: tuple[str, ...]
+) -> Floats:
+    """Return how much positions change at the times if all states are others: the same, if by time alone."""
+    shifted = prescribed.x + _ELSEWHERE * (1.0 + np.arange(prescribed.x.size) % 7)
+    changes, _ = replace(prescribed, x=shifted).changes((*names, *closed[:1]))
+    turning = [prescribed.problem.eqs.units.get(name) == "rad" for name in names]
+    changes[: len(names)] = remove_turns(changes[: len(names)], np.array(turning, dtype=np.bool_))
+    return changes
+
+
+def _row_name(eqs: EquationSet, names: tuple[str, ...], row: int) -> str:
+    """Return the prescribed coordinate, or the constraint, of a row of changes."""
+    return [*names, *(each.coordinate or each.name for each in eqs.formed.rows)][row]
+
+
+def _check_positions(problem: SimulationProblem, part: Trajectory, times: tuple[float, float]) -> None:
+    """Refuse a constraint that the state before a jump does not fulfil behind it.
+
+    Raises
+    ------
+    UsageError
+        See above.
+    """
+    eqs, x = problem.eqs, _end_of(part)
+    if not eqs.multiplier_names or not x.size:
+        return
+    before, behind = (np.ravel(evaluate_outputs(problem, ("constraints",), t, x)[0]) for t in times)
+    torn = np.abs(behind - before) > _TORN * problem.scales.constraints(eqs)[: len(behind)]
+    if torn.any():
+        raise UsageError(_jump_problem(_row_name(eqs, (), int(np.flatnonzero(torn)[0])), times[1]))
 
 
 def _sizes(problem: SimulationProblem, names: tuple[str, ...]) -> Floats:
@@ -212,7 +254,13 @@ def _part(
     return integration.part(x, span, times, steps)
 
 
-def _jump(problem: SimulationProblem, part: Trajectory, before: float, behind: float) -> tuple[Floats, float]:
+def _end_of(part: Trajectory) -> Floats:
+    """Return the state at the end of a part."""
+    dense = part.dense_output
+    return np.zeros(0) if dense is None else np.array(dense(dense.breaks[-1:])[:, 0])
+
+
+def _jump(problem: SimulationProblem, state: Floats, before: float, behind: float) -> tuple[Floats, float]:
     """Return the state after prescribed rates have jumped, and by how much the energy has changed.
 
     Raises
@@ -220,8 +268,7 @@ def _jump(problem: SimulationProblem, part: Trajectory, before: float, behind: f
     SimulationError
         If no speeds fit the new rates.
     """
-    dense, n_u = part.dense_output, len(problem.eqs.speed_names)
-    x = np.zeros(0) if dense is None else np.array(dense(dense.breaks[-1:])[:, 0])
+    n_u, x = len(problem.eqs.speed_names), state.copy()
     energy = float(evaluate_outputs(problem, ("energy",), before, x)[0])
     if n_u:
         x[:n_u] += _speed_change(problem, x, before, behind)
