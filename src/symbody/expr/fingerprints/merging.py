@@ -13,6 +13,7 @@ from symbody.expr.canonical import ONE, ZERO, make, neg
 from symbody.expr.deadline import check
 from symbody.expr.fingerprints.circle import Pair
 from symbody.expr.fingerprints.fingerprint import drop_sign, fingerprints
+from symbody.expr.fingerprints.shapes import shape
 from symbody.expr.graph import Graph, copied_datum, copy_nodes
 from symbody.expr.opcodes import (
     ACOS,
@@ -97,22 +98,25 @@ def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
             uses[operand] += 1
     for root in roots:
         uses[root] += 1
+    shapes: dict[int, int] = {}
     for node, old in zip(nodes, operands, strict=True):
+        shapes[node] = shape(graph.ops[node], tuple([shapes[k] for k in old]))
         if node in memo:
             continue
-        fused = _fuse(graph, node, uses, memo) if graph.ops[node] in (ADD, SUB) else None
+        fused = _fuse(graph, node, uses, shapes, memo) if graph.ops[node] in (ADD, SUB) else None
         memo[node] = fused if fused is not None else _remade(graph, node, old, memo)
 
 
-def _fuse(graph: Graph, node: int, uses: dict[int, int], memo: dict[int, int]) -> int | None:
+def _fuse(
+    graph: Graph, node: int, uses: dict[int, int], shapes: dict[int, int], memo: dict[int, int]
+) -> int | None:
+    """Return a sum with one of its products fused: that of the greater shape, alike in mirrored limbs."""
     a, b = graph.left[node], graph.right[node]
-    if uses[a] > 1 and uses[b] > 1:
-        return None
-    minus = graph.ops[node] == SUB
-    for product, rest, product_sign, rest_sign in (
-        (a, b, 1, -1 if minus else 1),
-        (b, a, -1 if minus else 1, 1),
-    ):
+    sign = -1 if graph.ops[node] == SUB else 1
+    sides = [(a, b, 1, sign), (b, a, sign, 1)]
+    if shapes[b] > shapes[a]:
+        sides.reverse()
+    for product, rest, product_sign, rest_sign in sides:
         factors = _factors(graph, product) if uses[product] == 1 else None
         if factors is not None:
             x, y, z = memo[factors[0]], memo[factors[1]], memo[rest]

@@ -1,0 +1,171 @@
+"""Which operations are done two at a time.
+
+Starting from inputs that correspond, operations become ready when all they read is settled. Two of the same
+kind that read the same pairs, one in each lane, become a pair. Those that find no partner wait for one
+until nothing else is ready; then constants and what is not paired may differ, and in the end the earliest
+goes alone. As both of a pair were ready when it was made, the pairs can be computed in some order.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Final
+
+from symbody.codegen.llvm.pairs.inputs import corresponding_inputs
+from symbody.codegen.llvm.pairs.terms import Terms
+from symbody.expr import opcodes as op
+from symbody.expr.sequences.sequence import Sequence
+
+# Constants that differ by less are the same but for how they were measured.
+_SAME: Final = 0.02
+# The part of the operations that has to be paired: fewer gain nothing.
+_WORTH: Final = 0.3
+# Shorter functions wait for results, not for instructions.
+_SHORTEST: Final = 300
+# One of so many that wait goes alone at a time.
+_PORTION: Final = 16
+
+_Key = tuple[int, tuple[tuple[int, int], ...]]
+_Side = dict[int, list[float]]
+
+
+def find_pairs(sequence: Sequence) -> dict[int, int]:
+    """Return for some values the one that is computed with it; nothing where too few would be."""
+    terms = Terms(sequence)
+    work = sum(map(terms.is_work, range(len(sequence.operations))))
+    seeds = corresponding_inputs(sequence, terms) if work >= _SHORTEST else []
+    if not seeds:
+        return {}
+    pairs = _Matcher(sequence, terms).match(seeds)
+    return pairs if 2 * sum(map(terms.is_work, pairs)) >= _WORTH * work else {}
+
+
+class _Matcher:
+    def __init__(self, sequence: Sequence, terms: Terms) -> None:
+        self._terms = terms
+        self._places: dict[int, tuple[int, int]] = {}
+        self._pairs: dict[int, int] = {}
+        self._uses: dict[int, Counter[object]] = {}
+        self._readers: list[list[int]] = [[] for _ in sequence.operations]
+        self._missing = [0] * len(sequence.operations)
+        self._ready: list[int] = []
+        self._waiting: dict[_Key, tuple[_Side, _Side]] = {}
+        self._keys: dict[int, tuple[_Key, int]] = {}
+        for k, operation in enumerate(sequence.operations):
+            if terms.is_work(k):
+                read = {terms.base(j) for j in operation.operands}
+                read = {j for j in read if terms.is_work(j)}
+                self._missing[k] = len(read)
+                for j in read:
+                    self._readers[j].append(k)
+                if not read:
+                    self._ready.append(k)
+
+    def match(self, seeds: list[tuple[int, int]]) -> dict[int, int]:
+        """Return the pairs that grow from some inputs and their circles, these among them."""
+        for first, second in seeds:
+            self._places[first], self._places[second] = (first, 0), (first, 1)
+            self._pairs[first] = second
+        while self._ready or self._keys:
+            if not self._ready:
+                self._relax()
+            batch, self._ready = self._ready, []
+            for key in dict.fromkeys([key for k in batch if (key := self._place(k)) is not None]):
+                self._pair_up(*self._waiting[key], exact=True)
+        return self._pairs
+
+    def _settle(self, k: int) -> None:
+        for reader in self._readers[k]:
+            self._missing[reader] -= 1
+            if not self._missing[reader]:
+                self._ready.append(reader)
+
+    def _place(self, k: int) -> _Key | None:
+        """Let operation k wait for a partner, or settle it if it can have none."""
+        operation = self._terms.operations[k]
+        terms = self._terms.align_terms(k, self._places)
+        lanes = {self._places[value][1] for (kind, _), (value, _) in terms if kind == 0}
+        if len(lanes) != 1 or not self._terms.can_pair(operation):
+            self._settle(k)
+            return None
+        lane = lanes.pop()
+        key = op.ADD if operation.op == op.SUB else operation.op, tuple([kind for kind, _ in terms])
+        constants = [abs(self._terms.constants[value]) for (kind, _), (value, _) in terms if kind == 1]
+        self._keys[k] = key, lane
+        self._waiting.setdefault(key, ({}, {}))[lane][k] = constants
+        return key
+
+    def _pair_up(self, left: _Side, right: _Side, *, exact: bool) -> bool:
+        """Pair operations of both lanes, those first that are most alike; return whether any were."""
+        if not left or not right:
+            return False
+        candidates = [
+            (
+                difference > _SAME,
+                self._unlike(i, j),
+                self._strangeness(i, j) if len(left) + len(right) > 2 else 0,
+                difference,
+                i,
+                j,
+            )
+            for i, first in left.items()
+            for j, second in right.items()
+            if (difference := _difference(first, second)) <= _SAME or not exact
+        ]
+        for *_, i, j in sorted(candidates):
+            if i in self._keys and j in self._keys:
+                self._pairs[i] = j
+                self._places[i], self._places[j] = (i, 0), (i, 1)
+                for k in (i, j):
+                    self._leave(k)
+        return bool(candidates)
+
+    def _leave(self, k: int) -> None:
+        key, lane = self._keys.pop(k)
+        del self._waiting[key][lane][k]
+        self._settle(k)
+
+    def _relax(self) -> None:
+        """Pair what differs in constants, else in what is not paired; else let the earliest go alone."""
+        waiting = [self._waiting[key] for key in dict.fromkeys(key for key, _ in self._keys.values())]
+        if any([self._pair_up(*sides, exact=False) for sides in waiting]):
+            return
+        loose: dict[_Key, tuple[_Side, _Side]] = {}
+        for k, ((code, kinds), lane) in self._keys.items():
+            looser = code, tuple([(kind, 0 if kind == 2 else number) for kind, number in kinds])
+            loose.setdefault(looser, ({}, {}))[lane][k] = self._waiting[code, kinds][lane][k]
+        if any([self._pair_up(*sides, exact=False) for sides in loose.values()]):
+            return
+        for k in sorted(self._keys)[: 1 + len(self._keys) // _PORTION]:
+            self._leave(k)
+
+    def _strangeness(self, i: int, j: int) -> int:
+        """Return how many uses of the one value, and of what reads it, have no like at the other."""
+        a, b = self._wider_uses(i), self._wider_uses(j)
+        return (a - b).total() + (b - a).total()
+
+    def _unlike(self, i: int, j: int) -> int:
+        """Return how many operands differ that are not paired."""
+        kinds = zip(self._keys[i][0][1], self._keys[j][0][1], strict=True)
+        return sum([a != b for a, b in kinds])
+
+    def _wider_uses(self, k: int) -> Counter[object]:
+        if k not in self._uses:
+            uses: Counter[object] = Counter()
+            for reader in self._readers[k]:
+                uses[self._use(reader)] += 1
+                uses.update((1, self._use(other)) for other in self._readers[reader])
+            self._uses[k] = uses
+        return self._uses[k]
+
+    def _use(self, k: int) -> object:
+        code, operands, _ = self._terms.operations[k]
+        constants = self._terms.constants
+        numbers = sorted(f"{abs(constants[j]):.2g}" for j in operands if j in constants)
+        return op.ADD if code == op.SUB else code, tuple(numbers)
+
+
+def _difference(first: list[float], second: list[float]) -> float:
+    """Return the largest relative difference of constants."""
+    pairs = zip(first, second, strict=True)
+    return max([abs(a - b) / (a + b) if a != b else 0.0 for a, b in pairs], default=0.0)
