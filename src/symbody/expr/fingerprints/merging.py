@@ -14,7 +14,7 @@ from symbody.expr.deadline import check
 from symbody.expr.fingerprints.circle import Pair
 from symbody.expr.fingerprints.fingerprint import drop_sign, fingerprints
 from symbody.expr.fingerprints.shapes import shape
-from symbody.expr.graph import Graph, copied_datum, copy_nodes
+from symbody.expr.graph import Constant, Graph, copied_datum, copy_nodes
 from symbody.expr.opcodes import (
     ACOS,
     ADD,
@@ -110,11 +110,11 @@ def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
 def _fuse(
     graph: Graph, node: int, uses: dict[int, int], shapes: dict[int, int], memo: dict[int, int]
 ) -> int | None:
-    """Return a sum with one of its products fused: that of the greater shape, alike in mirrored limbs."""
+    """Return a sum with one of its products fused: the same one in limbs that mirror each other."""
     a, b = graph.left[node], graph.right[node]
     sign = -1 if graph.ops[node] == SUB else 1
     sides = [(a, b, 1, sign), (b, a, sign, 1)]
-    if shapes[b] > shapes[a]:
+    if shapes[b] > shapes[a] or (shapes[b] == shapes[a] and _weight(graph, b) > _weight(graph, a)):
         sides.reverse()
     for product, rest, product_sign, rest_sign in sides:
         factors = _factors(graph, product) if uses[product] == 1 else None
@@ -124,6 +124,12 @@ def _fuse(
             z = neg(graph, z) if rest_sign < 0 else z
             return graph.many(FMA, (x, y, z))
     return None
+
+
+def _weight(graph: Graph, product: int) -> Constant:
+    """Return the size of the constant factor, by which products of one shape differ."""
+    factors = _factors(graph, product) or ()
+    return max([abs(number) for k in factors if (number := graph.number(k)) is not None], default=0)
 
 
 def _factors(graph: Graph, node: int) -> tuple[int, int] | None:

@@ -27,6 +27,7 @@ _PORTION: Final = 16
 
 _Key = tuple[int, tuple[tuple[int, int], ...]]
 _Side = dict[int, list[float]]
+_Candidate = tuple[bool, int, int, float, int, int]
 
 
 def find_pairs(sequence: Sequence) -> dict[int, int]:
@@ -71,7 +72,8 @@ class _Matcher:
                 self._relax()
             batch, self._ready = self._ready, []
             for key in dict.fromkeys([key for k in batch if (key := self._place(k)) is not None]):
-                self._pair_up(*self._waiting[key], exact=True)
+                alike = [c for c in self._candidates(*self._waiting[key]) if not c[0]]
+                self._pair_up(alike, len(alike))
         return self._pairs
 
     def _settle(self, k: int) -> None:
@@ -95,30 +97,31 @@ class _Matcher:
         self._waiting.setdefault(key, ({}, {}))[lane][k] = constants
         return key
 
-    def _pair_up(self, left: _Side, right: _Side, *, exact: bool) -> bool:
-        """Pair operations of both lanes, those first that are most alike; return whether any were."""
-        if not left or not right:
-            return False
-        candidates = [
+    def _candidates(self, left: _Side, right: _Side) -> list[_Candidate]:
+        """Return what can be paired; what sorts first is most alike."""
+        several = len(left) + len(right) > 2
+        return [
             (
-                difference > _SAME,
+                (difference := _difference(first, second)) > _SAME,
                 self._unlike(i, j),
-                self._strangeness(i, j) if len(left) + len(right) > 2 else 0,
+                self._strangeness(i, j) if several else 0,
                 difference,
                 i,
                 j,
             )
             for i, first in left.items()
             for j, second in right.items()
-            if (difference := _difference(first, second)) <= _SAME or not exact
         ]
+
+    def _pair_up(self, candidates: list[_Candidate], most: int) -> None:
+        """Pair the first candidates, as far as both are still waiting."""
         for *_, i, j in sorted(candidates):
-            if i in self._keys and j in self._keys:
+            if most and i in self._keys and j in self._keys:
                 self._pairs[i] = j
                 self._places[i], self._places[j] = (i, 0), (i, 1)
-                for k in (i, j):
-                    self._leave(k)
-        return bool(candidates)
+                self._leave(i)
+                self._leave(j)
+                most -= 1
 
     def _leave(self, k: int) -> None:
         key, lane = self._keys.pop(k)
@@ -126,17 +129,17 @@ class _Matcher:
         self._settle(k)
 
     def _relax(self) -> None:
-        """Pair what differs in constants, else in what is not paired; else let the earliest go alone."""
-        waiting = [self._waiting[key] for key in dict.fromkeys(key for key, _ in self._keys.values())]
-        if any([self._pair_up(*sides, exact=False) for sides in waiting]):
-            return
+        """Pair what differs in constants or in what is not paired, a few at a time; else some go alone."""
         loose: dict[_Key, tuple[_Side, _Side]] = {}
         for k, ((code, kinds), lane) in self._keys.items():
             looser = code, tuple([(kind, 0 if kind == 2 else number) for kind, number in kinds])
             loose.setdefault(looser, ({}, {}))[lane][k] = self._waiting[code, kinds][lane][k]
-        if any([self._pair_up(*sides, exact=False) for sides in loose.values()]):
+        candidates = [candidate for sides in loose.values() for candidate in self._candidates(*sides)]
+        portion = 1 + len(self._keys) // _PORTION
+        if candidates:
+            self._pair_up(candidates, portion)
             return
-        for k in sorted(self._keys)[: 1 + len(self._keys) // _PORTION]:
+        for k in sorted(self._keys)[:portion]:
             self._leave(k)
 
     def _strangeness(self, i: int, j: int) -> int:
