@@ -21,6 +21,7 @@ from symbody.expr.opcodes import (
     ARITY,
     ASIN,
     CALL,
+    COS,
     DIV,
     FMA,
     LOG,
@@ -28,12 +29,16 @@ from symbody.expr.opcodes import (
     MUL,
     POW,
     SADDLE,
+    SIN,
     SQRT,
     SUB,
     TAN,
 )  # fmt: skip
 from symbody.expr.rewrite import node_cost
 
+# By what a product is chosen: a sine or cosine among its factors, the size of a constant, its shape.
+_Look = tuple[int, Constant, int]
+_NO_PRODUCT: _Look = (0, 0, 0)
 _RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, MAP, SADDLE, SQRT, TAN})
 
 
@@ -98,23 +103,38 @@ def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
             uses[operand] += 1
     for root in roots:
         uses[root] += 1
-    shapes: dict[int, int] = {}
+    looks = _looks(graph, nodes, operands)
     for node, old in zip(nodes, operands, strict=True):
-        shapes[node] = shape(graph.ops[node], tuple([shapes[k] for k in old]))
         if node in memo:
             continue
-        fused = _fuse(graph, node, uses, shapes, memo) if graph.ops[node] in (ADD, SUB) else None
+        fused = _fuse(graph, node, uses, looks, memo) if graph.ops[node] in (ADD, SUB) else None
         memo[node] = fused if fused is not None else _remade(graph, node, old, memo)
 
 
+def _looks(graph: Graph, nodes: Sequence[int], operands: Sequence[tuple[int, ...]]) -> dict[int, _Look]:
+    """Return by what products are chosen, so that limbs that differ in one place are alike in all others."""
+    shapes: dict[int, int] = {}
+    looks: dict[int, _Look] = {}
+    for node, old in zip(nodes, operands, strict=True):
+        shapes[node] = shape(graph.ops[node], tuple([shapes[k] for k in old]))
+        factors = _factors(graph, node)
+        if factors is not None:
+            numbers = [number for k in factors if (number := graph.number(k)) is not None]
+            circle = max([graph.ops[k] for k in factors if graph.ops[k] in (SIN, COS)], default=0)
+            looks[node] = circle, max(map(abs, numbers), default=0), shapes[node]
+    return looks
+
+
 def _fuse(
-    graph: Graph, node: int, uses: dict[int, int], shapes: dict[int, int], memo: dict[int, int]
+    graph: Graph, node: int, uses: dict[int, int], looks: dict[int, _Look], memo: dict[int, int]
 ) -> int | None:
-    """Return a sum with one of its products fused: the same one in limbs that mirror each other."""
+    """Return a sum with one of its products fused, that of the greater look."""
     a, b = graph.left[node], graph.right[node]
+    if uses[a] > 1 and uses[b] > 1:
+        return None
     sign = -1 if graph.ops[node] == SUB else 1
     sides = [(a, b, 1, sign), (b, a, sign, 1)]
-    if shapes[b] > shapes[a] or (shapes[b] == shapes[a] and _weight(graph, b) > _weight(graph, a)):
+    if looks.get(b, _NO_PRODUCT) > looks.get(a, _NO_PRODUCT):
         sides.reverse()
     for product, rest, product_sign, rest_sign in sides:
         factors = _factors(graph, product) if uses[product] == 1 else None
@@ -124,12 +144,6 @@ def _fuse(
             z = neg(graph, z) if rest_sign < 0 else z
             return graph.many(FMA, (x, y, z))
     return None
-
-
-def _weight(graph: Graph, product: int) -> Constant:
-    """Return the size of the constant factor, by which products of one shape differ."""
-    factors = _factors(graph, product) or ()
-    return max([abs(number) for k in factors if (number := graph.number(k)) is not None], default=0)
 
 
 def _factors(graph: Graph, node: int) -> tuple[int, int] | None:
