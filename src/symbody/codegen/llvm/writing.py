@@ -11,8 +11,8 @@ from typing import Final
 
 from symbody.codegen.llvm.items import ItemPlan, program_lines
 from symbody.codegen.llvm.numbers import Words
-from symbody.codegen.llvm.pairs.signs import NO_PAIRS, PairPlan
 from symbody.codegen.llvm.pairs.pair_writer import PairWriter
+from symbody.codegen.llvm.pairs.signs import NO_PAIRS, PairPlan
 from symbody.codegen.llvm.runtime import lane_counts, lane_sincos
 from symbody.codegen.llvm.saddles import saddle_function
 from symbody.codegen.llvm.trig import SINCOS_NAME
