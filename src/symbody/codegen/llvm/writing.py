@@ -77,6 +77,17 @@ class _LlvmPieceWriter:
         self._blocks = 0
         # What is written when it is read; beside pairs signs, too, or lanes would be taken apart for them.
         self._later = op.LEAVES | ({op.PICK, op.NEG} if pairs.slots else {op.PICK})
+        # Pairs read values without their signs, of which an earlier piece may have left the negative alone.
+        negatives = (
+            {
+                sequence.operations[k].operands[0]: k
+                for k in piece.loads
+                if sequence.operations[k].op == op.NEG
+            }
+            if pairs.slots
+            else {}
+        )
+        self._negatives = {k: j for k, j in negatives.items() if k not in piece.loads}
         self._pairs = PairWriter(sequence, pairs, plan.constants, self._operand, self._lines)
 
     def lines(self) -> list[str]:
@@ -182,6 +193,8 @@ class _LlvmPieceWriter:
             self._load(f"{name}.d", "work", self._piece.loads[k])
             zero = self._words.constant(0.0)
             self._lines.append(f"{name} = fcmp une {self._words.real} {name}.d, {zero}")
+        elif k in self._negatives:
+            self._lines.append(f"{name} = fneg {self._words.real} {self._operand(self._negatives[k])}")
         else:
             self._load(name, "work", self._piece.loads[k])
         return name

@@ -18,8 +18,8 @@ from symbody.expr.sequences.sequence import Sequence
 
 # Constants that differ by less are the same but for how they were measured.
 _SAME: Final = 0.02
-# The part of the operations that has to be paired: fewer gain nothing.
-_WORTH: Final = 0.3
+# The part of the instructions that has to be saved: less gains nothing.
+_WORTH: Final = 0.25
 # Shorter functions wait for results, not for instructions.
 _SHORTEST: Final = 300
 # One of so many that wait goes alone at a time.
@@ -31,14 +31,31 @@ _Candidate = tuple[bool, int, int, float, int, int]
 
 
 def find_pairs(sequence: Sequence) -> dict[int, int]:
-    """Return for some values the one that is computed with it; nothing where too few would be."""
+    """Return for some values the one that is computed with it; nothing where that saves too little."""
     terms = Terms(sequence)
     work = sum(map(terms.is_work, range(len(sequence.operations))))
     seeds = corresponding_inputs(sequence, terms) if work >= _SHORTEST else []
     if not seeds:
         return {}
     pairs = _Matcher(sequence, terms).match(seeds)
-    return pairs if 2 * sum(map(terms.is_work, pairs)) >= _WORTH * work else {}
+    return pairs if _count_saved(terms, pairs) >= _WORTH * work else {}
+
+
+def _count_saved(terms: Terms, pairs: dict[int, int]) -> int:
+    """Return how many instructions are saved: one a pair, less those that take lanes apart or put them together."""
+    computed = {first: second for first, second in pairs.items() if terms.can_pair(terms.operations[first])}
+    places = {k: (first, lane) for first, second in pairs.items() for lane, k in enumerate((first, second))}
+    paired = {*computed, *computed.values()}
+    packed: set[tuple[int, int]] = set()
+    for first, second in computed.items():
+        both = zip(terms.align_terms(first, places), terms.align_terms(second, places), strict=True)
+        packed.update((a, b) for (_, (a, _)), (_, (b, _)) in both if computed.get(a) != b)
+    packed = {(a, b) for a, b in packed if a not in terms.constants}
+    apart = {k for pair in packed for k in pair}
+    for k, operation in enumerate(terms.operations):
+        if k not in paired and terms.is_work(k):
+            apart.update(map(terms.base, operation.operands))
+    return len(computed) - len(packed) - len(apart & paired)
 
 
 class _Matcher:

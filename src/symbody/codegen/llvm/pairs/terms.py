@@ -10,7 +10,7 @@ from symbody.expr.sequences.sequence import Operation, Sequence
 
 # What registers do for two numbers in the time of one; of powers squares only.
 PAIRED: Final = frozenset({op.ADD, op.SUB, op.MUL, op.DIV, op.FMA, op.POW})
-_LIGHT: Final = op.LEAVES | {op.NEG, op.PICK}
+_READ: Final = op.LEAVES | {op.NEG}
 
 Term = tuple[int, int]
 """A value that is no NEG, and 1 or -1."""
@@ -28,8 +28,8 @@ class Terms:
             self.stripped.append((value, -sign))
 
     def is_work(self, k: int) -> bool:
-        """Return whether value k takes an instruction."""
-        return self.operations[k].op not in _LIGHT
+        """Return whether value k is computed: neither read where it lies, nor another one's negative."""
+        return self.operations[k].op not in _READ
 
     def base(self, k: int) -> int:
         """Return value k without its signs."""
