@@ -32,6 +32,8 @@ PARAMETERS: Final = ", ".join(
 # in a third of the time, for code as fast. What joins blocks must not look like falling through, or LLVM
 # undoes it; `out` is never null where there is something to compute.
 BLOCK: Final = 100
+# Pairs make code shorter, and the larger part of it is scheduled together.
+_BLOCK_OF_PAIRS: Final = 150
 
 
 def piece_function(
@@ -92,7 +94,7 @@ class _LlvmPieceWriter:
 
     def lines(self) -> list[str]:
         piece, plan, operations = self._piece, self._plan, self._sequence.operations
-        done = 0
+        done, block = 0, BLOCK if op.NEG not in self._later else _BLOCK_OF_PAIRS
         for k in range(piece.start, piece.stop):
             if not plan.needed[k]:
                 continue
@@ -103,7 +105,7 @@ class _LlvmPieceWriter:
                 else:
                     self._operation(k, operation)
                 done += 1
-                if done % BLOCK == 0:
+                if done % block == 0:
                     self._begin_block()
             self._put_away(k)
         self._lines.append(f"ret i32 {self._status}")

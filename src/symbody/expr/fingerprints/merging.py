@@ -36,9 +36,10 @@ from symbody.expr.opcodes import (
 )  # fmt: skip
 from symbody.expr.rewrite import node_cost
 
-# By what a product is chosen: a sine or cosine among its factors, the size of a constant, its shape.
-_Look = tuple[int, Constant, int]
-_NO_PRODUCT: _Look = (0, 0, 0)
+# By what a product is chosen: a sine or cosine among its factors, the size of a constant, the shapes of the
+# smaller and of the larger factor.
+_Look = tuple[int, Constant, int, int]
+_NO_PRODUCT: _Look = (0, 0, 0, 0)
 _RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, MAP, SADDLE, SQRT, TAN})
 
 
@@ -114,14 +115,17 @@ def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
 def _looks(graph: Graph, nodes: Sequence[int], operands: Sequence[tuple[int, ...]]) -> dict[int, _Look]:
     """Return by what products are chosen, so that limbs that differ in one place are alike in all others."""
     shapes: dict[int, int] = {}
+    sizes: dict[int, float] = {}
     looks: dict[int, _Look] = {}
     for node, old in zip(nodes, operands, strict=True):
         shapes[node] = shape(graph.ops[node], tuple([shapes[k] for k in old]))
+        sizes[node] = 1.0 + sum([sizes[k] for k in old])
         factors = _factors(graph, node)
         if factors is not None:
             numbers = [number for k in factors if (number := graph.number(k)) is not None]
             circle = max([graph.ops[k] for k in factors if graph.ops[k] in (SIN, COS)], default=0)
-            looks[node] = circle, max(map(abs, numbers), default=0), shapes[node]
+            less, more = sorted([(sizes[k], shapes[k]) for k in factors])
+            looks[node] = circle, max(map(abs, numbers), default=0), less[1], more[1]
     return looks
 
 
