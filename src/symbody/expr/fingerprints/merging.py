@@ -36,8 +36,8 @@ from symbody.expr.opcodes import (
 )  # fmt: skip
 from symbody.expr.rewrite import node_cost
 
-# By what a product is chosen: a sine or cosine among its factors, the size of a constant, the shapes of the
-# smaller and of the larger factor.
+# By what a product is chosen: a sine or cosine among its factors, the size of a constant, shape and hash of
+# the smaller factor, which limbs share if it belongs to the trunk.
 _Look = tuple[int, Constant, int, int]
 _NO_PRODUCT: _Look = (0, 0, 0, 0)
 _RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, MAP, SADDLE, SQRT, TAN})
@@ -124,8 +124,8 @@ def _looks(graph: Graph, nodes: Sequence[int], operands: Sequence[tuple[int, ...
         if factors is not None:
             numbers = [number for k in factors if (number := graph.number(k)) is not None]
             circle = max([graph.ops[k] for k in factors if graph.ops[k] in (SIN, COS)], default=0)
-            less, more = sorted([(sizes[k], shapes[k]) for k in factors])
-            looks[node] = circle, max(map(abs, numbers), default=0), less[1], more[1]
+            _, look, code = min([(sizes[k], shapes[k], graph.hashes[k]) for k in factors])
+            looks[node] = circle, max(map(abs, numbers), default=0), look, code
     return looks
 
 

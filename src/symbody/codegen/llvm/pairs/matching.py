@@ -42,7 +42,7 @@ def find_pairs(sequence: Sequence) -> dict[int, int]:
 
 
 def _count_saved(terms: Terms, pairs: dict[int, int]) -> int:
-    """Return how many instructions are saved: one a pair, less those that take lanes apart or put them together."""
+    """Return how many instructions are saved: one a pair, less those that join lanes or take them apart."""
     computed = {first: second for first, second in pairs.items() if terms.can_pair(terms.operations[first])}
     places = {k: (first, lane) for first, second in pairs.items() for lane, k in enumerate((first, second))}
     paired = {*computed, *computed.values()}
