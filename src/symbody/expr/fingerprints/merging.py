@@ -122,10 +122,12 @@ def _looks(graph: Graph, nodes: Sequence[int], operands: Sequence[tuple[int, ...
         sizes[node] = 1.0 + sum([sizes[k] for k in old])
         factors = _factors(graph, node)
         if factors is not None:
-            numbers = [number for k in factors if (number := graph.number(k)) is not None]
+            numbers: list[Constant] = [
+                number if number > 0 else -number for k in factors if (number := graph.number(k)) is not None
+            ]
             circle = max([graph.ops[k] for k in factors if graph.ops[k] in (SIN, COS)], default=0)
             _, look, code = min([(sizes[k], shapes[k], graph.hashes[k]) for k in factors])
-            looks[node] = circle, max(map(abs, numbers), default=0), look, code
+            looks[node] = circle, max(numbers, default=0), look, code
     return looks
 
 
