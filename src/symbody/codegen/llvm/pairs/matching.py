@@ -19,7 +19,7 @@ from symbody.expr.sequences.sequence import Sequence
 # Constants that differ by less are the same but for how they were measured.
 _SAME: Final = 0.02
 # The part of the instructions that has to be saved: less gains nothing.
-_WORTH: Final = 0.25
+_WORTH: Final = 0.23
 # Shorter functions wait for results, not for instructions.
 _SHORTEST: Final = 300
 # One of so many that wait goes alone at a time.
