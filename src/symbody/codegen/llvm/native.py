@@ -22,7 +22,9 @@ from symbody.codegen.llvm.entries import (
 from symbody.codegen.llvm.items import ItemPlan, plan_items
 from symbody.codegen.llvm.machine import QUICK, THOROUGH, lanes, object_codes
 from symbody.codegen.llvm.numbers import words
-from symbody.codegen.llvm.order import order_operations
+from symbody.codegen.llvm.order import order_operations, order_pairs
+from symbody.codegen.llvm.pairs.matching import find_pairs
+from symbody.codegen.llvm.pairs.signs import PairPlan, plan_pairs
 from symbody.codegen.llvm.runtime import called_functions, load
 from symbody.codegen.llvm.stored_module import Module, key_of, read_module, store_module
 from symbody.codegen.llvm.writing import GROUPS, piece_function
@@ -128,11 +130,15 @@ def _compile_text(sequence: Sequence, piece_size: int, level: int, width: int) -
     begin("order of operations")
     inner = order_operations(sequence)
     check()
+    pairs = find_pairs(inner) if width == 1 else {}
+    if pairs:
+        inner, pairs = order_pairs(inner, pairs)
+        check()
     plan = plan_pieces(inner, piece_size)
     items = plan_items(inner, plan.needed, plan.outputs, plan.work_size, lanes() if width == 1 else 1)
     begin("writing LLVM's text")
     sizes = {group: sequence.group_size(group) for group in GROUPS} | {"out": sequence.output_size}
-    texts = _module_texts(inner, plan, items, sizes, width)
+    texts = _module_texts(inner, plan, items, plan_pairs(inner, pairs), sizes, width)
     outside = sum(sizes.values()) if width > 1 else 0
     beyond = (items.end + outside) * width
     if beyond and (width > 1 or items.maps):
@@ -144,13 +150,13 @@ def _compile_text(sequence: Sequence, piece_size: int, level: int, width: int) -
 
 
 def _module_texts(
-    sequence: Sequence, plan: Plan, items: ItemPlan, sizes: dict[str, int], width: int
+    sequence: Sequence, plan: Plan, items: ItemPlan, pairs: PairPlan, sizes: dict[str, int], width: int
 ) -> list[str]:
     """Return the text of each module; the functions call each other across modules."""
     names = [f"{NAME}_{k}" for k in range(len(plan.pieces))]
     vocabulary, beside = words(width), words(lanes())
     functions = [
-        piece_function(sequence, plan, items, piece, name, vocabulary, beside)
+        piece_function(sequence, plan, items, piece, name, vocabulary, beside, pairs)
         for piece, name in zip(plan.pieces, names, strict=True)
     ]
     entry = entry_function(NAME, names, whole_lines=width > 1 or bool(items.maps))

@@ -11,6 +11,8 @@ from typing import Final
 
 from symbody.codegen.llvm.items import ItemPlan, program_lines
 from symbody.codegen.llvm.numbers import Words
+from symbody.codegen.llvm.pairs.pair_writer import PairWriter
+from symbody.codegen.llvm.pairs.signs import NO_PAIRS, PairPlan
 from symbody.codegen.llvm.runtime import lane_counts, lane_sincos
 from symbody.codegen.llvm.saddles import saddle_function
 from symbody.codegen.llvm.trig import SINCOS_NAME
@@ -30,13 +32,22 @@ PARAMETERS: Final = ", ".join(
 # in a third of the time, for code as fast. What joins blocks must not look like falling through, or LLVM
 # undoes it; `out` is never null where there is something to compute.
 BLOCK: Final = 100
+# Pairs make code shorter, and the larger part of it is scheduled together.
+_BLOCK_OF_PAIRS: Final = 150
 
 
 def piece_function(
-    sequence: Sequence, plan: Plan, items: ItemPlan, piece: Piece, name: str, words: Words, beside: Words
+    sequence: Sequence,
+    plan: Plan,
+    items: ItemPlan,
+    piece: Piece,
+    name: str,
+    words: Words,
+    beside: Words,
+    pairs: PairPlan = NO_PAIRS,
 ) -> str:
     """Return the function that computes one piece; `beside` are the words of items side by side."""
-    writer = _LlvmPieceWriter(sequence, plan, items, piece, words, beside)
+    writer = _LlvmPieceWriter(sequence, plan, items, piece, words, beside, pairs)
     body = "\n".join(writer.lines())
     return f"define i32 @{name}({PARAMETERS}) nounwind {{\n{body}\n}}\n"
 
@@ -45,7 +56,14 @@ class _LlvmPieceWriter:
     """Writes one piece; in lanes, entry k of an array begins at k times the number of lanes."""
 
     def __init__(
-        self, sequence: Sequence, plan: Plan, items: ItemPlan, piece: Piece, words: Words, beside: Words
+        self,
+        sequence: Sequence,
+        plan: Plan,
+        items: ItemPlan,
+        piece: Piece,
+        words: Words,
+        beside: Words,
+        pairs: PairPlan,
     ) -> None:
         self._sequence = sequence
         self._plan = plan
@@ -59,18 +77,35 @@ class _LlvmPieceWriter:
         self._addresses: set[str] = set()
         self._status = "0"  # name of the integer to return
         self._blocks = 0
+        # What is written when it is read; beside pairs signs, too, or lanes would be taken apart for them.
+        self._later = op.LEAVES | ({op.PICK, op.NEG} if pairs.slots else {op.PICK})
+        # Pairs read values without their signs, of which an earlier piece may have left the negative alone.
+        negatives = (
+            {
+                sequence.operations[k].operands[0]: k
+                for k in piece.loads
+                if sequence.operations[k].op == op.NEG
+            }
+            if pairs.slots
+            else {}
+        )
+        self._negatives = {k: j for k, j in negatives.items() if k not in piece.loads}
+        self._pairs = PairWriter(sequence, pairs, plan.constants, self._operand, self._lines)
 
     def lines(self) -> list[str]:
         piece, plan, operations = self._piece, self._plan, self._sequence.operations
-        done = 0
+        done, block = 0, BLOCK if op.NEG not in self._later else _BLOCK_OF_PAIRS
         for k in range(piece.start, piece.stop):
             if not plan.needed[k]:
                 continue
             operation = operations[k]
-            if operation.op not in op.LEAVES and operation.op != op.PICK:
-                self._operation(k, operation)
+            if operation.op not in self._later and not self._pairs.has(k):
+                if self._pairs.begins(k, piece.stop):
+                    self._pairs.write(k)
+                else:
+                    self._operation(k, operation)
                 done += 1
-                if done % BLOCK == 0:
+                if done % block == 0:
                     self._begin_block()
             self._put_away(k)
         self._lines.append(f"ret i32 {self._status}")
@@ -132,7 +167,12 @@ class _LlvmPieceWriter:
         """Return how value k is written, reading it first if this piece has not yet."""
         name = self._names.get(k)
         if name is None:
-            name = self._names[k] = self._read_value(k)
+            if self._pairs.has(k):
+                name = f"%z{k}"
+                self._lines.extend(self._pairs.lane(k))
+            else:
+                name = self._read_value(k)
+            self._names[k] = name
         return name
 
     def _read_value(self, k: int) -> str:
@@ -147,10 +187,16 @@ class _LlvmPieceWriter:
             known = self._items.picks.get(k)
             place = self._plan.results[operands[0]] + datum if known is None else known
             self._load(name, "work", place)
+        elif code == op.NEG and k >= self._piece.start:
+            self._lines.append(
+                f"{name} = {self._words.instructions[code].format(self._operand(operands[0]))}"
+            )
         elif code in op.CONDITIONS:
             self._load(f"{name}.d", "work", self._piece.loads[k])
             zero = self._words.constant(0.0)
             self._lines.append(f"{name} = fcmp une {self._words.real} {name}.d, {zero}")
+        elif k in self._negatives:
+            self._lines.append(f"{name} = fneg {self._words.real} {self._operand(self._negatives[k])}")
         else:
             self._load(name, "work", self._piece.loads[k])
         return name

@@ -13,13 +13,15 @@ from symbody.expr.canonical import ONE, ZERO, make, neg
 from symbody.expr.deadline import check
 from symbody.expr.fingerprints.circle import Pair
 from symbody.expr.fingerprints.fingerprint import drop_sign, fingerprints
-from symbody.expr.graph import Graph, copied_datum, copy_nodes
+from symbody.expr.fingerprints.shapes import shape
+from symbody.expr.graph import Constant, Graph, copied_datum, copy_nodes
 from symbody.expr.opcodes import (
     ACOS,
     ADD,
     ARITY,
     ASIN,
     CALL,
+    COS,
     DIV,
     FMA,
     LOG,
@@ -27,12 +29,17 @@ from symbody.expr.opcodes import (
     MUL,
     POW,
     SADDLE,
+    SIN,
     SQRT,
     SUB,
     TAN,
 )  # fmt: skip
 from symbody.expr.rewrite import node_cost
 
+# By what a product is chosen: a sine or cosine among its factors, the size of a constant, shape and hash of
+# the smaller factor, which limbs share if it belongs to the trunk.
+_Look = tuple[int, Constant, int, int]
+_NO_PRODUCT: _Look = (0, 0, 0, 0)
 _RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, MAP, SADDLE, SQRT, TAN})
 
 
@@ -97,22 +104,45 @@ def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
             uses[operand] += 1
     for root in roots:
         uses[root] += 1
+    looks = _looks(graph, nodes, operands)
     for node, old in zip(nodes, operands, strict=True):
         if node in memo:
             continue
-        fused = _fuse(graph, node, uses, memo) if graph.ops[node] in (ADD, SUB) else None
+        fused = _fuse(graph, node, uses, looks, memo) if graph.ops[node] in (ADD, SUB) else None
         memo[node] = fused if fused is not None else _remade(graph, node, old, memo)
 
 
-def _fuse(graph: Graph, node: int, uses: dict[int, int], memo: dict[int, int]) -> int | None:
+def _looks(graph: Graph, nodes: Sequence[int], operands: Sequence[tuple[int, ...]]) -> dict[int, _Look]:
+    """Return by what products are chosen, so that limbs that differ in one place are alike in all others."""
+    shapes: dict[int, int] = {}
+    sizes: dict[int, float] = {}
+    looks: dict[int, _Look] = {}
+    for node, old in zip(nodes, operands, strict=True):
+        shapes[node] = shape(graph.ops[node], tuple([shapes[k] for k in old]))
+        sizes[node] = 1.0 + sum([sizes[k] for k in old])
+        factors = _factors(graph, node)
+        if factors is not None:
+            numbers: list[Constant] = [
+                number if number > 0 else -number for k in factors if (number := graph.number(k)) is not None
+            ]
+            circle = max([graph.ops[k] for k in factors if graph.ops[k] in (SIN, COS)], default=0)
+            _, look, code = min([(sizes[k], shapes[k], graph.hashes[k]) for k in factors])
+            looks[node] = circle, max(numbers, default=0), look, code
+    return looks
+
+
+def _fuse(
+    graph: Graph, node: int, uses: dict[int, int], looks: dict[int, _Look], memo: dict[int, int]
+) -> int | None:
+    """Return a sum with one of its products fused, that of the greater look."""
     a, b = graph.left[node], graph.right[node]
     if uses[a] > 1 and uses[b] > 1:
         return None
-    minus = graph.ops[node] == SUB
-    for product, rest, product_sign, rest_sign in (
-        (a, b, 1, -1 if minus else 1),
-        (b, a, -1 if minus else 1, 1),
-    ):
+    sign = -1 if graph.ops[node] == SUB else 1
+    sides = [(a, b, 1, sign), (b, a, sign, 1)]
+    if looks.get(b, _NO_PRODUCT) > looks.get(a, _NO_PRODUCT):
+        sides.reverse()
+    for product, rest, product_sign, rest_sign in sides:
         factors = _factors(graph, product) if uses[product] == 1 else None
         if factors is not None:
             x, y, z = memo[factors[0]], memo[factors[1]], memo[rest]
