@@ -7,12 +7,13 @@ cannot.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Final
 
-from symbody.expr.canonical import ONE, ZERO, make, neg
+from symbody.expr.canonical import ONE, ZERO, add, div, make, mul, neg, sub
 from symbody.expr.deadline import check
 from symbody.expr.fingerprints.circle import Pair
-from symbody.expr.fingerprints.fingerprint import drop_sign, fingerprints
+from symbody.expr.fingerprints.fingerprint import drop_signs, fingerprints
 from symbody.expr.graph import Graph, copied_datum, copy_nodes
 from symbody.expr.opcodes import (
     ACOS,
@@ -25,6 +26,7 @@ from symbody.expr.opcodes import (
     LOG,
     MAP,
     MUL,
+    NEG,
     POW,
     SADDLE,
     SQRT,
@@ -33,6 +35,7 @@ from symbody.expr.opcodes import (
 )  # fmt: skip
 from symbody.expr.rewrite import node_cost
 
+_TWO: Final[Mapping[int, Callable[[Graph, int, int], int]]] = {ADD: add, SUB: sub, MUL: mul, DIV: div}
 _RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, MAP, SADDLE, SQRT, TAN})
 
 
@@ -46,10 +49,7 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
         it can fail and something equal could not: then the given ones fail anyway.
     """
     nodes = source.reachable([ZERO, ONE, *roots])
-    keys: dict[int, Pair] = {}
-    flipped: dict[int, bool] = {}
-    for node, value in fingerprints(source, nodes).items():
-        keys[node], flipped[node] = drop_sign(value)
+    keys, flipped = drop_signs(fingerprints(source, nodes))
     check()
     rank = _ranks(source, nodes)
     check()
@@ -61,17 +61,37 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
     best = _cheapest(nodes, keys, rank, fixed)
     kept = _find_needed(source, roots, best)
     check()
+    # A representative ranks no higher than what it replaces, so this order puts operands first; those that
+    # are fixed read only each other.
+    early = {node for node in kept if fixed.get(keys[node]) == node} if fixed else set()
+    order = [*sorted(early, key=rank.__getitem__), *sorted(kept - early, key=rank.__getitem__)]
+    return _rebuild(source, order, target, roots, best, flipped)
+
+
+def _rebuild(
+    source: Graph,
+    order: Iterable[int],
+    target: Graph,
+    roots: Sequence[int],
+    best: Mapping[int, int],
+    flipped: Mapping[int, bool],
+) -> list[int]:
+    """Return the `roots` made in `target` of the representatives in `order`, operands first."""
     built: dict[int, int] = {}
+    ops, left, right = source.ops, source.left, source.right
 
     def in_target(node: int) -> int:
         other = best[node]
         return built[other] if flipped[node] == flipped[other] else neg(target, built[other])
 
-    # A representative ranks no higher than what it replaces, so this order puts operands first; those that
-    # are fixed read only each other.
-    early = {node for node in kept if fixed.get(keys[node]) == node}
-    for node in (*sorted(early, key=rank.__getitem__), *sorted(kept - early, key=rank.__getitem__)):
-        built[node] = _rebuilt(source, node, target, [in_target(k) for k in source.operands(node)])
+    for node in order:
+        op = ops[node]
+        if ADD <= op <= DIV:  # most are
+            built[node] = _TWO[op](target, in_target(left[node]), in_target(right[node]))
+        elif op == NEG:
+            built[node] = neg(target, in_target(left[node]))
+        else:
+            built[node] = _rebuilt(source, node, target, [in_target(k) for k in source.operands(node)])
     return [in_target(root) for root in roots]
 
 
@@ -97,18 +117,28 @@ def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
             uses[operand] += 1
     for root in roots:
         uses[root] += 1
+    ops = graph.ops
     for node, old in zip(nodes, operands, strict=True):
         if node in memo:
             continue
-        fused = _fuse(graph, node, uses, memo) if graph.ops[node] in (ADD, SUB) else None
-        memo[node] = fused if fused is not None else _remade(graph, node, old, memo)
+        op = ops[node]
+        fused = _fuse(graph, node, uses, memo) if op in (ADD, SUB) else None
+        if fused is not None:
+            memo[node] = fused
+        elif ADD <= op <= DIV:  # most are
+            a, b = old
+            x, y = memo[a], memo[b]
+            memo[node] = node if x == a and y == b else graph.node(op, x, y)
+        else:
+            memo[node] = _remade(graph, node, old, memo)
 
 
 def _fuse(graph: Graph, node: int, uses: dict[int, int], memo: dict[int, int]) -> int | None:
-    a, b = graph.left[node], graph.right[node]
-    if uses[a] > 1 and uses[b] > 1:
+    a, b, ops = graph.left[node], graph.right[node], graph.ops
+    first, second = uses[a] == 1 and ops[a] in (MUL, POW), uses[b] == 1 and ops[b] in (MUL, POW)
+    if not (first or second):
         return None
-    minus = graph.ops[node] == SUB
+    minus = ops[node] == SUB
     for product, rest, product_sign, rest_sign in (
         (a, b, 1, -1 if minus else 1),
         (b, a, -1 if minus else 1, 1),

@@ -16,7 +16,7 @@ from symbody.errors import CompileError, Problem
 from symbody.expr.deadline import check
 from symbody.expr.fingerprints.merging import contract_products, merge_equal
 from symbody.expr.graph import Constant, Graph, KernelNode, UserFunction, copy_nodes
-from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, LEAVES, MAP, POW, RATIONAL, SADDLE, SYMBOL
+from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, FMA, LEAVES, MAP, POW, RATIONAL, SADDLE, SYMBOL
 from symbody.expr.rewrite import multiplications
 
 __all__ = ["Input", "KernelNode", "Operation", "Output", "Roots", "Sequence", "build_sequence"]
@@ -143,14 +143,20 @@ class Sequence:
         """
         chosen = frozenset(groups)
         early = self._depends_only_on(chosen)
-        late = (operation for j, operation in enumerate(self.operations) if not early[j])
-        wanted = {k for operation in late for k in operation.operands}
-        wanted.update(k for output in self.outputs for k in output.values)
+        wanted = [False] * len(self.operations)
+        for is_early, (_, operands, _) in zip(early, self.operations, strict=True):
+            if not is_early:
+                for k in operands:
+                    wanted[k] = True
+        for output in self.outputs:
+            for k in output.values:
+                wanted[k] = True
         for k in range(len(self.operations) - 1, -1, -1):
-            if k in wanted and self.operations[k].op in _NO_NUMBERS:
-                wanted.update(self.operations[k].operands)
+            if early[k] and wanted[k] and self.operations[k].op in _NO_NUMBERS:
+                for operand in self.operations[k].operands:
+                    wanted[operand] = True
         whole = LEAVES - {SYMBOL} | _NO_NUMBERS
-        cut = [k for k in sorted(wanted) if early[k] and self.operations[k].op not in whole]
+        cut = [k for k, operation in enumerate(self.operations) if early[k] and wanted[k] and operation.op not in whole]
         head = self._with_outputs((Output("c", (len(cut),), tuple(cut)),))
         return head, self._reading_from(cut)
 
@@ -181,7 +187,7 @@ class Sequence:
                 used[k] = True
         for k in range(len(self.operations) - 1, -1, -1):
             if used[k]:
-                for operand in self.operations[k].operands:
+                for operand in self.operations[k][1]:
                     used[operand] = True
         number = [0] * len(self.operations)
         operations: list[Operation] = []
@@ -190,8 +196,8 @@ class Sequence:
                 continue
             number[k] = new = len(operations)
             if new < k:  # something before it is gone, so what it reads may have moved
-                moved = tuple([number[j] for j in operation.operands])
-                operation = Operation(operation.op, moved, operation.datum)
+                op, operands, datum = operation
+                operation = Operation(op, tuple([number[j] for j in operands]), datum)
             operations.append(operation)
         moved_outputs = tuple(
             Output(output.name, output.shape, tuple([number[k] for k in output.values])) for output in outputs
@@ -253,13 +259,18 @@ def _linearize_graph(graph: Graph, outputs: Items[Roots], inputs: Items[Input | 
         )  # fmt: skip
     used: list[Input] = []
     constants: list[Constant] = []
-    number: dict[int, int] = {}
+    number = [0] * len(graph)
     operations: list[Operation] = []
-    for node in order:
-        op, datum = graph.ops[node], 0
-        if ADD <= op <= DIV:  # most are
-            number[node] = len(operations)
-            operations.append(Operation(op, (number[graph.left[node]], number[graph.right[node]])))
+    ops, left, right, tuples = graph.ops, graph.left, graph.right, graph.operand_tuples
+    for place, node in enumerate(order):
+        op, datum = ops[node], 0
+        number[node] = place
+        if ADD <= op <= DIV:  # most are these, or fused
+            operations.append(Operation(op, (number[left[node]], number[right[node]])))
+            continue
+        if op == FMA:
+            a, b, c = tuples[left[node]]
+            operations.append(Operation(op, (number[a], number[b], number[c])))
             continue
         if op == SYMBOL:
             datum = len(used)
@@ -270,7 +281,6 @@ def _linearize_graph(graph: Graph, outputs: Items[Roots], inputs: Items[Input | 
             constants.append(graph.constants[graph.left[node]])
         else:
             datum = graph.datum(node)
-        number[node] = len(operations)
         operations.append(Operation(op, tuple([number[k] for k in graph.operands(node)]), datum))
     return Sequence(
         tuple(used), tuple(constants), tuple(graph.kernels), tuple(graph.functions), tuple(operations),
