@@ -8,6 +8,7 @@ from typing import Any
 
 import symbody.formats as formats
 from symbody.arguments import checked_arguments
+from symbody.collection import without_collection
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.formats.entries import (
@@ -70,6 +71,7 @@ def save_model(model: Model, path: str | os.PathLike[str]) -> None:
     write_text(path, _toml_text(_content(model, folder), old, folder))
 
 
+@without_collection()
 def model_from_toml(text: str, where: str = "model file") -> Model:
     """Return the model in a TOML text; `where` is what messages call it.
 

@@ -16,7 +16,20 @@ from symbody.errors import CompileError, Problem
 from symbody.expr.deadline import check
 from symbody.expr.fingerprints.merging import contract_products, merge_equal
 from symbody.expr.graph import Constant, Graph, KernelNode, UserFunction, copy_nodes
-from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, FMA, LEAVES, MAP, POW, RATIONAL, SADDLE, SYMBOL
+from symbody.expr.opcodes import (
+    ADD,
+    CONDITIONS,
+    COST,
+    DIV,
+    FLOAT,
+    FMA,
+    LEAVES,
+    MAP,
+    POW,
+    RATIONAL,
+    SADDLE,
+    SYMBOL,
+)
 from symbody.expr.rewrite import multiplications
 
 __all__ = ["Input", "KernelNode", "Operation", "Output", "Roots", "Sequence", "build_sequence"]
@@ -143,22 +156,26 @@ class Sequence:
         """
         chosen = frozenset(groups)
         early = self._depends_only_on(chosen)
-        wanted = [False] * len(self.operations)
-        for is_early, (_, operands, _) in zip(early, self.operations, strict=True):
-            if not is_early:
-                for k in operands:
-                    wanted[k] = True
-        for output in self.outputs:
-            for k in output.values:
-                wanted[k] = True
-        for k in range(len(self.operations) - 1, -1, -1):
-            if early[k] and wanted[k] and self.operations[k].op in _NO_NUMBERS:
-                for operand in self.operations[k].operands:
-                    wanted[operand] = True
+        wanted = self._read_late(early)
         whole = LEAVES - {SYMBOL} | _NO_NUMBERS
-        cut = [k for k, operation in enumerate(self.operations) if early[k] and wanted[k] and operation.op not in whole]
+        cut = [k for k, operation in enumerate(self.operations) if wanted[k] and operation.op not in whole]
         head = self._with_outputs((Output("c", (len(cut),), tuple(cut)),))
         return head, self._reading_from(cut)
+
+    def _read_late(self, early: Items[bool]) -> list[bool]:
+        """Return which `early` values outputs and the other operations read."""
+        wanted = [False] * len(self.operations)
+        late = (
+            entry.operands for is_early, entry in zip(early, self.operations, strict=True) if not is_early
+        )
+        for operands in (*late, *(output.values for output in self.outputs)):
+            for k in operands:
+                wanted[k] = True
+        for k in range(len(self.operations) - 1, -1, -1):
+            if wanted[k] and self.operations[k].op in _NO_NUMBERS:
+                for operand in self.operations[k].operands:
+                    wanted[operand] = True
+        return [is_early and is_wanted for is_early, is_wanted in zip(early, wanted, strict=True)]
 
     def _depends_only_on(self, groups: frozenset[str]) -> list[bool]:
         result: list[bool] = []
@@ -187,7 +204,7 @@ class Sequence:
                 used[k] = True
         for k in range(len(self.operations) - 1, -1, -1):
             if used[k]:
-                for operand in self.operations[k][1]:
+                for operand in self.operations[k].operands:
                     used[operand] = True
         number = [0] * len(self.operations)
         operations: list[Operation] = []
@@ -196,8 +213,8 @@ class Sequence:
                 continue
             number[k] = new = len(operations)
             if new < k:  # something before it is gone, so what it reads may have moved
-                op, operands, datum = operation
-                operation = Operation(op, tuple([number[j] for j in operands]), datum)
+                moved = tuple([number[j] for j in operation.operands])
+                operation = Operation(operation.op, moved, operation.datum)
             operations.append(operation)
         moved_outputs = tuple(
             Output(output.name, output.shape, tuple([number[k] for k in output.values])) for output in outputs
