@@ -20,8 +20,27 @@ settings.register_profile("fast", max_examples=50, deadline=None, derandomize=Tr
 settings.register_profile("exhaustive", parent=settings.get_profile("fast"), max_examples=2000)
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--part", metavar="K/N", help="run each Nth of the chosen tests, from the Kth on: 1/40 .. 40/40"
+    )
+
+
 def pytest_configure(config: pytest.Config) -> None:
     # addopts begin with -m "not exhaustive"; any other expression that names the tier asks for it
     chosen = config.option.markexpr
     wants_all = "exhaustive" in chosen and "not exhaustive" not in chosen
     settings.load_profile("exhaustive" if wants_all else "fast")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    part = config.getoption("--part")
+    if part is None:
+        return
+    first, _, count = part.partition("/")
+    if not (first.isdecimal() and count.isdecimal() and 1 <= int(first) <= int(count)):
+        raise pytest.UsageError(f"--part {part}: give two whole numbers K/N with 1 <= K <= N, --part 3/40")
+    config.hook.pytest_deselected(
+        items=[item for k, item in enumerate(items) if k % int(count) != int(first) - 1]
+    )
+    items[:] = items[int(first) - 1 :: int(count)]

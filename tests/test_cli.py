@@ -183,6 +183,15 @@ def test_tree_may_be_chosen(model: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert "absolute" in capsys.readouterr().err
 
 
+def test_gears_may_be_substituted(capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(Path(__file__).parents[1] / "examples" / "gallery" / "drives" / "planetary_gear.toml")
+    printed = []
+    for flags in ([], ["--substitute"]):
+        assert run(["equations", path, *flags]) == 0
+        printed.append(capsys.readouterr().out)
+    assert "lambda" in printed[0] and "lambda" not in printed[1]
+
+
 def test_check_tells_what_the_model_is(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["check", str(model)]) == 0
     assert capsys.readouterr().out.splitlines() == [

@@ -23,6 +23,7 @@ extensions = [
     "mathml",
     "generated_pages",
     "heading_levels",
+    "search_words",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["site", "_build"]

@@ -202,3 +202,60 @@ def test_guessed_rates_of_cut_joints_are_asked_before_what_the_file_says() -> No
         assert rates[0] == pytest.approx(-0.3, rel=1e-12)
         assert rates[1] == pytest.approx(-0.3 / ratio, rel=1e-12)
         assert state.moved["theta_dot"] == pytest.approx(rates[1] - 7.0, rel=1e-12)
+
+
+def test_as_many_first_values_as_freedoms_are_kept() -> None:
+    # Cranks of 0.13 and 0.29 m, a coupler of 0.41 m: the crank turns round, so that any theta closes. From
+    # the other angles, which are 0, the nearest closed configuration lies 1.1 rad away from 20 degrees.
+    model = four_bar_of_rods({"theta": "20 deg", "theta_dot": 15})
+    eqs = sb.form_equations(model)
+    state = sb.assemble(eqs)
+    assert state.q["theta"] == pytest.approx(math.radians(20), abs=EPS)
+    assert state.u["theta_dot"] == 15.0 and "theta" not in state.moved
+    run = sb.simulate(eqs, 0.01)
+    assert run["theta"][0] == state.q["theta"] and not any("instead of" in note for note in run.notes)
+    sweep = sb.sweep(eqs, 0.01, {"m": [1.0, 2.0]})
+    assert [sweep.trajectory(k)["theta"][0] for k in (0, 1)] == [state.q["theta"]] * 2
+
+
+def test_more_first_values_than_freedoms_are_guesses() -> None:
+    eqs = sb.form_equations(four_bar_of_rods({"theta": "20 deg", "phi": "30 deg"}))
+    assert "theta" in sb.assemble(eqs).moved
+    assert "theta" not in sb.assemble(eqs, {"theta": "20 deg"}).moved
+    assert sb.assemble(eqs, {"phi": "100 deg"}).q["phi"] == pytest.approx(math.radians(100), abs=EPS)
+
+
+def test_first_values_at_which_the_loops_do_not_close_are_guesses() -> None:
+    eqs = sb.form_equations(four_bar_of_rods({"phi": "10 deg"}))
+    assert abs(sb.assemble(eqs).moved["phi"]) > 0.1  # the rocker does not come there
+
+
+def test_a_first_value_is_kept_where_constraints_repeat_others() -> None:
+    bar = sb.Body("Bar", mass=1, frames={name: sb.Frame(at=(k - 1, 0, 0)) for k, name in enumerate("abc")})
+    parts: list[sb.Element] = [bar]
+    for name in "abc":
+        parts += [
+            sb.Body(f"K{name}", mass=0.2, inertia=(0, 0, 0.01), frames={"q": sb.Frame(at=(0.5, 0, 0))}),
+            sb.Revolute(f"p{name}", f"ground.{name}", f"K{name}", axis="z", coordinate=f"t{name}"),
+            sb.Revolute(f"q{name}", f"K{name}.q", f"Bar.{name}", axis="z", tree=name == "a"),
+        ]
+    model = sb.Model("three cranks", parts, ground=dict(bar.frames), initial={"ta": "60 deg"})
+    eqs = sb.form_equations(model)
+    assert eqs.degrees_of_freedom == 1
+    assert sb.assemble(eqs).q["ta"] == pytest.approx(math.radians(60), abs=EPS)
+
+
+def four_bar_of_rods(initial: dict[str, str | float]) -> sb.Model:
+    lengths = {"Crank": 0.13, "Coupler": 0.41, "Rocker": 0.29}
+    bodies = [
+        sb.Body(name, mass="m", inertia=(0, 0, 0.01), frames={"end": sb.Frame(at=(length, 0, 0))})
+        for name, length in lengths.items()
+    ]
+    joints = [
+        sb.Revolute("O", "ground", "Crank", axis="z", coordinate="theta"),
+        sb.Revolute("A", "Crank.end", "Coupler", axis="z", coordinate="beta"),
+        sb.Revolute("C", "ground.C", "Rocker", axis="z", coordinate="phi"),
+        sb.Revolute("B", "Coupler.end", "Rocker.end", axis="z"),
+    ]
+    ground = {"C": sb.Frame(at=(0.35, 0.06, 0))}
+    return sb.Model("rods", [*bodies, *joints], ground=ground, parameters={"m": 1.0}, initial=initial)

@@ -95,6 +95,17 @@ def test_slider_crank_balances_above_and_below_by_symmetry() -> None:
     assert max(map(abs, held.udot.values())) < 1e-12 and held["theta"] == 0.8
 
 
+def test_outputs_of_branches_are_computed_with_their_own_inputs() -> None:
+    """The force that holds the slider differs from one assembly to the other; each forcing contains its own."""
+    eqs = equations_of("slider_crank")
+    held = sb.find_equilibrium(eqs, unknowns=["F"], fixed={"theta": 0.8})
+    states = (held, *held.branches)
+    forces = [float(state.inputs["F"]) for state in states]
+    assert len(states) == 2 and abs(forces[0] - forces[1]) > 1.0
+    slider = eqs.speed_names.index("s_dot")
+    assert [np.asarray(state["forcing"])[slider] for state in states] == pytest.approx(forces, rel=1e-12)
+
+
 @pytest.mark.exhaustive
 def test_a_damped_motion_ends_in_a_stable_equilibrium() -> None:
     eqs = four_bar()

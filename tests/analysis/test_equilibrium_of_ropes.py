@@ -106,7 +106,8 @@ def check_ropes(seed: int) -> None:
         assert np.abs(np.array(list(found.q.values())) - best).max() < 1e-3
 
 
-@pytest.mark.parametrize("seed", range(3))
+# 1827 ends at equilibria with different ropes taut
+@pytest.mark.parametrize("seed", [*range(3), 1827])
 def test_ropes_at_rest_fulfil_the_conditions_of_one_sided_contact(seed: int) -> None:
     check_ropes(seed)
 

@@ -11,6 +11,7 @@ import pytest
 
 import symbody as sb
 from symbody.analysis.configurations.assembly import assemble_taut
+from symbody.analysis.configurations.kept_values import kept_initial_values
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PATHS = sorted(EXAMPLES.glob("*/*.toml"))
@@ -24,9 +25,10 @@ def both(
     eqs: sb.EquationSet, fixed: Mapping[str, Any], guess: Mapping[str, Any], **more: Any
 ) -> tuple[sb.State, sb.State]:
     """Return the state by the kernel, if it is plain, and the one by Python."""
+    kept = kept_initial_values(eqs, fixed, guess)
     return (
         sb.assemble(eqs, fixed, guess, **more),
-        assemble_taut(eqs, fixed, guess, more.get("parameters"), more.get("inputs")),
+        assemble_taut(eqs, {**fixed, **kept}, guess, more.get("parameters"), more.get("inputs")),
     )
 
 

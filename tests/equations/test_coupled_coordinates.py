@@ -151,8 +151,32 @@ def test_a_coupling_said_twice_is_dropped_and_its_contradiction_refused() -> Non
     eqs = sb.form_equations(pair(*chain), substitute=True)
     assert eqs.coordinate_names == ("z",)
     assert any("lambda_k_1" in note and "dropped" in note for note in eqs.notes)
+    with pytest.raises(sb.FormulationError, match="are kept: lambda_g_1, lambda_h_1; or form") as error:
+        sb.compile(eqs, "lambda_k_1")
+    assert error.value.problems[0].code == "equations.dropped_multiplier"
     with pytest.raises(sb.FormulationError, match="lambda_k_1"):
         sb.form_equations(pair(*chain[:2], sb.Gear("k", ["x", "z"], ratio=0.03, offset=1)), substitute=True)
+
+
+def test_couplings_that_follow_from_others_by_their_values_stay_constraints() -> None:
+    # 0.1 times 0.3 is 0.03 but for rounding, which would be a constraint of its own and hold all wheels.
+    gears = [sb.Gear("g", ["x", "y"], ratio="n"), sb.Gear("h", ["y", "z"], ratio=0.3)]
+    values = {"n": 0.1, "m": 0.03}
+    eqs = sb.form_equations(
+        pair(*gears, sb.Gear("k", ["x", "z"], ratio="m"), parameters=values), substitute=True
+    )
+    assert eqs.multiplier_names == ("lambda_g_1", "lambda_h_1", "lambda_k_1")
+    assert sum("together leave factors that are differences" in note for note in eqs.notes) == 3
+    assert sb.simulate(eqs, 0.1, {"z_dot": 1.0})["x_dot"][-1] == pytest.approx(0.03)
+
+
+def test_ratios_name_what_couplings_give(eqs: sb.EquationSet) -> None:
+    ratios = sb.velocity_ratios(eqs)
+    assert ratios.independent == ("b_dot",)
+    assert any("a_dot, s_dot: couplings give them" in note for note in ratios.notes)
+    with pytest.raises(sb.UsageError, match="name b, or form the equations without") as error:
+        sb.velocity_ratios(eqs, "a")
+    assert error.value.problems[0].code == "kinematics.coupled_speed"
 
 
 def chain(number: int, gears: list[Any]) -> sb.Model:

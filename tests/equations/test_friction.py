@@ -226,6 +226,15 @@ def test_block_on_an_incline(cut: bool, speed: float) -> None:
     assert margin[0] == 1.0  # friction along the guide does not press on it
 
 
+def test_reserves_of_all_joints_are_one_output() -> None:
+    eqs = equations("ABC", "cut at D")
+    t, q, u = 0.0, [0.3] * len(eqs.coordinate_names), [0.7] * len(eqs.speed_names)
+    outputs = ["friction_reserve", *(f"friction_reserve {x}" for x in "ABC")]
+    reserves, *each = sb.compile(eqs, outputs)(t, q, u, [1.0])
+    np.testing.assert_allclose(reserves, each, rtol=1e-12)
+    assert np.isfinite(reserves).all()
+
+
 def test_given_strength_needs_no_reaction() -> None:
     f = sb.compile(incline(False, force=3.0, v0=0.01), ("udot", "friction guide"))
     udot, effort = f(0.0, [0.0], [0.01])

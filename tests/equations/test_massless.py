@@ -349,3 +349,14 @@ def test_inverse_dynamics_with_dependent_speeds_is_refused() -> None:
     eqs = sb.form_equations(sb.Model("sled", parts, inputs=("F",)), dependent_speeds="auto")
     with pytest.raises(sb.SymbodyError, match="inverse.dependent_speeds"):
         sb.inverse_dynamics(eqs, {"x": "t"}, ["F"], times=[0.0, 1.0])
+
+
+def test_a_joint_that_nothing_resists_is_told_with_a_cure() -> None:
+    """A rod of a planar mechanism, by mistake on an axis about which it has no inertia."""
+    rod = sb.Body("Rod", mass=1, inertia=(0, 0, 0.1), frames={"top": sb.Frame(at=(0, 0.5, 0))})
+    pivot = sb.Revolute(
+        "pivot", "ground", "Rod.top", axis="y", coordinate="phi", torque=sb.Drive(damping=0.1)
+    )
+    eqs = sb.form_equations(sb.Model("planar", [rod, pivot]))
+    assert any("phi_dot" in note and "give it mass, or inertia about the axis" in note for note in eqs.notes)
+    assert not any("prescribed" in note for note in sb.simulate(eqs, 1.0).notes)

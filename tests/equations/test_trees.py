@@ -39,6 +39,7 @@ def test_the_joint_without_names_is_cut_and_its_empty_rows_are_dropped() -> None
     assert eqs.multiplier_names == ("lambda_B_1", "lambda_B_2")
     assert eqs.constraints.shape == (2, 1) and eqs.constraint_jacobian.shape == (2, 3)
     assert any("joint B is cut: it names no coordinates" in note for note in eqs.notes)
+    assert not any("without a name" in note for note in eqs.notes)  # there are none
     assert any("3 closing equations hold identically" in note for note in eqs.notes)
     assert eqs.degrees_of_freedom == 1
     assert eqs.independent_speeds == eqs.speeds[:1]

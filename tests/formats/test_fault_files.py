@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from symbody.errors import FormatError, ModelError
-from symbody.formats import load_model
+from symbody.formats import load_model, model_from_toml
 
 FOLDER = Path(__file__).parents[1] / "faults" / "model_files"
 FILES = sorted(FOLDER.glob("*.toml"))
@@ -32,3 +32,21 @@ def test_fault_is_told_with_its_line(path: Path) -> None:
     for problem in problems:
         assert problem.what and problem.where.startswith(str(path))
         assert problem.fix, f"{problem.code} has no cure"
+
+
+@pytest.mark.parametrize(
+    ("text", "cure"),
+    [
+        ("gravity = -9.81", 'write gravity = ["0", "-9.81", "0"]'),
+        ("[joint]\ntype = 'revolute'", "write [[joint]] instead of [joint]"),
+        ("[[body]]\nname = 'B'\ninertia = 'I'", "write the moments about x, y and z of the body"),
+        (
+            "[[joint]]\nname = 'A'\ntype = 'revolute'\nbetween = ['ground', 'B']\nforce = {applied = 'F'}",
+            "it is called 'torque' here",
+        ),
+    ],
+)
+def test_what_newcomers_write_is_answered_by_what_to_write(text: str, cure: str) -> None:
+    with pytest.raises(FormatError) as caught:
+        model_from_toml(f"name = 'm'\n{text}\n")
+    assert any(problem.fix.startswith(cure) for problem in caught.value.problems)

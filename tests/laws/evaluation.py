@@ -80,7 +80,11 @@ def evaluator(eqs: sb.EquationSet, roots: Sequence[str | Roots]) -> Evaluator:
 
 def equations(mechanism: Mechanism, tree: TreeChoice = None) -> sb.EquationSet:
     """The equations of a mechanism, without rows that are only rounding at its parameters."""
-    eqs = sb.form_equations(build_model(mechanism), tree=tree)
+    return for_own_values(sb.form_equations(build_model(mechanism), tree=tree))
+
+
+def for_own_values(eqs: sb.EquationSet) -> sb.EquationSet:
+    """Equations without rows that are only rounding at the values of the model's parameters."""
     values = {name: float(value) for name, value in resolve_parameters(eqs.model).items()}
     return eqs.for_values(values) if eqs.multiplier_names else eqs
 

@@ -13,15 +13,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import null_space
 
 import symbody as sb
 from tests.laws.building import build_model
 from tests.laws.consistent_states import State, admissible_rates, state_of_rates
 from tests.laws.draws import Draws
-from tests.laws.joint_laws import translations
+from tests.laws.joint_laws import angle_axes, freedoms, translations
 from tests.laws.mechanisms import random_mechanism
 from tests.laws.motion import Freedoms, Places, all_freedoms, body_places, demands, freedom_scales
+from tests.laws.moved import Twists, moved
 from tests.laws.parts import ContactPart, CouplingPart, JointPart, Mechanism, MotionPart
 from tests.laws.rotations import Array
 
@@ -71,10 +71,14 @@ class Struck:
         The largest rate, in the mechanism's units, and the largest kinetic energy.
     words : str
         How the corners are written.
+    rank : int
+        Of the rows on the rates.
     magnified : float
-        By how much more rates are off than constraints are open, as shares: the coordinates of a mechanism that
-        is open by phi are off by ``|A^+| phi``, rows ``A`` by as much (lengths are numbers of order one), and the
-        rates that these determine by ``|A^+|`` times that.
+        By how much more rates are off than joints and constraints are open, as shares: coordinates of a mechanism
+        that is open by phi are off by ``|A^+| phi``, rows ``A`` by as much (lengths are numbers of order one), and
+        the rates that these determine by ``|A^+|`` times that; so too for the freedoms of each joint.
+    condition : float
+        By how much more rates behind the corners are off than those before them and what is prescribed, as shares.
     """
 
     mechanism: Mechanism
@@ -84,7 +88,9 @@ class Struck:
     speed: float
     energy: float
     words: str
+    rank: int
     magnified: float
+    condition: float
 
     def model(self, width: float = 0.0) -> sb.Model:
         """The model; with a width corners are rounded over twice that time, and steps are ramps."""
@@ -92,46 +98,96 @@ class Struck:
         rounded = _changed(mechanism, _Rounded(mechanism.t, width)) if width else mechanism
         return build_model(rounded)
 
+    def at(self, places: Places, twists: Twists) -> Struck:
+        """What the corners do to a motion that arrives elsewhere, or with other rates, as errors on the way leave it.
+
+        Parameters
+        ----------
+        places : mapping of body to (position, rotation matrix)
+        twists : mapping of body to (velocity of the centre of mass, angular velocity), in ground axes
+        """
+        mechanism = moved(self.mechanism, places)
+        motion = all_freedoms(mechanism, places)
+        length = mechanism.units.length
+        rows = [
+            x
+            for body in mechanism.bodies
+            for x in (motion.slides[body.name] / length, motion.spins[body.name])
+        ]
+        rates = [
+            x for body in mechanism.bodies for x in (twists[body.name][0] / length, twists[body.name][1])
+        ]
+        scales = freedom_scales(mechanism, motion)
+        s = np.linalg.lstsq(np.vstack(rows) * scales, np.concatenate(rates), rcond=None)[0]
+        return _balanced(mechanism, places, s * mechanism.units.time, self.words, self.rank)[0]
+
 
 def struck(seed: int) -> Struck | None:
     """The mechanism of a seed with corners; None where none of the motions tried is possible."""
     plain = random_mechanism(seed)
     for number in range(6):
         draws = Draws(random.Random(f"impulses {seed}/{number}"), plain.units)
-        found = _struck(_changed(_driven(plain, draws), _Bent(draws, plain.t)), draws)
+        found = _struck(_changed(_driven(plain, draws), _Bent(draws, plain.t)))
         if found is not None:
             return found
     return None
 
 
-def _struck(mechanism: Mechanism, draws: Draws) -> Struck | None:
+def _struck(mechanism: Mechanism) -> Struck | None:
     """The states before and behind the corners; None if there are none, or rates do not fit."""
     words = sorted({part.bend for _, part in _moving_parts(mechanism) if isinstance(part, Cornered)})
     if not words:
         return None
     places = body_places(mechanism)
     motion = all_freedoms(mechanism, places)
-    scales, time = freedom_scales(mechanism, motion), mechanism.units.time
-    s = admissible_rates(mechanism, places, motion) / scales * time
-    A, before = _prescribed(mechanism, places)
-    behind = _prescribed(_changed(mechanism, _Later()), places)[1]
-    sizes = np.linalg.svd(A, compute_uv=False)
+    s = admissible_rates(mechanism, places, motion) / freedom_scales(mechanism, motion) * mechanism.units.time
+    sizes = np.linalg.svd(_prescribed(mechanism, places)[0], compute_uv=False)
     if ((sizes > DEPENDENT * sizes[0]) & (sizes < INDEPENDENT)).any():
         return None
-    inverse, free = np.linalg.pinv(A, rcond=DEPENDENT), null_space(A, rcond=DEPENDENT)
-    moved = inverse @ (behind - A @ s)
-    left = max(np.abs(A @ s - before).max(), np.abs(A @ (s + moved) - behind).max())
-    if left > 1e-9 or np.abs(moved).max() < 0.05:
-        return None
+    rank = int((sizes > DEPENDENT * sizes[0]).sum())
+    found, left, jump = _balanced(mechanism, places, s, ", ".join(words), rank)
+    return None if left > 1e-9 or jump < 0.05 else found
+
+
+def _balanced(
+    mechanism: Mechanism, places: Places, s: Array, words: str, rank: int
+) -> tuple[Struck, float, float]:
+    """What corners do to rates s in the mechanism's units; how far rates miss their values, and their jump."""
+    motion = all_freedoms(mechanism, places)
+    scales, time = freedom_scales(mechanism, motion), mechanism.units.time
+    A, before = _prescribed(mechanism, places)
+    behind = _prescribed(_changed(mechanism, _Later()), places)[1]
+    left_side, sizes, right_side = np.linalg.svd(A)
+    inverse = right_side[:rank].T / sizes[:rank] @ left_side[:, :rank].T
+    free = right_side[rank:].T
+    jump = inverse @ (behind - A @ s)
+    left = max(np.abs(A @ s - before).max(), np.abs(A @ (s + jump) - behind).max())
     M = _mass_matrix(mechanism, motion, places, scales / time)
-    moved = moved - free @ np.linalg.solve(free.T @ M @ free, free.T @ M @ moved)
-    states = [state_of_rates(mechanism, places, motion, x * scales / time) for x in (s, s + moved)]
-    energies = [float(x @ M @ x) / 2 for x in (s, s + moved)]
-    magnified = float(sizes[sizes > DEPENDENT * sizes[0]].min() ** -2)
-    fastest = float(np.abs([s, s + moved]).max())
-    return Struck(
-        mechanism, *states, energies[1] - energies[0], fastest, max(energies), ", ".join(words), magnified
-    )
+    kept = np.linalg.solve(free.T @ M @ free, free.T @ M)  # the momenta of admissible directions, as rates
+    jump = jump - free @ (kept @ jump)
+    states = [state_of_rates(mechanism, places, motion, x * scales / time) for x in (s, s + jump)]
+    energies = [float(x @ M @ x) / 2 for x in (s, s + jump)]
+    inverted = max(1.0, 1.0 / float(sizes[rank - 1]), 1.0 / _least_turn(mechanism))
+    condition = (1.0 + float(np.linalg.norm(kept))) * inverted
+    struck = Struck(
+        mechanism, before=states[0], behind=states[1], gained=energies[1] - energies[0],
+        speed=float(np.abs([s, s + jump]).max()), energy=max(energies), words=words, rank=rank,
+        magnified=inverted**2, condition=condition,
+    )  # fmt: skip
+    return struck, float(left), float(np.abs(jump).max())
+
+
+def _least_turn(mechanism: Mechanism) -> float:
+    """The least singular value of a joint's directions: small where its angles come near a singularity."""
+    least = 1.0
+    for joint in (joint for joint in mechanism.joints if joint.names):
+        turning, sliding = freedoms(joint)
+        if joint.kind in ("spherical", "free") and joint.sequence != "quaternion":
+            turning[:, -3:] = angle_axes(joint)
+        directions = np.vstack([turning, sliding / mechanism.units.length])
+        directions = directions / np.linalg.norm(directions, axis=0)
+        least = min(least, float(np.linalg.svd(directions, compute_uv=False)[-1]))
+    return least
 
 
 def _prescribed(mechanism: Mechanism, places: Places) -> tuple[Array, Array]:

@@ -28,9 +28,10 @@ FRAMES = (
 class Method:
     """How a motion is computed; None leaves the integrator out."""
 
-    integrator: sb.GeneralizedAlpha | None = None
+    integrator: sb.GeneralizedAlpha | sb.Stiff | None = None
     rtol: float = RTOL
     atol: float = ATOL
+    most_steps: int = MOST_STEPS
 
 
 USUAL = Method()
@@ -65,13 +66,19 @@ def motion(
     mechanism: Mechanism, state: State, tree: TreeChoice, share: float, method: Method = USUAL
 ) -> Motion:
     """The motion from a state through a share of the mechanism's unit of time; every step is a sample."""
-    eqs = equations(mechanism, tree)
+    return motion_of(mechanism, equations(mechanism, tree), state, share, method)
+
+
+def motion_of(
+    mechanism: Mechanism, eqs: sb.EquationSet, state: State, share: float, method: Method = USUAL
+) -> Motion:
+    """The motion by given equations of the mechanism."""
     known = {name: state.known[name] for name in (*eqs.coordinate_names, *eqs.speed_names)}
     inputs = {name: state.known[name] for name in eqs.input_names}
     span = (state.t, state.t + share * mechanism.units.time)
     run = sb.simulate(
         eqs, span, guess=known, inputs=inputs, integrator=method.integrator, rtol=method.rtol,
-        atol=method.atol, max_steps=MOST_STEPS,
+        atol=method.atol, max_steps=method.most_steps,
     )  # fmt: skip
     frames = [word.format(body.name) for body in mechanism.bodies for word in FRAMES]
     function = sb.compile(eqs, ["energy", "kinetic_energy", "potential_energy", *frames])

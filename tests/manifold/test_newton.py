@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from symbody.manifold import ConstraintManifold, count_significant, least_step, null_space, pivot_order, rank
+from symbody.manifold import (
+    ConstraintManifold,
+    count_significant,
+    descend,
+    least_step,
+    null_space,
+    pivot_order,
+    rank,
+)
 
 Floats = NDArray[np.float64]
 ONE = np.ones(1)
@@ -65,3 +73,25 @@ def test_ranks_do_not_depend_on_the_length_of_rows() -> None:
     assert count_significant(np.array([[3.0, 1e-9], [3.0, 2.0]])) == 2
     order, pivots = pivot_order([[1.0, 5.0, 0.0], [0.0, 0.0, 2.0]])
     assert order[0] == 1 and order[1] == 2 and pivots == pytest.approx([5.0, 2.0])
+
+
+class Wall(NamedTuple):
+    """A residual that falls by a thousandth of each unit, with slopes that promise all of it."""
+
+    x: float
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        return np.array([1.0 - 2e-3 * self.x])
+
+    @property
+    def slopes(self) -> NDArray[np.float64]:
+        return np.array([[-1.0]])
+
+
+def test_a_search_that_crawls_ends_after_its_patience() -> None:
+    def move(wall: Wall, step: NDArray[np.float64]) -> Wall:
+        return Wall(wall.x + float(step[0]))
+
+    assert descend(Wall(0.0), move, patience=8).x < 9.0
+    assert descend(Wall(0.0), move).x > 60.0

@@ -247,3 +247,22 @@ def test_a_section_motion_needs_one(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "--end" in capsys.readouterr().err
     assert run(["report", model, *out, "--end", "1"]) == 0
     assert "Coordinates over time" in (tmp_path / "x.html").read_text(encoding="utf-8")
+
+
+def test_graphs_with_long_names_are_outlines(tmp_path: Path) -> None:
+    ends = {"P": sb.Frame(at=(-0.5, 0, 0)), "Q": sb.Frame(at=(0.5, 0, 0))}
+    names = [f"a_body_with_a_long_name_{k}" for k in range(4)]
+    parts: list[sb.Body | sb.Revolute] = [
+        sb.Body(name, mass=1, inertia=(0, 0, 1), frames=ends) for name in names
+    ]
+    for k, (start, end) in enumerate(zip(["ground", *names[:-1]], names, strict=True)):
+        parts.append(sb.Revolute(f"joint_{k}", f"{start}.Q" if k else start, f"{end}.P"))
+    parts.append(sb.Revolute("closing", "ground.R", f"{names[-1]}.Q"))
+    eqs = sb.form_equations(sb.Model("loop", parts, ground={"R": sb.Frame(at=(2, 0, 0))}))
+    sb.save_report(eqs, tmp_path / "x.md", sections=["graph"])
+    (picture,) = (tmp_path / "x_pictures").iterdir()
+    width, height = re.search(
+        r'viewBox="0 0 ([\d.]+) ([\d.]+)"', picture.read_text(encoding="utf-8")
+    ).groups()  # type: ignore[union-attr]
+    assert float(height) > 5 * 20  # a row for each body and the ground
+    assert float(width) < 504  # narrower than beside each other

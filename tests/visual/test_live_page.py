@@ -81,6 +81,14 @@ def test_sliders_say_what_they_move(tmp_path: Path) -> None:
     assert [table["parameter"] for table in tables] == ["L"] and tables[0]["entries"]
 
 
+def test_a_slider_of_an_input_begins_at_its_number(tmp_path: Path) -> None:
+    view, _ = written(tmp_path / "a.html", sliders={"F": None}, inputs={"F": "2.5"})
+    (control,) = view.data["live"]["controls"]
+    assert (control["min"], control["value"], control["max"]) == (0.0, 2.5, 5.0)
+    for law in ("3*sin(t)", lambda t, q, u: 1.0, sb.Table([0, 1], [0, 1])):
+        assert refused(oscillator(), sliders={"F": (-5, 5)}, inputs={"F": law}) == "animation.slider_law"
+
+
 @pytest.mark.parametrize(
     ("sliders", "code"),
     [

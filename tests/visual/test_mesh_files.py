@@ -12,7 +12,7 @@ import pytest
 import symbody as sb
 from symbody.errors import EnvironmentFault, FormatError
 from symbody.visual.scene import make_scene
-from symbody.visual.scene.shapes.mesh_files import MOST_TRIANGLES, read_mesh
+from symbody.visual.scene.shapes.mesh_files import MOST_TRIANGLES, read_mesh, split_at_edges
 
 trimesh = pytest.importorskip("trimesh")
 
@@ -130,3 +130,14 @@ def test_without_the_package_the_cure_is_named(tmp_path: Path, monkeypatch: pyte
     with pytest.raises(EnvironmentFault, match=r"symbody\[meshes\]"):
         read_mesh(path)
     assert "symbody[meshes]" in make_scene(arm(path)).notes[0]
+
+
+def test_sharp_edges_have_vertices_of_their_own() -> None:
+    box = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = np.array([[q[0], q[k], q[k + 1]] for q in quads for k in (1, 2)])
+    split = split_at_edges(box, triangles)
+    assert len(split.vertices) == 24  # four for each face
+    np.testing.assert_array_equal(split.vertices[split.triangles], box[triangles])
+    sphere = pytest.importorskip("trimesh").creation.icosphere(3)
+    assert len(split_at_edges(sphere.vertices, sphere.faces).vertices) == len(sphere.vertices)

@@ -16,7 +16,7 @@ import symbody as sb
 
 BEND = 0.6  # rad
 TOLERANCE = 1e-8
-LOOK = {"times": (0.08,), "view": {"direction": (0.3, -1.0, 0.9), "zoom": 1.2}}
+LOOK = {"times": (0.08,), "view": {"direction": (0.3, -1.0, 0.9), "zoom": 1.08}}
 GAP = 0.35  # m, from one drive to the other
 
 

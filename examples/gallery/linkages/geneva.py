@@ -22,13 +22,13 @@ SLOTS = 4
 
 
 def cross():
-    """Return the shapes of the cross: a disc, and two rails beside each slot."""
-    yield sb.Cylinder(0.034, 0.01, color="steelblue")
+    """Return the shapes of the cross: a disc, and its slots in dark."""
+    yield sb.Cylinder(0.1, 0.01, color="steelblue")
     for a in 2 * np.pi * np.arange(SLOTS) / SLOTS:
-        for side in (-0.014, 0.014):
-            z = (0.064 + 1j * side) * np.exp(1j * a)
-            yield sb.Box((0.08, 0.01, 0.01), at=(float(z.real), float(z.imag), 0), rotate=[("z", float(a))],
-                         color="steelblue")  # fmt: skip
+        x, y = 0.068 * np.cos(a), 0.068 * np.sin(a)
+        yield sb.Box(
+            (0.066, 0.018, 0.011), at=(float(x), float(y), 0), rotate=[("z", float(a))], color="black"
+        )
 
 
 def model():

@@ -16,9 +16,9 @@ import symbody as sb
 RADIUS, MASS, LEAN, RATE = 0.1, 0.2, 1.1, 6.0  # m, kg, rad of the axle from the vertical, rad/s around
 TOLERANCE = 1e-6
 LOOK = {
-    "times": (0.0, 0.12, 0.24, 0.36, 0.48),
+    "times": (0.0, 0.16, 0.32, 0.48),
     "traces": ["Coin"],
-    "view": {"direction": (0.7, -1.0, 0.75), "zoom": 0.8},
+    "view": {"direction": (0.7, -1.0, 0.75), "zoom": 1.15},
 }
 
 

@@ -27,6 +27,12 @@ export interface Formulas {
   readonly equations: Node | null;
 }
 
+/** Return a simulation whose inputs have the values at which their sliders stand. */
+function withFirstInputs(simulation: Simulation, controls: readonly Control[]): Simulation {
+  for (const { kind, name, value } of controls) if (kind === "input" && value !== 0) simulation.setInput(name, value);
+  return simulation;
+}
+
 export class LivePage {
   readonly simulation: Simulation;
   readonly player: Player;
@@ -51,10 +57,11 @@ export class LivePage {
   ) {
     this.speed = data.settings.speed;
     const host = create("div", { class: "sb-live-picture" });
-    const simulation = makeSimulation();
+    const begin = (): Simulation => withFirstInputs(makeSimulation(), live.controls);
+    const simulation = begin();
     this.simulation = simulation;
     // what the view is fitted to, and whether the camera goes along
-    this.source = new LiveSource(new StoredMotion(previewOf(makeSimulation()), data.scene.bodies.length), data.scene.bodies.length);
+    this.source = new LiveSource(new StoredMotion(previewOf(begin()), data.scene.bodies.length), data.scene.bodies.length);
     this.held = live.controls.filter(({ kind }) => kind === "initial").map(({ name }) => name);
     this.firstParameters = new Map(live.tables.map(({ parameter }) => [parameter, simulation.parameter(parameter)]));
     const hint = simulation.numbers.pull === null ? "" : "Drag a body to pull it; drag beside it, or with Shift, to turn the view.";

@@ -50,7 +50,7 @@ class State(Displayed):
     # Finds the branches; they are looked for on first request.
     _others: Callable[[], Iterable[State]] = field(default=tuple, repr=False)
     _branches: SingleFlight[None, tuple[State, ...]] = field(default_factory=SingleFlight, repr=False)
-    # Compiled functions of these equations, parameters and inputs: all branches share them.
+    # Compiled functions of these equations, parameters and inputs: branches that have the same share them.
     _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
     )
@@ -81,8 +81,14 @@ class State(Displayed):
     def branches(self) -> tuple[State, ...]:
         """Other assemblies with the same fixed values, nearest to the guess first; there may be more."""
         return self._branches.get(
-            None, lambda: tuple(replace(other, _functions=self._functions) for other in self._others())
+            None, lambda: tuple(self._share_functions(other) for other in self._others())
         )
+
+    def _share_functions(self, other: State) -> State:
+        """Return a branch with the functions compiled here, where they are its own: ropes and inputs differ."""
+        if other.eqs is not self.eqs or (other.parameters, other.inputs) != (self.parameters, self.inputs):
+            return other
+        return replace(other, _functions=self._functions)
 
     @checked_arguments
     def __getitem__(self, name: str) -> float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

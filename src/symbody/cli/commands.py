@@ -19,8 +19,9 @@ import symbody.builder
 from symbody.cli.doctor import run_doctor
 from symbody.cli.flags import FlagCommand, FlagGroup
 from symbody.cli.fmu_command import fmu
+from symbody.cli.forming import form_file
 from symbody.cli.motion_lines import motion_json, motion_lines
-from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
+from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Substitute, Tree, option
 from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.pages import open_page, read_sliders, write_live_page, write_motion_page
 from symbody.cli.report_command import report
@@ -29,13 +30,11 @@ from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linea
 from symbody.cli.stages import StageBar
 from symbody.cli.summary import summary
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.form import form_equations
 from symbody.equations.outputs.equation_lines import equation_lines
 from symbody.equations.outputs.textbook import MOST_SPEEDS
 from symbody.errors import Problem, UsageError, nearest, number_in_words
 from symbody.expr.printing.wrapping import text_width
-from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
-from symbody.model.model import Model
+from symbody.formats.model_files import example_names, example_text, examples_folder
 from symbody.simulation.native.run import check_memory
 from symbody.simulation.programs.generate_code import generate_code
 from symbody.simulation.results.trajectory import Trajectory
@@ -76,16 +75,17 @@ def equations(
     model: ModelFile,
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX instead of text.")] = False,
     tree: Tree = None,
+    substitute: Substitute = False,
 ) -> None:
     """Print the equations of motion, with the rates of coordinates and the constraints there are."""
-    _print(equation_lines(_form(load_model(model), tree).textbook, latex, width=text_width()))
+    _print(equation_lines(form_file(model, tree, substitute).textbook, latex, width=text_width()))
 
 
 @command()
-def check(model: ModelFile, tree: Tree = None) -> None:
+def check(model: ModelFile, tree: Tree = None, substitute: Substitute = False) -> None:
     """Read a model and print what it holds: bodies, joints, trees, degrees of freedom, notes."""
-    loaded = load_model(model)
-    _print(summary(loaded, _form(loaded, tree)))
+    eqs = form_file(model, tree, substitute)
+    _print(summary(eqs.model, eqs))
 
 
 @command()
@@ -117,11 +117,12 @@ def code(
     out: Annotated[
         Path | None, typer.Option("--out", help="File to write; default: standard output.")
     ] = None,
+    substitute: Substitute = False,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
     """Print source code that evaluates the equations."""
     default = [] if language.lower() == "modelica" else ["xdot"]
-    text = generate_code(form_equations(load_model(model)), output or default, language)
+    text = generate_code(form_file(model, None, substitute), output or default, language)
     if out is None:
         typer.echo(text, nl=False)
     else:
@@ -146,6 +147,7 @@ def simulate(
     ] = None,
     page: Annotated[bool, option("--animate", text="Also write a page that shows the motion.")] = False,
     tree: Tree = None,
+    substitute: Substitute = False,
     as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
     force: Force = False,
     rtol: Annotated[float, option("--rtol", text="Relative tolerance.")] = 1e-8,
@@ -161,7 +163,7 @@ def simulate(
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     bar = StageBar()
     with bar.stage("forming the equations"):
-        eqs = _form(load_model(model), tree)
+        eqs = form_file(model, tree, substitute)
         settings = Settled.resolve(eqs, *given)
         told = [] if as_json else _introduction(eqs, model)
     _print(told)
@@ -210,6 +212,7 @@ def animate(
         option("--slider", metavar="NAME[=LOW:HIGH]", text="A parameter, input or first value; with --live."),
     ] = None,
     tree: Tree = None,
+    substitute: Substitute = False,
     force: Force = False,
 ) -> None:
     """Compute the motion and write a page that shows it in any browser, without a network."""
@@ -218,11 +221,13 @@ def animate(
     target = model.with_suffix(".html") if out is None else out
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     if live or sliders:
-        _print([write_live_page(_form(load_model(model), tree), target, read_sliders(sliders), given, show)])
+        _print(
+            [write_live_page(form_file(model, tree, substitute), target, read_sliders(sliders), given, show)]
+        )
         return
     bar = StageBar()
     with bar.stage("forming the equations"):
-        eqs = _form(load_model(model), tree)
+        eqs = form_file(model, tree, substitute)
         settings = Settled.resolve(eqs, *given)
     with bar.stage("compiling"):
         motion = _motion(eqs, end, settings, None, 1e-8, None, bar)
@@ -262,10 +267,11 @@ def linearize(
         Pairs, option("--cyclic", metavar="NAME", text="A coordinate that nothing depends on; repeatable.")
     ] = None,
     tree: Tree = None,
+    substitute: Substitute = False,
     as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
 ) -> None:
     """Print A, B, C, D of small motions about a state, eigenvalues, and whether they are stable."""
-    eqs = _form(load_model(model), tree)
+    eqs = form_file(model, tree, substitute)
     given = Settled.resolve(
         eqs, read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(at, "--at")
     )
@@ -286,10 +292,11 @@ def equilibrium(
     ] = None,
     fixed: Annotated[Pairs, option("--fix", metavar="NAME=VALUE", text="x to keep; repeatable.")] = None,
     tree: Tree = None,
+    substitute: Substitute = False,
     as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
 ) -> None:
     """Print the equilibrium nearest to a guess, others found, and whether they are stable."""
-    eqs = _form(load_model(model), tree)
+    eqs = form_file(model, tree, substitute)
     given = Settled.resolve(
         eqs, read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(near, "--near")
     )
@@ -297,10 +304,6 @@ def equilibrium(
         eqs, given.initial, given.parameters, given.inputs, unknowns or (), read_pairs(fixed, "--fix")
     )
     _print([equilibrium_json(found)] if as_json else equilibrium_lines(found))
-
-
-def _form(model: Model, tree: TreeWord | None) -> EquationSet:
-    return form_equations(model, tree=None if tree is None else tree.value)
 
 
 def _motion(

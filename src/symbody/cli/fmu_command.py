@@ -7,13 +7,12 @@ from typing import Annotated, cast
 
 import typer
 
-from symbody.cli.options import Force, Initials, ModelFile, Pairs, Settings, Tree, option
+from symbody.cli.forming import form_file
+from symbody.cli.options import Force, Initials, ModelFile, Pairs, Settings, Substitute, Tree, option
 from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.settings import Settled, read_pairs
-from symbody.equations.form import form_equations
 from symbody.fmu.export import save_fmu
 from symbody.fmu.versions import Version
-from symbody.formats.model_files import load_model
 
 
 def fmu(
@@ -36,12 +35,13 @@ def fmu(
     ] = None,
     no_sources: Annotated[bool, typer.Option("--no-sources", help="Leave the C out.")] = False,
     tree: Tree = None,
+    substitute: Substitute = False,
     force: Force = False,
 ) -> None:
     """Write an FMU, which simulation tools import, for model exchange and co-simulation."""
     target = model.with_suffix(".fmu") if out is None else out
     refuse_overwriting(target, force)
-    eqs = form_equations(load_model(model), tree=None if tree is None else tree.value)
+    eqs = form_file(model, tree, substitute)
     given = Settled.resolve(eqs, read_pairs(parameters, "--set"), {}, read_pairs(initial, "--initial"))
     chosen: str | list[str] | None = "all" if "all" in (platforms or ()) else platforms
     made = save_fmu(

@@ -40,4 +40,8 @@ Tree = Annotated[
         "--tree", help="Coordinates of the joints, or of free bodies; by default as the model says."
     ),
 ]
+Substitute = Annotated[
+    bool,
+    typer.Option("--substitute", help="Put gears, belts, racks and <mimic> into the equations."),
+]
 Force = Annotated[bool, option("--force", text="Overwrite existing files.")]

@@ -7,13 +7,12 @@ from typing import Annotated
 
 import typer
 
-from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, option
+from symbody.cli.forming import form_file
+from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Substitute, Tree, option
 from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.stages import StageBar
-from symbody.equations.form import form_equations
 from symbody.errors import Problem, UsageError
-from symbody.formats.model_files import load_model
 from symbody.report.save_report import save_report
 from symbody.simulation.simulate import simulate
 
@@ -36,6 +35,7 @@ def report(
     inputs: Inputs = None,
     initial: Initials = None,
     tree: Tree = None,
+    substitute: Substitute = False,
     force: Force = False,
 ) -> None:
     """Write the derivation of a mechanism in the order of a textbook."""
@@ -48,7 +48,7 @@ def report(
         )
     bar = StageBar()
     with bar.stage("forming the equations"):
-        eqs = form_equations(load_model(model), tree=None if tree is None else tree.value)
+        eqs = form_file(model, tree, substitute)
         pairs = [
             read_pairs(parameters, "--set"),
             read_pairs(inputs, "--input"),

@@ -59,6 +59,15 @@ _EXPECTED: Final = MappingProxyType(
         "model_attributes_type": "a table",
     }
 )
+_LISTS: Final = MappingProxyType(
+    {
+        "gravity": 'gravity = ["0", "-9.81", "0"]',
+        "inertia": 'the moments about x, y and z of the body, such as inertia = ["0", "0", "I"]',
+        "inputs": 'inputs = ["F"]',
+    }
+)
+# An effort is called by the kind of coordinate along which it acts.
+_EFFORTS: Final = MappingProxyType({"force": "torque", "torque": "force"})
 
 
 def refuse_misfits(data: object, locate: Locate) -> None:
@@ -87,7 +96,9 @@ def _problem(found: dict[str, Any], schema: Schema, data: object, locate: Locate
     path = _drop_tag(found["loc"])
     if found["type"] == "extra_forbidden":
         code, what, why = "unknown_key", f"there is no key {path[-1]!r} here", ""
-        fix = nearest(str(path[-1]), _legal_keys(schema, found["loc"]))
+        legal = _legal_keys(schema, found["loc"])
+        other = _EFFORTS.get(str(path[-1]), "")
+        fix = f"it is called {other!r} here" if other in legal else nearest(str(path[-1]), legal)
     else:
         code, what, why, fix = _explain(found, path)
     shown = ", ".join(part for part in (locate(path), _element(path, data), _inner(path)) if part)
@@ -127,7 +138,20 @@ def _explain(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
     cure = f"write {expected}"
     if expected == "a table" and key in ("force", "torque") and isinstance(value, str):
         cure = f'write {key} = {{ applied = "{value}" }}'
+    elif kind == "list_type":
+        is_section = len(path) == 1 and isinstance(value, Mapping) and key in KINDS
+        cure = (
+            f"write [[{key}]] instead of [{key}]" if is_section else f"write {_LISTS.get(str(key), expected)}"
+        )
     return "wrong_type", f"{_short_text(value)} stands where {expected} is expected", why, cure
+
+
+def _list_cure(path: Path, value: object) -> str:
+    """Return what to write where a list is missing; a section of one entry has two brackets, too."""
+    key = str(path[-1]) if path else ""
+    if len(path) == 1 and isinstance(value, Mapping) and key in KINDS:
+        return f"write [[{key}]] instead of [{key}]"
+    return f"write {_LISTS.get(key, 'a list')}"
 
 
 def _causes(kind: str, value: object) -> str:

@@ -237,6 +237,9 @@ def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:
         elif turns != slides:
             kind = "rotation" if turns else "translation"
             notes.append(f"joint {joint.name} is in the {kind} tree only")
+        if (turns or slides) and not joint.has_named_coordinates:
+            names = ", ".join(joint.coordinates)
+            notes.append(f"joint {joint.name}: coordinates without a name of their own are called {names}")
     for joint in free:
         parts = ["orientation"] if joint.tree.rotation else []
         parts += ["position"] if joint.tree.translation else []

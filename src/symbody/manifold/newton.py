@@ -24,6 +24,8 @@ _DECREASE: Final = 1e-3
 _HALVINGS: Final = 12
 _POLISHED: Final = 1e-12
 _POLISHINGS: Final = 2
+# Steps that together gain less do not lead to a solution within as many steps as there are.
+_CRAWL: Final = 0.1
 # Whole steps end where they reach farther than a size, or do not shrink to this share of the step before.
 _CORRECTIONS: Final = 15
 _SHRINKAGE: Final = 0.6
@@ -67,7 +69,9 @@ def damped_step(values: Floats, slopes: Floats) -> Floats:
     return np.asarray(np.linalg.lstsq(rows, np.concatenate([-values, np.zeros(n)]), rcond=None)[0])
 
 
-def descend(start: P, move: Callable[[P, Floats], P], step: Step = least_step) -> P:
+def descend(
+    start: P, move: Callable[[P, Floats], P], step: Step = least_step, *, patience: int | None = None
+) -> P:
     """Return the point to which steps lead from any start, whether or not the conditions hold there.
 
     Parameters
@@ -76,9 +80,16 @@ def descend(start: P, move: Callable[[P, Floats], P], step: Step = least_step) -
         From a point and a step (n,), in sizes, to the point there.
     step : callable
         From values and slopes to a step.
+    patience : int, optional
+        Steps in which the residual has to fall by a tenth; otherwise the search ends.
     """
     point, norm = start, float(np.linalg.norm(start.values))
-    for _ in range(_STEPS):
+    before = norm
+    for count in range(_STEPS):
+        if patience and count and count % patience == 0:
+            if norm > (1.0 - _CRAWL) * before:
+                break
+            before = norm
         if norm < EXACT or not (norm < np.inf and np.isfinite(point.slopes).all()):
             break
         direction = step(point.values, point.slopes)

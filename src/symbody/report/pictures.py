@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from io import BytesIO
+from math import hypot
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
@@ -14,18 +16,25 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Canvas
 
 from symbody.analysis.state import State
+from symbody.graph.linear_graph import Edge
 from symbody.graph.spanning_tree import SpanningTree
+from symbody.model.model import Model
 from symbody.model.naming import GROUND
 from symbody.report.document import PictureKind
+from symbody.report.tree_picture import CHORD_COLOR, TREE_COLOR, outline_figure
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.film.save_animation import save_animation
+from symbody.visual.film.text_metrics import text_width
 from symbody.visual.plotting.plot import plot
 from symbody.visual.viewer.still import run_of_state
 
 _SIZE: Final = (960, 540)  # of the mechanism [px]
 _INCH: Final = (7.0, 3.6)  # of other pictures
-_TREE_COLOR: Final = "#1f5f99"
-_CHORD_COLOR: Final = "#b3541e"
+_MOST_LABELS: Final = 30  # more names would hide what they name; tables have them
+_COLUMN: Final = 1.6  # from one column of bodies to the next, as rows are 1 apart
+_MOST_ROWS: Final = 8
+_BODY_LETTERS: Final = 10.0  # [pt]
+_JOINT_LETTERS: Final = 9.0
 # Parallel edges bend apart by this share of their length.
 _BEND: Final = 0.18
 
@@ -35,7 +44,9 @@ def mechanism_picture(state: State, kind: PictureKind) -> bytes:
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"picture.{kind}"
         with mpl.rc_context(_settings()):
-            save_animation(run_of_state(state), path, size=_SIZE, labels=True, progress=None)
+            model: Model = state.eqs.model
+            few = len(model.bodies) + len(model.joints) <= _MOST_LABELS
+            save_animation(run_of_state(state), path, size=_SIZE, labels=few, progress=None)
         return path.read_bytes()
 
 
@@ -45,25 +56,37 @@ def graph_picture(tree: SpanningTree, kind: PictureKind) -> bytes:
     edges = [(edge, True) for edge in branches] + [(edge, False) for edge in tree.chords]
     names = dict.fromkeys([GROUND, *(name for edge, _ in edges for name in (edge.start, edge.end))])
     places = _levels(tree, names)
+    if not _has_room(places, [edge.name for edge, _ in edges]):
+        return _content(outline_figure(tree, tuple(names)), kind)
     figure, axes = _axes(1.0 + 0.8 * (1 + len({y for _, y in places.values()}) / 2))
+    across, up = zip(*places.values(), strict=True)
+    axes.set_xlim(min(across) - 0.5, max(across) + 0.5)
+    axes.set_ylim(min(up) - 0.6, max(up) + 0.6)
     drawn: dict[frozenset[str], int] = {}
     for edge, is_branch in edges:
         ends = frozenset((edge.start, edge.end))
         bend = _bend(places, edge.start, edge.end, drawn.get(ends, 0))
         drawn[ends] = drawn.get(ends, 0) + 1
-        _draw_edge(axes, places[edge.start], places[edge.end], bend, edge.name, is_branch)
+        _draw_edge(axes, edge, places, bend, is_branch)
     for name, (x, y) in places.items():
         box = {
             "boxstyle": "square" if name == GROUND else "round",
             "facecolor": "white",
             "edgecolor": "#333333",
         }
-        axes.text(x, y, name, ha="center", va="center", fontsize=10, bbox=box, zorder=6)
+        axes.text(x, y, name, ha="center", va="center", fontsize=_BODY_LETTERS, bbox=box, zorder=6)
     axes.set_axis_off()
-    across, up = zip(*places.values(), strict=True)
-    axes.set_xlim(min(across) - 0.5, max(across) + 0.5)
-    axes.set_ylim(min(up) - 0.6, max(up) + 0.6)
     return _content(figure, kind)
+
+
+def _has_room(places: Mapping[str, tuple[float, float]], joints: Sequence[str]) -> bool:
+    """Return whether names of bodies and joints fit between columns, and columns on the page."""
+    across = [x for x, _ in places.values()]
+    columns = Counter(across)
+    step = 72 * _COLUMN * _INCH[0] / (max(across) + 1.0)  # points
+    body = max(text_width(name, _BODY_LETTERS) for name in places)
+    joint = max((text_width(name, _JOINT_LETTERS) for name in joints), default=0.0)
+    return body + joint + 24.0 <= step and max(columns.values()) <= _MOST_ROWS
 
 
 def _levels(tree: SpanningTree, nodes: Iterable[str]) -> dict[str, tuple[float, float]]:
@@ -75,7 +98,7 @@ def _levels(tree: SpanningTree, nodes: Iterable[str]) -> dict[str, tuple[float, 
     for name in nodes:
         layers.setdefault(depth.get(name, 0), []).append(name)
     return {
-        name: (1.6 * level, (len(names) - 1) / 2 - k)
+        name: (_COLUMN * level, (len(names) - 1) / 2 - k)
         for level, names in layers.items()
         for k, name in enumerate(names)
     }
@@ -90,21 +113,34 @@ def _bend(places: dict[str, tuple[float, float]], start: str, end: str, before: 
 
 
 def _draw_edge(
-    axes: Axes, start: tuple[float, float], end: tuple[float, float], bend: float, name: str, is_branch: bool
+    axes: Axes, edge: Edge, places: Mapping[str, tuple[float, float]], bend: float, is_branch: bool
 ) -> None:
-    color = _TREE_COLOR if is_branch else _CHORD_COLOR
+    color = TREE_COLOR if is_branch else CHORD_COLOR
+    start, end = places[edge.start], places[edge.end]
+    along = axes.transData.transform(end) - axes.transData.transform(start)
     axes.annotate(
         "", end, start,
         arrowprops={
-            "arrowstyle": "-|>", "color": color, "linewidth": 1.8, "shrinkA": 22, "shrinkB": 22,
-            "linestyle": "-" if is_branch else "--", "connectionstyle": f"arc3,rad={bend}",
+            "arrowstyle": "-|>", "color": color, "linewidth": 1.8, "linestyle": "-" if is_branch else "--",
+            "connectionstyle": f"arc3,rad={bend}",
+            "shrinkA": _way_out(edge.start, along), "shrinkB": _way_out(edge.end, along),
         },
     )  # fmt: skip
     # the middle of the arc: a quadratic curve whose control point stands aside by `bend` of the chord
     x = (start[0] + end[0]) / 2 + bend / 2 * (end[1] - start[1])
     y = (start[1] + end[1]) / 2 - bend / 2 * (end[0] - start[0])
     box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-    axes.text(x, y, name, color=color, ha="center", va="center", fontsize=9, bbox=box, zorder=5)
+    axes.text(
+        x, y, edge.name, color=color, ha="center", va="center", fontsize=_JOINT_LETTERS, bbox=box, zorder=5
+    )
+
+
+def _way_out(name: str, along: Sequence[float]) -> float:
+    """Return how far it is from the middle of a body's box to just outside of it, in a direction [pt]."""
+    half = text_width(name, _BODY_LETTERS) / 2 + 4.0, _BODY_LETTERS / 2 + 4.0
+    length = hypot(*along)
+    shares = [abs(step) / (length * extent) for step, extent in zip(along, half, strict=True) if length]
+    return 1.0 / max(shares) + 2.0 if shares else half[0]
 
 
 def motion_picture(run: Trajectory, curves: Sequence[str], kind: PictureKind) -> bytes:

@@ -129,7 +129,7 @@ def pose_problem(
 def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:
     silent = sorted(set(eqs.input_names).difference(inputs))
     notes = [silent_input_note(eqs.units, name) for name in silent]
-    if not eqs.speed_names:
+    if not (eqs.speed_names or eqs.formed.light_balances):
         notes.append("every coordinate is prescribed: only efforts and reactions are computed")
     return (*notes, *laws.notes)
 

@@ -7,12 +7,14 @@ with fixed values never moved; then velocities, then accelerations and multiplie
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state, state_of_plain
+from symbody.analysis.configurations.kept_values import kept_initial_values
 from symbody.analysis.configurations.loop_search import (
     NO_RANGES,
     check_meeting_ends,
@@ -69,6 +71,8 @@ def assemble(
         Where to look for the others; by default the model's initial values, then 0. Among several
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
         order, those of the model last, as long as they are independent. `State.moved` lists the others.
+        Without a guess of positions those of the model are kept, as if they were fixed, where they are no
+        more than there are freedoms left, and the loops close with them.
     parameters, inputs : mapping
         As for `simulate`; they matter for explicit time, accelerations and multipliers.
     t : float
@@ -93,6 +97,26 @@ def assemble(
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
     signals, fixed, guess = split_signals(eqs, fixed, guess, parameters)
+    rest = parameters, inputs, t, ranges, scales
+    kept = kept_initial_values(eqs, fixed, guess)
+    if kept:
+        with suppress(AssemblyError):
+            return _assemble(eqs, {**fixed, **kept}, guess, *rest, signals)
+    return _assemble(eqs, fixed, guess, *rest, signals)
+
+
+def _assemble(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value],
+    guess: Mapping[str, Value],
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    ranges: Mapping[str, tuple[Value, Value]] | None,
+    scales: Mapping[str, float] | None,
+    signals: Floats,
+) -> State:
+    """Return a state in which all constraints hold, as `assemble`."""
     given = eqs, fixed, guess, parameters, inputs, t
     if ropes(eqs.formed):
         return _assemble_ropes(*given, ranges, scales, signals)

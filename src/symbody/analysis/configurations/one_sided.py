@@ -103,11 +103,10 @@ class _ModeSearch:
         except (AssemblyError, SimulationError):
             return None
         scales = self._scales(evaluator, state)
-        outputs = {name: self._deciding_output(name, mode) for name, mode in modes.items()}
-        values = state.values_of(tuple(outputs.values()))
+        values = self._deciding_values(held, state, modes)
         notes, edges, fits = [], [], True
         for name, mode in modes.items():
-            surplus, note = self._surplus(float(values[outputs[name]]), name, mode)
+            surplus, note = self._surplus(values[name], name, mode)
             limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
                              scales[1] * self.unit(name))  # fmt: skip
             has_choice = len(self.ways[name]) > 1
@@ -133,11 +132,24 @@ class _ModeSearch:
         )
         return settled
 
+    def _deciding_values(self, held: EquationSet, state: State, modes: Modes) -> dict[str, float]:
+        """Return the value of each element that decides whether its mode holds."""
+        outputs = {name: self._deciding_output(name, mode) for name, mode in modes.items() if mode != STICKS}
+        # Reserves are one output: each by itself would be computed from the accelerations of all bodies.
+        reserves = ("friction_reserve",) if len(outputs) < len(modes) else ()
+        values = state.values_of((*outputs.values(), *reserves))
+        deciding = {name: float(values[output]) for name, output in outputs.items()}
+        if reserves:
+            names = [law.joint.name for law in held.formed.friction]
+            by_joint = dict(zip(names, np.ravel(values["friction_reserve"]).tolist(), strict=True))
+            deciding |= {name: by_joint[name] for name, mode in modes.items() if mode == STICKS}
+        return deciding
+
     def _deciding_output(self, name: str, mode: int) -> str:
-        """Return the output whose value decides whether a mode holds."""
+        """Return the output whose value decides whether a rope or a joint that slips does."""
         if mode in (_TAUT, _SLACK):
             return f"rope_tension {name}" if mode == _TAUT else f"rope_slack_ddot {name}"
-        return f"friction_reserve {name}" if mode == STICKS else f"{self.coordinate(name)}_ddot"
+        return f"{self.coordinate(name)}_ddot"
 
     def _surplus(self, value: float, name: str, mode: int) -> tuple[float, str]:
         """Return a number that is positive where a mode holds, and the mode in a sentence."""

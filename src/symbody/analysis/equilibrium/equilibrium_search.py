@@ -25,6 +25,7 @@ from symbody.tolerances import ASSEMBLED, AT_REST, BEARING, EXACT, RANK, SHARP_R
 Floats = NDArray[np.float64]
 
 _GROWTH: Final = 1.2  # of the distances of starts
+_PATIENCE: Final = 8  # steps, with states of signals
 # Constraints open by e have the Jacobian of a place sqrt(2 e / K) beside; K, their curvature, is of order 1.
 _BESIDE: Final = 10.0
 _SAME_CROSSING: Final = 1e-3
@@ -101,7 +102,11 @@ class EquilibriumSearch:
             q[free] += step * sizes[free]
             return balance.residual(self.evaluator.normalize(q), rest.inputs, largest, bearing)
 
-        return descend(rest, move, lambda values, slopes: least_step(values, slopes[:, free]))
+        def step(values: Floats, slopes: Floats) -> Floats:
+            return least_step(values, slopes[:, free])
+
+        # Controllers at their limits have no slope, and starts crawl along them.
+        return descend(rest, move, step, patience=_PATIENCE if self.evaluator.signals.size else None)
 
     def attempts(self, q: Floats) -> list[StaticResidual]:
         """Return the ends of a start: equilibria, or places with the least unbalanced forces.

@@ -19,6 +19,7 @@ from symbody.analysis.configurations.ropes import equations_with_ropes, ropes_ou
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.kinematics.continuation import Continuation, continuation
 from symbody.analysis.kinematics.driven import element_of
+from symbody.analysis.kinematics.independent_speeds import best_speeds, check_names, coupled_notes
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
@@ -29,12 +30,11 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, SimulationError, UsageError, nearest
 from symbody.expr.sympy.sympy_bridge import SympyExpr, SympyMatrix
-from symbody.manifold import least_solution, pivot_order
+from symbody.manifold import least_solution
 
 Floats = NDArray[np.float64]
 
 _SINGULAR: Final = 1e-7  # of scaled motions: independent speeds that all stand still to this share
-_DRIVEN: Final = 1e-3  # a speed with an input counts for so much less among candidates to depend
 _BRIEF: Final = 400  # operations up to which formulas are simplified
 
 
@@ -334,56 +334,16 @@ def velocity_ratios(
     rows = () if freedoms is None else freedoms.kept
     count = len(eqs.speed_names) - len(rows)
     if independent is None:
-        chosen = _best(mechanism, eqs, state.t, q, count)
+        chosen = best_speeds(mechanism, eqs, state.t, q, count)
         notes += (f"independent speeds are {', '.join(chosen)}: from them the others follow best",)
     else:
-        chosen = _check_names(
+        chosen = check_names(
             eqs, (independent,) if isinstance(independent, str) else tuple(independent), count
         )
     others = tuple(name for name in eqs.speed_names if name not in chosen)
+    notes += coupled_notes(eqs)
     measured = constraint_evaluator(eqs, values, {}, state.t, mechanism_sizes) if ropes(eqs.formed) else None
     return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, values, measured)
-
-
-def _best(mechanism: Continuation, eqs: EquationSet, t: float, q: Floats, count: int) -> tuple[str, ...]:
-    """Return the speeds that are left when the others depend on them as well-conditioned as can be."""
-    jacobian = mechanism.rows(t, q, np.zeros(mechanism.speed_sizes.size))[0]
-    if not jacobian.size:
-        return eqs.speed_names
-    weights = [_DRIVEN if _has_input(eqs, name) else 1.0 for name in eqs.speed_names]
-    order, _ = pivot_order(mechanism.scaled_rows(jacobian) * np.array(weights))
-    places = sorted(int(k) for k in order[len(eqs.speed_names) - count :])
-    return tuple(eqs.speed_names[k] for k in places)
-
-
-def _has_input(eqs: EquationSet, speed: str) -> bool:
-    """Return whether a drive with an input works along the coordinate of a speed."""
-    name = speed.removesuffix("_dot")
-    for role in eqs.formed.joint_roles:
-        drive = role.joint.drives.get(name)
-        if drive is not None and set(drive.applied.names).intersection(eqs.input_names):
-            return True
-    return False
-
-
-def _check_names(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[str, ...]:
-    labels = [name if name in eqs.speed_names else f"{name}_dot" for name in names]
-    problems = [
-        Problem("kinematics.unknown_speed", f"independent {name}",
-                f"{name} is not a speed of these equations",
-                "coordinates of cut joints have none, nor those that couplings give",
-                nearest(name, (*eqs.coordinate_names, *eqs.speed_names)))
-        for name, label in zip(names, labels, strict=True) if label not in eqs.speed_names
-    ]  # fmt: skip
-    if not problems and len(set(labels)) != count:
-        problems = [
-            Problem("kinematics.independent_count", "independent",
-                    f"{len(set(labels))} speeds are named, but the mechanism has {count} freedoms", "",
-                    f"name {count} of {', '.join(eqs.speed_names)}")
-        ]  # fmt: skip
-    if problems:
-        raise UsageError(*problems)
-    return tuple(sorted(labels, key=eqs.speed_names.index))
 
 
 def _simplify_short(value: SympyExpr) -> SympyExpr:

@@ -23,7 +23,7 @@ from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, nearest
 from symbody.manifold import rank
-from symbody.tolerances import SHARP_RANK
+from symbody.tolerances import EXACT, SHARP_RANK
 
 Floats = NDArray[np.float64]
 
@@ -113,7 +113,7 @@ def select(
     u = _choose("speeds", slopes.jacobian * u_sizes, eqs.speed_names, speeds, (), rates)
     names = (*(eqs.speed_names[k] for k in u.independent), *chosen, *eqs.signal_state_names)
     first = np.abs(np.array(list(state.s.values()), dtype=np.float64))
-    s_sizes = np.where(first > 0.0, first, 1.0)
+    s_sizes = np.where(first > EXACT, first, 1.0)  # less is what an equilibrium leaves of a state that is 0
     return Selection(names, u, q, u_sizes, q_sizes, _notes(q, u, names, asked), s_sizes)
 
 

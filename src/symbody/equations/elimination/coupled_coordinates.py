@@ -4,14 +4,14 @@ A coupling of first degree with constant factors, ``sum of c_j q_j + o = 0``, is
 coordinates, and those that follow from other couplings are put in (Gauss-Jordan). With all coordinates
 ``q = W q_i + o`` and W constant, speeds and accelerations are ``u = W u_i``, ``u' = W u_i'``, so that the
 equations are ``W^T M W u_i' = W^T F``: a joint whose motion is a function of the speed of another adds to the
-equations of that speed by projection (Featherstone 2008, sections 3.2 and 9.6; Jain 2011).
+equations of that speed by projection (Featherstone 2008, chapters 3 and 9; Jain 2011).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from symbody.equations.constraints.couplings import coupling_value
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
@@ -67,6 +67,15 @@ class CoupledCoordinates:
         """The multipliers of the couplings."""
         return frozenset(name for shares in self.combinations.values() for name in shares)
 
+    def sources(self, coordinate: str) -> tuple[str, ...]:
+        """Return the coordinates that give another one; () for one that no coupling gives."""
+        value = self.values.get(coordinate)
+        if value is None:
+            return ()
+        graph = value.graph
+        symbols = (graph.symbols[graph.left[node]] for node in symbols_of(graph, [value.index]))
+        return tuple(symbol.label for symbol in symbols if _is_coordinate(symbol))
+
     def assign_roles(self, roles: Sequence[JointRole]) -> tuple[JointRole, ...]:
         """Return the roles of joints whose substituted coordinates are not in q."""
         return tuple(
@@ -117,7 +126,9 @@ def solve_couplings(model: Model, names: Names, roles: Sequence[JointRole]) -> C
     """Return the coordinates that couplings of first degree with constant factors give.
 
     The first coordinate with the factor 1 or -1 is taken, else the first whose factor is a number, else the
-    first whose factor stands in the coupling as it is, and so must not be 0.
+    first whose factor stands in the coupling as it is, and so must not be 0. Couplings that together leave
+    factors which are differences of parameters stay constraints: where these differ by rounding alone, what
+    is left would hold the mechanism.
 
     Parameters
     ----------
@@ -126,27 +137,57 @@ def solve_couplings(model: Model, names: Names, roles: Sequence[JointRole]) -> C
     """
     free, inside = _substitutable(roles), {name for role in roles for name in role.coordinates}
     inside.update(name for condition in model.constraints for name in condition.coordinates)
-    solved: dict[str, _LinearForm] = {}
-    divisors: dict[str, Expr] = {}
-    left: list[str] = []
+    forms: dict[str, _LinearForm] = {}
+    left: dict[str, str] = {}
     for condition in model.constraints:
         equations = _EQUATIONS.get(type(condition))
         for label, value, read in () if equations is None else equations(names, condition):
             form, obstacle = _linear_form(names.graph, value, read, inside)
-            if form is None:
-                left.append(f"{_place(condition, label)}, because {obstacle}")
-                continue
-            written = form.factors
-            form = _reduce(replace(form, sources={label: number(names.graph, 1)}), solved)
-            pivot = _pivot(form, written, free)
-            if pivot is not None:
-                if form.factors[pivot].number is None:
-                    divisors[pivot] = form.factors[pivot]
-                _enter(solved, pivot, form.divide(form.factors[pivot]))
-            elif form.factors:
-                left.append(f"{_place(condition, label)}, because {_lack(form, free)}")
-    coupled = _coupled_coordinates(names, solved)
-    return replace(coupled, divisors=divisors, notes=(*coupled.notes, *left))
+            place = f"constraint {condition.name}: {label} stays a constraint"
+            left[label] = f"{place}, because {obstacle}"
+            if form is not None:
+                forms[label] = replace(form, sources={label: number(names.graph, 1)})
+                left[label] = place
+    given = _solve(forms, free)
+    while given.doubtful:
+        for label in given.doubtful:
+            left[label] += f", because {_DOUBTFUL.format(', '.join(given.doubtful))}"
+            del forms[label]
+        given = _solve(forms, free)
+    coupled = _coupled_coordinates(names, given.solved)
+    stay = [left[label] for label in left if label not in forms]
+    stay += [f"{left[label]}, because {reason}" for label, reason in given.left.items()]
+    return replace(coupled, divisors=given.divisors, notes=(*coupled.notes, *stay))
+
+
+_DOUBTFUL: Final = "{} together leave factors that are differences of parameters, which may vanish"
+
+
+class _Solution(NamedTuple):
+    """Forms that are solved for a coordinate each, by it; factors divided by; labels left, with reasons."""
+
+    solved: dict[str, _LinearForm]
+    divisors: dict[str, Expr]
+    left: dict[str, str]
+    doubtful: tuple[str, ...] = ()
+
+
+def _solve(forms: Mapping[str, _LinearForm], free: set[str]) -> _Solution:
+    """Solve forms in turn; the labels of those that together leave doubtful factors end it."""
+    given = _Solution({}, {}, {})
+    for label, written in forms.items():
+        form = _reduce(written, given.solved)
+        pivot = _pivot(form, written.factors, free)
+        if pivot is not None:
+            if form.factors[pivot].number is None:
+                given.divisors[pivot] = form.factors[pivot]
+            _enter(given.solved, pivot, form.divide(form.factors[pivot]))
+        elif form.factors and _pivot(form, written.factors, set(form.factors)) is None:
+            return given._replace(doubtful=tuple(name for name in forms if name in form.sources))
+        elif form.factors:
+            listed = ", ".join(form.factors)
+            given.left[label] = f"none of {listed} is an unknown of a joint in the tree whose rate is a speed"
+    return given
 
 
 def _reduce(form: _LinearForm, solved: Mapping[str, _LinearForm]) -> _LinearForm:
@@ -259,17 +300,6 @@ def _pivot(form: _LinearForm, written: Mapping[str, Expr], free: set[str]) -> st
     units = [name for name, x in numbers.items() if abs(x) == 1]
     as_written = [name for name, x in candidates.items() if x == written.get(name)]
     return next(iter((*units, *numbers, *as_written)), None)
-
-
-def _lack(form: _LinearForm, free: set[str]) -> str:
-    """Return why a form gives no coordinate."""
-    if free.isdisjoint(form.factors):
-        return f"none of {', '.join(form.factors)} is an unknown of a joint in the tree whose rate is a speed"
-    return "all factors of its coordinates are differences of parameters, which may vanish"
-
-
-def _place(condition: ConstraintElement, label: str) -> str:
-    return f"constraint {condition.name}: {label} stays a constraint"
 
 
 def _less(mine: Mapping[str, Expr], its: Mapping[str, Expr], share: Expr) -> dict[str, Expr]:

@@ -141,7 +141,8 @@ def elimination_notes(elimination: SpeedElimination) -> tuple[str, ...]:
         follows = "follows from the balance" if len(light) == 1 else "follow from the balances"
         notes.append(
             f"no mass resists a motion in which {', '.join(light)} takes part: {', '.join(light)} {follows} "
-            "of forces in springs and dampers, and is not a state; the coordinates are"
+            "of forces in springs and dampers, and is not a state; the coordinates are. Where a body is to "
+            "resist, give it mass, or inertia about the axis about which it turns"
         )
     for pivot in elimination.block.pivots:
         if _varies(graph, pivot):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.outputs.output_words import output_words
-from symbody.equations.solving.solution import resistance
+from symbody.equations.solving.solution import resistance, substitute_solution
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Symbol, SymbolKind
@@ -27,7 +27,19 @@ def friction_normal(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ..
 def friction_reserve(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "friction_reserve J": the effort up to which it sticks, less the present one."""
     k, law = _find_law(formed, rest)
-    return (), [law.limit * resistance(formed).normals[k] - _effort(law).apply(ABS)]
+    return (), [_reserve(law, resistance(formed).normals[k])]
+
+
+def friction_reserves(formed: EquationsOfMotion) -> list[Expr]:
+    """Return the output "friction_reserve": the reserve of each joint with friction."""
+    laws, normals = formed.friction, resistance(formed).normals
+    return substitute_solution(
+        formed, [_reserve(law, normal) for law, normal in zip(laws, normals, strict=True)]
+    )
+
+
+def _reserve(law: FrictionLaw, normal: Expr) -> Expr:
+    return law.limit * normal - _effort(law).apply(ABS)
 
 
 def friction_names(formed: EquationsOfMotion) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from symbody.equations.outputs.friction_outputs import (
     friction_names,
     friction_normal,
     friction_reserve,
+    friction_reserves,
 )
 from symbody.equations.outputs.joint_outputs import (
     ENTRIES,
@@ -93,6 +94,8 @@ def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], S
         return (), [measured]
     if any(name == row.name for row in formed.coupled.rows):
         return (), substitute_shares(formed, [formed.coupling_multipliers[name]])
+    if any(name == row.name for row in formed.redundant):
+        raise FormulationError(_dropped_problem(formed, name))
     if name.startswith("lambda_") and name in formed.readable_names.values:
         return (), [formed.readable_names.value(name)]  # its constraint may have a space in its name
     first, _, rest = name.partition(" ")
@@ -129,6 +132,16 @@ def _named_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...]
         if not cure:
             raise
         raise FormulationError(*(replace(problem, fix=cure) for problem in error.problems)) from error
+
+
+def _dropped_problem(formed: EquationsOfMotion, name: str) -> Problem:
+    """Return the problem of a multiplier whose equation was dropped."""
+    kept = ", ".join(row.name for row in (*formed.coupled.rows, *formed.rows))
+    cure = f"read those of the constraints that are kept: {kept}" if kept else "leave it out"
+    if formed.coupled.rows:
+        cure += "; or form the equations without substitute=True, where all of them share the load"
+    return Problem("equations.dropped_multiplier", name, "its equation says what others say, and is dropped",
+                   "how they share the load is not determined", cure)  # fmt: skip
 
 
 def _cure(formed: EquationsOfMotion, name: str) -> str:
@@ -324,6 +337,7 @@ OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     # determined
     "friction_residual": _vector("friction_residual", lambda formed: resistance(formed).residuals),
     "friction_margin": _vector("friction_margin", lambda formed: resistance(formed).margins),
+    "friction_reserve": _vector("friction_reserve", friction_reserves),
     "alignment": _vector("alignment", lambda formed: list(formed.alignments)),
 }
 

@@ -2,7 +2,7 @@
 
 With all free motions apart, ``A u^' = f + C^T x`` by articulated bodies and ``C u^' = 0``, where a row of C
 says that two of them have the same rate; so ``C A^-1 C^T x = -C A^-1 f``. That takes one more pass along the
-tree for each coupling, linear in the number of links (Featherstone 2008, section 8.5).
+tree for each coupling, linear in the number of links (Featherstone 2008, chapter 8).
 """
 
 from __future__ import annotations

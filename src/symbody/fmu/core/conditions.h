@@ -52,12 +52,3 @@ static double condition_indicator(const Motion *m, int k)
     double value = m->conditions[k], side = m->side_of_condition[k];
     return sb_is_floor[k] ? (value - side) * (side + 1.0 - value) : value;
 }
-
-static int have_conditions_changed(Motion *m)
-{
-    int k;
-    if (!SB_CONDITIONS || need(m, HAS_INDICATORS) != SOLVED) return 0;
-    for (k = 0; k < SB_CONDITIONS; k++)
-        if (m->conditions[k] != 0.0 && decided_side(k, m->conditions[k]) != m->side_of_condition[k]) return 1;
-    return 0;
-}

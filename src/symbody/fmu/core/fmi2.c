@@ -5,6 +5,7 @@
 #include "motion.h"
 #include "conditions.h"
 #include "modes.h"
+#include "results.h"
 #include "events.h"
 #include "samples.h"
 #include "steps.h"

@@ -236,10 +236,6 @@ def _assumptions(draft: Draft) -> list[str]:
     moving = [joint for joint in (*draft.joints, *draft.free_joints) if joint.coordinates]
     if moving and all(joint.motions.keys() >= set(joint.coordinates) for joint in moving):
         notes.append("every coordinate is prescribed: only reactions and efforts remain to be computed")
-    for joint in draft.joints:
-        if not joint.has_named_coordinates:
-            names = ", ".join(joint.coordinates)
-            notes.append(f"joint {joint.name}: coordinates without a name of their own are called {names}")
     return notes
 
 

@@ -169,7 +169,8 @@ def _moved_initial_values(problem: SimulationProblem, first: State) -> tuple[str
             f"motion starts with {', '.join(far)}; values given to simulate are kept",
         )
     return (
-        f"the loops close far from the model's initial values only: the motion starts with {', '.join(far)}",
+        f"the loops do not close at the model's initial values: the motion starts with {', '.join(far)}; "
+        "initial= keeps what it names",
     )
 
 

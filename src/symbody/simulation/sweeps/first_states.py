@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.configurations.assembly import consistent_start
+from symbody.analysis.configurations.kept_values import kept_initial_values
 from symbody.analysis.configurations.plain_assembly import is_plain, plain_assembly, plain_function
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_function
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
@@ -18,7 +20,7 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import CompileError, SymbodyError
+from symbody.errors import AssemblyError, CompileError, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model, value_problems
 from symbody.simulation.inputs.held_law import held_later
@@ -77,7 +79,8 @@ def first_states(
     states = _of_tree(eqs, table.count, guessed, fixed)
     if states is None:
         scales = case_scales(eqs, table, {**guessed, **fixed}, span, given)
-        states, notes = _Assembler(eqs, table, inputs, span[0]).all(guessed, fixed, scales, notes)
+        kept = tuple(kept_initial_values(eqs, fixed, guess))
+        states, notes = _Assembler(eqs, table, inputs, span[0], kept).all(guessed, fixed, scales, notes)
     states[list(notes)] = np.nan
     places = enumerate(eqs.coordinate_names, len(eqs.speed_names))
     near = {name: np.nan_to_num(states[:, k]) for k, name in places}
@@ -157,8 +160,11 @@ def _of_tree(
 class _Assembler:
     """Closes the loops of one case after the other, with functions that take what varies as arguments."""
 
-    def __init__(self, eqs: EquationSet, table: CaseTable, inputs: Mapping[str, Value], t: float) -> None:
+    def __init__(
+        self, eqs: EquationSet, table: CaseTable, inputs: Mapping[str, Value], t: float, kept: Sequence[str]
+    ) -> None:
         self._eqs = eqs
+        self._kept = kept
         self._table = table
         self._inputs = inputs
         self._t = t
@@ -188,6 +194,16 @@ class _Assembler:
         return states, notes
 
     def _state(self, k: int, fixed: Mapping[str, float], near: Mapping[str, float], sizes: Scales) -> Floats:
+        """Return a first state, with positions of the model kept where `assemble` keeps them."""
+        if self._kept:
+            with suppress(AssemblyError):
+                kept = {name: near[name] for name in self._kept}
+                return self._closed_state(k, {**fixed, **kept}, near, sizes)
+        return self._closed_state(k, fixed, near, sizes)
+
+    def _closed_state(
+        self, k: int, fixed: Mapping[str, float], near: Mapping[str, float], sizes: Scales
+    ) -> Floats:
         eqs, table = self._eqs, self._table
         if is_plain(eqs, fixed, near) and not self._plain.signature.r:
             constants = self._plain.constants(table.parameters[k])

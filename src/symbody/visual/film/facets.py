@@ -129,8 +129,11 @@ def facets_of(
 def weld(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
     """Return a mesh whose vertices of equal place are one, without triangles that have no area."""
     span = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
-    grid = np.round(vertices / (1e-6 * span or 1.0)).astype(np.int64)
-    _, first, place = np.unique(grid, axis=0, return_index=True, return_inverse=True)
+    grid = np.round((vertices - vertices.min(axis=0, initial=np.inf)) * (1e6 / (span or 1.0))).astype(
+        np.int64
+    )
+    keys = (grid[:, 0] << 42) | (grid[:, 1] << 21) | grid[:, 2]  # 20 bits each
+    _, first, place = np.unique(keys, return_index=True, return_inverse=True)
     corners = place.reshape(-1)[triangles].astype(np.int64).reshape(-1, 3)
     proper = (
         (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
@@ -177,7 +180,10 @@ def unit(vectors: Floats) -> Floats:
 
 def _edges(triangles: Ints, flat: Floats) -> tuple[Ints, Ints, Bools]:
     sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    edges, place, counts = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    keys, place, counts = np.unique(
+        (sides[:, 0] << 32) | sides[:, 1], return_inverse=True, return_counts=True
+    )
+    edges = np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1)
     order = np.argsort(place.reshape(-1), kind="stable")
     first = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     faces = order // 3

@@ -27,4 +27,5 @@ def text_width(text: str, size: float, bold: bool = False) -> float:
     """Return the width of a line of text [pt]."""
     if not text.strip():
         return 0.3 * size * len(text)
-    return float(text_outline(text, size, bold).get_extents().x1)
+    # control points of letters lie on their outermost places, or a hair beyond
+    return float(text_outline(text, size, bold).vertices[:, 0].max())

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
@@ -14,12 +15,14 @@ import numpy as np
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.display import mathml_sides
-from symbody.errors import Problem, UsageError, nearest
+from symbody.errors import Problem, SymbodyError, UsageError, nearest
+from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml import mathml_name
 from symbody.expr.printing.mathml_column import mathml_column
 from symbody.expr.printing.mathml_tables import math_element
 from symbody.expr.rewrite import tree_sizes
 from symbody.model.model import Model, resolve_parameters
+from symbody.simulation.inputs.input_laws import Law
 from symbody.simulation.methods.closed_loops.change_point import change_point_note
 from symbody.simulation.programs.javascript_simulation import (
     PointerSpring,
@@ -135,7 +138,7 @@ def make_live_page(
     ----------
     sliders : mapping of name to (lowest, highest) or None
         Parameters, inputs, coordinates and speeds; without bounds a parameter goes half of its value to both
-        sides, an angle half a turn, all else one unit.
+        sides, an input its value, an angle half a turn, all else one unit.
     request : MotionRequest
         The motion; parameters and inputs with a slider are added.
 
@@ -151,6 +154,7 @@ def make_live_page(
         )  # fmt: skip
     kinds = {name: _kind(eqs, name) for name in sliders}
     request = _with_sliders(request, kinds)
+    pushed = {name: _constant_law(name, request.inputs.get(name, 0.0)) for name in request.free_inputs}
     trees = eqs.formed.topology
     chain = chain_of(
         eqs.model,
@@ -162,8 +166,9 @@ def make_live_page(
     view = ViewOutputs(chain.outputs, chain.parents, chain.order)
     program = javascript_simulation(eqs, request, view, _spring(scene))
     first = program.motion.first
-    controls = [_control(eqs, first, values, name, kinds[name], bounds) for name, bounds in sliders.items()]
-    courses = _courses(eqs, request, first)
+    begins = {**values, **first.q, **first.u, **pushed}
+    controls = [_control(eqs, begins[name], name, kinds[name], bounds) for name, bounds in sliders.items()]
+    courses = _courses(eqs, request, pushed, first)
     scene = make_scene(eqs.model, values, courses)
     motion = make_motion(run_of_state(first), scene, curves=(), vectors="none")
     name = title or eqs.model.name
@@ -196,15 +201,31 @@ def _kind(eqs: EquationSet, name: str) -> Kind:
     )  # fmt: skip
 
 
-def _control(
-    eqs: EquationSet, first: State, values: Mapping[str, float], name: str, kind: Kind, bounds: Bounds | None
-) -> LiveControl:
-    value = {"parameter": values.get(name, 0.0), "input": 0.0}.get(
-        kind, {**first.q, **first.u}.get(name, 0.0)
-    )
+def _constant_law(name: str, law: Law) -> float:
+    """Return the value of an input that a slider moves.
+
+    Raises
+    ------
+    UsageError
+        If it has a law that is no number: the slider would take its place.
+    """
+    with suppress(SymbodyError):
+        number = Formula.from_value(law).constant()  # type: ignore[arg-type]
+        if number is not None:
+            return float(number)
+    raise UsageError(
+        Problem("animation.slider_law", name, f"{name} has a law and a slider",
+                "a slider moves a number, and the law would be lost",
+                "give the input a number, leave its slider out, or put the law into the model, with a "
+                "parameter that the slider moves")
+    )  # fmt: skip
+
+
+def _control(eqs: EquationSet, value: float, name: str, kind: Kind, bounds: Bounds | None) -> LiveControl:
     unit = eqs.units.get(name, "")
     if bounds is None:
-        reach = (_SHARE * abs(value) or 1.0) if kind == "parameter" else math.pi if unit == "rad" else 1.0
+        share = {"parameter": _SHARE, "input": 1.0, "initial": 0.0}[kind]
+        reach = share * abs(value) or (math.pi if unit == "rad" else 1.0)
         bounds = (value - reach, value + reach)
     low, high = (float(bound) for bound in bounds)
     if not (np.isfinite([low, high]).all() and low < high):
@@ -216,13 +237,20 @@ def _control(
         raise UsageError(
             Problem("animation.slider_start", name,
                     f"{name} starts at {value:.6g}, which is not between {low:g} and {high:g}",
-                    fix="choose bounds around it, or another first value by initial= or parameters=")
+                    fix="choose bounds around it, or another first value by initial=, parameters= or inputs=")
         )  # fmt: skip
     return LiveControl(name, kind, low, high, value, unit)
 
 
-def _courses(eqs: EquationSet, request: MotionRequest, first: State) -> dict[str, Any]:
+def _courses(
+    eqs: EquationSet, request: MotionRequest, pushed: Mapping[str, float], first: State
+) -> dict[str, Any]:
     """Return the coordinates over the first seconds, which say how far guides and tracks reach.
+
+    Parameters
+    ----------
+    pushed : mapping of str to float
+        First values of the inputs with a slider.
 
     Raises
     ------
@@ -232,7 +260,7 @@ def _courses(eqs: EquationSet, request: MotionRequest, first: State) -> dict[str
     start = request.span[0]
     run = simulate(
         eqs, (start, start + _PREVIEW), request.initial, None, request.parameters,
-        {name: law for name, law in request.inputs.items() if name not in request.free_inputs},
+        {**request.inputs, **pushed},
         np.linspace(start, start + _PREVIEW, 81), request.integrator, request.constraints,
         rtol=1e-6, max_steps=_MOST_STEPS,
     )  # fmt: skip

@@ -22,6 +22,7 @@ from symbody.expr.rewrite import symbols_of
 from symbody.manifold import count_significant
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.closed_loops.overconstrained import (
+    end_where_rows_change,
     integrate_by_partition,
     integrate_independent,
     is_overconstrained,
@@ -134,7 +135,7 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
             run = run._replace(notes=(*run.notes, _SEVERAL))
     if end is None:
-        return run
+        return end_where_rows_change(plan, run)
     return end_run(run, end.t, end.note.format(f"sb.{type(constraints).__name__}()"))
 
 

@@ -18,9 +18,12 @@ from symbody.simulation.methods.closed_loops.independent_rows import independent
 from symbody.simulation.methods.closed_loops.loop_constraints import LoopConstraints, motion_branch
 from symbody.simulation.methods.closed_loops.partition import Partition
 from symbody.simulation.methods.constraints import Baumgarte
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
 
@@ -46,6 +49,13 @@ _WORN: Final = (
     "closed, see sb.redundancy(), and those it keeps no longer stand for all of them: leave integrator and "
     "constraints out, or use sb.Partition()"
 )
+_JUMPED: Final = (
+    "at t = {:.6g} s {} finds no way on: some constraints follow from others, see sb.redundancy(), and which "
+    "of them count changes there, within one step; leave the integrator out, or use sb.Partition()"
+)
+# Positions that are open by more than this share of the mechanism's size are none that a step ends at.
+_OPEN: Final = 1e-6
+_LAST_STEPS: Final = 5
 
 
 def is_overconstrained(problem: SimulationProblem, t: float, x: Floats) -> bool:
@@ -91,6 +101,26 @@ def integrate_independent(plan: MotionPlan) -> Integration:
         return run
     method = plan.constraints if isinstance(plan.constraints, Baumgarte) else plan.integrator
     return end_run(run, end, _WORN.format(end, f"sb.{type(method).__name__}()"))
+
+
+def end_where_rows_change(plan: MotionPlan, run: Integration) -> Integration:
+    """Return a run of steps of a given length that ends where the last of them left the mechanism closed.
+
+    Steps that follow their errors become ever smaller where it changes which constraints count. Others go
+    across, by accelerations without bounds, to positions that are open, of which nothing can be said.
+    """
+    integrator, dense = plan.integrator, run.raw.dense_output
+    is_fixed = isinstance(integrator, FixedStep | GeneralizedAlpha) and integrator.step is not None
+    if not is_fixed or run.raw.status not in (Status.SINGULAR, Status.NOT_FINITE) or dense is None:
+        return run
+    loops = LoopConstraints(plan.integration.problem)
+    for t in dense.breaks[-2 : -2 - _LAST_STEPS : -1].tolist():
+        q = dense(t)[loops.places]
+        values, _ = loops.positions(t, q)
+        if (np.abs(values) <= _OPEN).all():
+            note = _JUMPED.format(t, f"sb.{type(integrator).__name__}()")
+            return end_run(run, t, note) if loops.depends(t, q) else run
+    return run
 
 
 def _worn(loops: LoopConstraints, kept: list[int], raw: RawRun) -> float | None:

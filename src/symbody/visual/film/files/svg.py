@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Final
 from xml.sax.saxutils import escape, quoteattr
 
@@ -69,15 +70,21 @@ def _path(points: Floats, closed: bool) -> str:
     places = np.round(np.asarray(points) * 100).astype(np.int64)
     steps = np.diff(places, axis=0)
     steps = steps[(steps != 0).any(axis=1)]
-    text = f"M{_hundredths(places[0])}l" + " ".join(_hundredths(step) for step in steps)
+    start = _pair(*places[0].tolist())
     if not len(steps):
-        text = f"M{_hundredths(places[0])}h0"
-    return text + ("z" if closed else "")
+        return f"M{start}h0" + ("z" if closed else "")
+    return f"M{start}l" + " ".join([_pair(x, y) for x, y in steps.tolist()]) + ("z" if closed else "")
 
 
-def _hundredths(pair: Floats) -> str:
-    first, second = (_number(int(each) / 100) for each in pair)
-    return first + (second if second.startswith("-") else " " + second)
+def _pair(x: int, y: int) -> str:
+    """Return two numbers of hundredths."""
+    second = _hundredths(y)
+    return _hundredths(x) + (second if second.startswith("-") else f" {second}")
+
+
+@lru_cache(maxsize=8192)  # most steps are short
+def _hundredths(count: int) -> str:
+    return _number(count / 100)
 
 
 def _number(value: float) -> str:

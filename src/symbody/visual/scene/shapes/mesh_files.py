@@ -6,6 +6,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from symbody.errors import EnvironmentFault, FormatError, Problem
 from symbody.visual.scene.scene import Floats, SceneMesh
@@ -15,6 +18,8 @@ SUFFIXES: Final = frozenset({".stl", ".obj", ".gltf", ".glb", ".dae"})
 MOST_TRIANGLES: Final = 20_000
 # Edges between triangles that are bent by more than this stay sharp [rad].
 _SHARP: Final = 0.6
+_FLAT: Final = 1e-3  # less than this and faces are one plane [rad]
+_LARGE: Final = 10.0  # the part of a mesh that a flat face has at least to stay flat at its borders
 _LARGEST_FILE: Final = 200_000_000
 
 
@@ -40,8 +45,45 @@ def read_mesh(path: Path) -> SceneMesh:
     mesh = _load(trimesh, where)
     if len(mesh.faces) > MOST_TRIANGLES:
         mesh = _coarser(mesh)
-    mesh = trimesh.graph.smooth_shade(mesh, angle=_SHARP)  # sharp edges have vertices of their own
-    return SceneMesh(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int32))
+    return split_at_edges(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64))
+
+
+def split_at_edges(vertices: Floats, triangles: NDArray[np.int64]) -> SceneMesh:
+    """Return a mesh whose sharp edges have vertices of their own on each side, as smooth shading needs them.
+
+    So have the borders of large flat faces, which would look bent where they meet a rounding.
+    """
+    pairs = _neighbours(triangles)
+    first, second, third = (vertices[triangles[:, k]] for k in range(3))
+    cross = np.asarray(np.cross(second - first, third - first), dtype=np.float64)
+    doubled = np.linalg.norm(cross, axis=1)
+    normals = cross / np.where(doubled > 0.0, doubled, 1.0)[:, np.newaxis]
+    cosines = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
+    flat = pairs[cosines > np.cos(_FLAT)]
+    plane = _groups(flat, len(triangles))
+    is_large = np.bincount(plane, doubled)[plane] > doubled.sum() / _LARGE
+    smooth = pairs[(cosines > np.cos(_SHARP)) & ~is_large[pairs].any(axis=1)]
+    patch = _groups(np.concatenate([flat, smooth]), len(triangles))
+    keys = np.repeat(patch, 3) * len(vertices) + triangles.reshape(-1)
+    corners, place = np.unique(keys, return_inverse=True)
+    return SceneMesh(vertices[corners % len(vertices)], place.reshape(-1, 3).astype(np.int32))
+
+
+def _neighbours(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the pairs (P, 2) of triangles with a common edge that no third one has."""
+    sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    keys = (sides[:, 0] << 32) | sides[:, 1]
+    order = np.argsort(keys, kind="stable")
+    _, first, counts = np.unique(keys[order], return_index=True, return_counts=True)
+    first = first[counts == 2]
+    return np.stack([order[first], order[first + 1]], axis=1) // 3
+
+
+def _groups(pairs: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return for each of `count` things the number of the group that pairs connect it to."""
+    ones = np.ones(len(pairs), dtype=np.int8)
+    graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def stretch_mesh(mesh: SceneMesh, factors: Floats) -> SceneMesh:
