@@ -156,26 +156,26 @@ class Sequence:
         """
         chosen = frozenset(groups)
         early = self._depends_only_on(chosen)
-        wanted = self._read_late(early)
+        is_read = self._read_late(early)
         whole = LEAVES - {SYMBOL} | _NO_NUMBERS
-        cut = [k for k, operation in enumerate(self.operations) if wanted[k] and operation.op not in whole]
+        cut = [k for k, operation in enumerate(self.operations) if is_read[k] and operation.op not in whole]
         head = self._with_outputs((Output("c", (len(cut),), tuple(cut)),))
         return head, self._reading_from(cut)
 
     def _read_late(self, early: Items[bool]) -> list[bool]:
         """Return which `early` values outputs and the other operations read."""
-        wanted = [False] * len(self.operations)
+        is_read = [False] * len(self.operations)
         late = (
             entry.operands for is_early, entry in zip(early, self.operations, strict=True) if not is_early
         )
         for operands in (*late, *(output.values for output in self.outputs)):
             for k in operands:
-                wanted[k] = True
+                is_read[k] = True
         for k in range(len(self.operations) - 1, -1, -1):
-            if wanted[k] and self.operations[k].op in _NO_NUMBERS:
+            if is_read[k] and self.operations[k].op in _NO_NUMBERS:
                 for operand in self.operations[k].operands:
-                    wanted[operand] = True
-        return [is_early and is_wanted for is_early, is_wanted in zip(early, wanted, strict=True)]
+                    is_read[operand] = True
+        return [is_early and also for is_early, also in zip(early, is_read, strict=True)]
 
     def _depends_only_on(self, groups: frozenset[str]) -> list[bool]:
         result: list[bool] = []
