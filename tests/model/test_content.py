@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections import OrderedDict
 from dataclasses import dataclass
 from fractions import Fraction
@@ -53,3 +54,11 @@ def test_depth_is_no_matter() -> None:
     for _ in range(100_000):
         deep = (deep,)
     assert content_bytes(deep).endswith(b"1")
+
+
+def test_tables_by_which_a_model_finds_its_parts_are_no_content() -> None:
+    """They follow from its elements, and would be written once more."""
+    model = sb.Model("one", [sb.Body("lonely")])
+    shown = content_bytes(model.elements, model.bodies, model.notes)
+    assert content_bytes(model).count(b"lonely") == shown.count(b"lonely")
+    assert pickle.loads(pickle.dumps(model)).body("lonely") == model.body("lonely")

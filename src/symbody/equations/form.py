@@ -8,6 +8,7 @@ from functools import partial
 from typing import Final, Literal, NamedTuple
 
 from symbody.arguments import checked_arguments
+from symbody.collection import without_collection
 from symbody.equations.cache_key import DeferredEquations, identity, load_notes
 from symbody.equations.derivation import default_formulation, derive
 from symbody.equations.equation_set import EquationSet
@@ -141,6 +142,7 @@ def _no_model(given: object) -> Problem:
     return Problem("equations.not_a_model", "model", f"{given!r} is not a model", fix=cure)
 
 
+@without_collection()
 def _form(choices: _Choices) -> EquationsOfMotion:
     """Return the equations with all notes: trees first, then dependent speeds, then the derivation."""
     model, formulation, tree, dependent_speeds, substitute = choices

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import symbody.formats as formats
 from symbody.arguments import checked_arguments
+from symbody.collection import without_collection
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.formats.entries import (
@@ -89,6 +90,7 @@ def _refuse_own_classes(model: Model) -> None:
         raise FormatError(*problems)
 
 
+@without_collection()
 def model_from_toml(text: str, where: str = "model file") -> Model:
     """Return the model in a TOML text; `where` is what messages call it.
 

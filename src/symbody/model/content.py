@@ -57,10 +57,10 @@ def content_bytes(*values: object) -> bytes:
 
 
 def _field_names(value: object) -> tuple[str, ...] | None:
-    """Return the names of the fields of a dataclass of this package."""
+    """Return the names of the fields of a dataclass of this package; private ones follow from the others."""
     if not is_dataclass(value) or not _is_data(type(value)):
         return None
-    return tuple(field.name for field in fields(value))
+    return tuple(field.name for field in fields(value) if not field.name.startswith("_"))
 
 
 def _is_data(kind: type) -> bool:

@@ -123,6 +123,8 @@ class Model(Displayed):
     tables: tuple[Lookup, ...] = field(init=False, compare=False)
     includes: tuple[Include, ...] = field(init=False, compare=False)
     notes: tuple[str, ...] = field(init=False, compare=False)
+    _bodies: Mapping[str, Body] = field(init=False, compare=False)
+    _joints: Mapping[str, Joint] = field(init=False, compare=False)
 
     @checked_arguments
     def __init__(
@@ -182,6 +184,8 @@ class Model(Displayed):
         object.__setattr__(self, "tables", tuple(e for e in placed if isinstance(e, Lookup)))
         object.__setattr__(self, "includes", includes)
         object.__setattr__(self, "notes", (*notes, *remarks))
+        object.__setattr__(self, "_bodies", {body.name: body for body in self.bodies})
+        object.__setattr__(self, "_joints", {joint.name: joint for joint in self.joints})
 
     def __repr__(self) -> str:
         sizes = f"{number_in_words(len(self.bodies), 'body')}, {number_in_words(len(self.joints), 'joint')}"
@@ -207,7 +211,7 @@ class Model(Displayed):
         ModelError
             If there is none.
         """
-        return _find_named(self.bodies, "body", name)
+        return _find_named(self._bodies, "body", name)
 
     @checked_arguments
     def joint(self, name: str) -> Joint:
@@ -218,7 +222,7 @@ class Model(Displayed):
         ModelError
             If there is none.
         """
-        return _find_named(self.joints, "joint", name)
+        return _find_named(self._joints, "joint", name)
 
     def parameter_order(self, overrides: Mapping[str, Formula] | None = None) -> tuple[str, ...]:
         """Return the parameters so that each stands after those its formula, or the one instead, contains."""
@@ -279,18 +283,16 @@ def _sort_by_kind(elements: Iterable[Element]) -> tuple[Element, ...]:
     return tuple(sorted(elements, key=lambda element: KINDS.index(element.kind)))
 
 
-def _find_named(elements: Iterable[E], kind: str, name: str) -> E:
-    named: list[str] = []
-    for element in elements:
-        if element.name == name:
-            return element
-        named.append(element.name)
-    raise ModelError(
-        Problem(
-            "model.unknown_element",
-            f"{kind} {name}",
-            f"the model has no {kind} {name!r}",
-            "",
-            nearest(name, named),
+def _find_named(elements: Mapping[str, E], kind: str, name: str) -> E:
+    element = elements.get(name)
+    if element is None:
+        raise ModelError(
+            Problem(
+                "model.unknown_element",
+                f"{kind} {name}",
+                f"the model has no {kind} {name!r}",
+                "",
+                nearest(name, list(elements)),
+            )
         )
-    )
+    return element

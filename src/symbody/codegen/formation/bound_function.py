@@ -18,6 +18,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
+from symbody.collection import without_collection
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_formula
@@ -150,6 +151,7 @@ class _Request:
             return self._specialized_function(choices)
         return CompiledFunction.from_code(code, signature, values, self.specialized_sequence, constants)
 
+    @without_collection()
     def _code(self, key: Items[Hashable], choices: Choices) -> _Code:
         sequence, signature = self.shared_sequence(key)
         quick, lanes = choices

@@ -13,6 +13,7 @@ from symbody.codegen.formation.names import Value, check_names, missing_value, u
 from symbody.codegen.massless import massless_problem, massless_speeds, undetermined_problem
 from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
+from symbody.collection import without_collection
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_law_nodes
@@ -29,6 +30,7 @@ from symbody.model.model import Model, value_problems
 from symbody.model.signals.block import SignalBlock
 
 
+@without_collection()
 def form_sequence(
     eqs: EquationSet,
     outputs: str | Iterable[str],

@@ -15,6 +15,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import replace
+from itertools import chain
+
+import numpy as np
 
 from symbody.expr import opcodes as op
 from symbody.expr.sequences.sequence import Operation, Output, Sequence
@@ -30,7 +33,7 @@ def order_operations(sequence: Sequence) -> Sequence:
     operands = [operation.operands for operation in sequence.operations]
     first = _early_roots(sequence)
     both = (_depth_first(operands, [*first, *ends]) for ends in (results, results[::-1]))
-    order = min(both, key=lambda order: _alive(sequence, operands, order))
+    order = min(both, key=_Waiting(sequence, operands).duration)
     return _renumber(sequence, order)[0]
 
 
@@ -104,20 +107,22 @@ def _early_circles(sequence: Sequence) -> list[int]:
     return circles
 
 
-def _alive(sequence: Sequence, operands: Items[tuple[int, ...]], order: list[int]) -> int:
-    """Return for how many operations values wait for the last that reads them, all together."""
-    last = [-1] * len(operands)
-    for place, k in enumerate(order):
-        for operand in operands[k]:
-            last[operand] = place
-    operations = sequence.operations
-    return sum(
-        [
-            last[k] - place
-            for place, k in enumerate(order)
-            if last[k] >= 0 and operations[k].op not in op.LEAVES
-        ]
-    )
+class _Waiting:
+    """For how long the values of a sequence wait for the last operation that reads them."""
+
+    def __init__(self, sequence: Sequence, operands: Items[tuple[int, ...]]) -> None:
+        self._read = np.fromiter(chain.from_iterable(operands), dtype=np.intp)
+        self._reader = np.repeat(np.arange(len(operands)), [len(below) for below in operands])
+        self._waits = np.array([code not in op.LEAVES for code, _, _ in sequence.operations], dtype=bool)
+
+    def duration(self, order: Items[int]) -> int:
+        """Return for how many operations values wait, all together, where they are computed in `order`."""
+        place = np.full(len(self._waits), -1)
+        place[order] = np.arange(len(order))
+        last = np.full(len(self._waits), -1)
+        np.maximum.at(last, self._read, place[self._reader])
+        counted = self._waits & (place >= 0) & (last >= 0)
+        return int((last - place)[counted].sum())
 
 
 def _depth_first(
@@ -137,12 +142,11 @@ def _depth_first(
                 order.append(~k)
             elif not seen[k]:
                 seen[k] = True
-                below = operands[k]
-                if not below:
-                    order.append(k)
-                    continue
-                stack.append(~k)
                 # What was made last is asked for first: it is the larger part as a rule.
-                rest = [j for j in sorted(below) if not seen[j]]
-                stack.extend(sorted(rest, key=sizes.__getitem__) if sizes else rest)
+                below = [j for j in sorted(operands[k]) if not seen[j]]
+                if below:
+                    stack.append(~k)
+                    stack += sorted(below, key=sizes.__getitem__) if sizes else below
+                else:
+                    order.append(k)
     return order

@@ -9,7 +9,7 @@ miss an equality but never invent one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Final
 
@@ -145,6 +145,16 @@ def drop_sign(pair: Pair) -> tuple[Pair, bool]:
     if first > _HALF or (not first and second > _HALF):
         return ((-first % PRIME, -second % PRIME), True)
     return (pair, False)
+
+
+def drop_signs(values: Mapping[int, Pair]) -> tuple[dict[int, Pair], dict[int, bool]]:
+    """Return `drop_sign` of the fingerprint of each node: what it is without its sign, and the changes."""
+    pairs = dict(values)
+    flipped = dict.fromkeys(values, False)
+    for node, (first, second) in values.items():
+        if first > _HALF or (not first and second > _HALF):
+            pairs[node], flipped[node] = (-first % PRIME, -second % PRIME), True
+    return pairs, flipped
 
 
 def hash_words(*words: int) -> Pair:

@@ -7,12 +7,13 @@ cannot.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Final
 
-from symbody.expr.canonical import ONE, ZERO, make, neg
+from symbody.expr.canonical import ONE, ZERO, add, div, make, mul, neg, sub
 from symbody.expr.deadline import check
 from symbody.expr.fingerprints.circle import Pair
-from symbody.expr.fingerprints.fingerprint import drop_sign, fingerprints
+from symbody.expr.fingerprints.fingerprint import drop_signs, fingerprints
 from symbody.expr.fingerprints.shapes import shape
 from symbody.expr.graph import Constant, Graph, copied_datum, copy_nodes
 from symbody.expr.opcodes import (
@@ -27,6 +28,7 @@ from symbody.expr.opcodes import (
     LOG,
     MAP,
     MUL,
+    NEG,
     POW,
     SADDLE,
     SIN,
@@ -40,6 +42,7 @@ from symbody.expr.rewrite import node_cost
 # the smaller factor, which limbs share if it belongs to the trunk.
 _Look = tuple[int, Constant, int, int]
 _NO_PRODUCT: _Look = (0, 0, 0, 0)
+_TWO: Final[Mapping[int, Callable[[Graph, int, int], int]]] = {ADD: add, SUB: sub, MUL: mul, DIV: div}
 _RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, MAP, SADDLE, SQRT, TAN})
 
 
@@ -53,10 +56,7 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
         it can fail and something equal could not: then the given ones fail anyway.
     """
     nodes = source.reachable([ZERO, ONE, *roots])
-    keys: dict[int, Pair] = {}
-    flipped: dict[int, bool] = {}
-    for node, value in fingerprints(source, nodes).items():
-        keys[node], flipped[node] = drop_sign(value)
+    keys, flipped = drop_signs(fingerprints(source, nodes))
     check()
     rank = _ranks(source, nodes)
     check()
@@ -68,17 +68,37 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
     best = _cheapest(nodes, keys, rank, fixed)
     kept = _find_needed(source, roots, best)
     check()
+    # A representative ranks no higher than what it replaces, so this order puts operands first; those that
+    # are fixed read only each other.
+    early = {node for node in kept if fixed.get(keys[node]) == node} if fixed else set()
+    order = [*sorted(early, key=rank.__getitem__), *sorted(kept - early, key=rank.__getitem__)]
+    return _rebuild(source, order, target, roots, best, flipped)
+
+
+def _rebuild(
+    source: Graph,
+    order: Iterable[int],
+    target: Graph,
+    roots: Sequence[int],
+    best: Mapping[int, int],
+    flipped: Mapping[int, bool],
+) -> list[int]:
+    """Return the `roots` made in `target` of the representatives in `order`, operands first."""
     built: dict[int, int] = {}
+    ops, left, right = source.ops, source.left, source.right
 
     def in_target(node: int) -> int:
         other = best[node]
         return built[other] if flipped[node] == flipped[other] else neg(target, built[other])
 
-    # A representative ranks no higher than what it replaces, so this order puts operands first; those that
-    # are fixed read only each other.
-    early = {node for node in kept if fixed.get(keys[node]) == node}
-    for node in (*sorted(early, key=rank.__getitem__), *sorted(kept - early, key=rank.__getitem__)):
-        built[node] = _rebuilt(source, node, target, [in_target(k) for k in source.operands(node)])
+    for node in order:
+        op = ops[node]
+        if ADD <= op <= DIV:  # most are
+            built[node] = _TWO[op](target, in_target(left[node]), in_target(right[node]))
+        elif op == NEG:
+            built[node] = neg(target, in_target(left[node]))
+        else:
+            built[node] = _rebuilt(source, node, target, [in_target(k) for k in source.operands(node)])
     return [in_target(root) for root in roots]
 
 
@@ -104,12 +124,20 @@ def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
             uses[operand] += 1
     for root in roots:
         uses[root] += 1
-    looks = _looks(graph, nodes, operands)
+    looks, ops = _looks(graph, nodes, operands), graph.ops
     for node, old in zip(nodes, operands, strict=True):
         if node in memo:
             continue
-        fused = _fuse(graph, node, uses, looks, memo) if graph.ops[node] in (ADD, SUB) else None
-        memo[node] = fused if fused is not None else _remade(graph, node, old, memo)
+        op = ops[node]
+        fused = _fuse(graph, node, uses, looks, memo) if op in (ADD, SUB) else None
+        if fused is not None:
+            memo[node] = fused
+        elif ADD <= op <= DIV:  # most are
+            a, b = old
+            x, y = memo[a], memo[b]
+            memo[node] = node if x == a and y == b else graph.node(op, x, y)
+        else:
+            memo[node] = _remade(graph, node, old, memo)
 
 
 def _looks(graph: Graph, nodes: Sequence[int], operands: Sequence[tuple[int, ...]]) -> dict[int, _Look]:
@@ -135,10 +163,10 @@ def _fuse(
     graph: Graph, node: int, uses: dict[int, int], looks: dict[int, _Look], memo: dict[int, int]
 ) -> int | None:
     """Return a sum with one of its products fused, that of the greater look."""
-    a, b = graph.left[node], graph.right[node]
-    if uses[a] > 1 and uses[b] > 1:
+    a, b, ops = graph.left[node], graph.right[node], graph.ops
+    if not any(uses[k] == 1 and ops[k] in (MUL, POW) for k in (a, b)):
         return None
-    sign = -1 if graph.ops[node] == SUB else 1
+    sign = -1 if ops[node] == SUB else 1
     sides = [(a, b, 1, sign), (b, a, sign, 1)]
     if looks.get(b, _NO_PRODUCT) > looks.get(a, _NO_PRODUCT):
         sides.reverse()

@@ -16,7 +16,20 @@ from symbody.errors import CompileError, Problem
 from symbody.expr.deadline import check
 from symbody.expr.fingerprints.merging import contract_products, merge_equal
 from symbody.expr.graph import Constant, Graph, KernelNode, UserFunction, copy_nodes
-from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, LEAVES, MAP, POW, RATIONAL, SADDLE, SYMBOL
+from symbody.expr.opcodes import (
+    ADD,
+    CONDITIONS,
+    COST,
+    DIV,
+    FLOAT,
+    FMA,
+    LEAVES,
+    MAP,
+    POW,
+    RATIONAL,
+    SADDLE,
+    SYMBOL,
+)
 from symbody.expr.rewrite import multiplications
 
 __all__ = ["Input", "KernelNode", "Operation", "Output", "Roots", "Sequence", "build_sequence"]
@@ -143,16 +156,26 @@ class Sequence:
         """
         chosen = frozenset(groups)
         early = self._depends_only_on(chosen)
-        late = (operation for j, operation in enumerate(self.operations) if not early[j])
-        wanted = {k for operation in late for k in operation.operands}
-        wanted.update(k for output in self.outputs for k in output.values)
-        for k in range(len(self.operations) - 1, -1, -1):
-            if k in wanted and self.operations[k].op in _NO_NUMBERS:
-                wanted.update(self.operations[k].operands)
+        is_read = self._read_late(early)
         whole = LEAVES - {SYMBOL} | _NO_NUMBERS
-        cut = [k for k in sorted(wanted) if early[k] and self.operations[k].op not in whole]
+        cut = [k for k, operation in enumerate(self.operations) if is_read[k] and operation.op not in whole]
         head = self._with_outputs((Output("c", (len(cut),), tuple(cut)),))
         return head, self._reading_from(cut)
+
+    def _read_late(self, early: Items[bool]) -> list[bool]:
+        """Return which `early` values outputs and the other operations read."""
+        is_read = [False] * len(self.operations)
+        late = (
+            entry.operands for is_early, entry in zip(early, self.operations, strict=True) if not is_early
+        )
+        for operands in (*late, *(output.values for output in self.outputs)):
+            for k in operands:
+                is_read[k] = True
+        for k in range(len(self.operations) - 1, -1, -1):
+            if is_read[k] and self.operations[k].op in _NO_NUMBERS:
+                for operand in self.operations[k].operands:
+                    is_read[operand] = True
+        return [is_early and also for is_early, also in zip(early, is_read, strict=True)]
 
     def _depends_only_on(self, groups: frozenset[str]) -> list[bool]:
         result: list[bool] = []
@@ -253,13 +276,18 @@ def _linearize_graph(graph: Graph, outputs: Items[Roots], inputs: Items[Input | 
         )  # fmt: skip
     used: list[Input] = []
     constants: list[Constant] = []
-    number: dict[int, int] = {}
+    number = [0] * len(graph)
     operations: list[Operation] = []
-    for node in order:
-        op, datum = graph.ops[node], 0
-        if ADD <= op <= DIV:  # most are
-            number[node] = len(operations)
-            operations.append(Operation(op, (number[graph.left[node]], number[graph.right[node]])))
+    ops, left, right, tuples = graph.ops, graph.left, graph.right, graph.operand_tuples
+    for place, node in enumerate(order):
+        op, datum = ops[node], 0
+        number[node] = place
+        if ADD <= op <= DIV:  # most are these, or fused
+            operations.append(Operation(op, (number[left[node]], number[right[node]])))
+            continue
+        if op == FMA:
+            a, b, c = tuples[left[node]]
+            operations.append(Operation(op, (number[a], number[b], number[c])))
             continue
         if op == SYMBOL:
             datum = len(used)
@@ -270,7 +298,6 @@ def _linearize_graph(graph: Graph, outputs: Items[Roots], inputs: Items[Input | 
             constants.append(graph.constants[graph.left[node]])
         else:
             datum = graph.datum(node)
-        number[node] = len(operations)
         operations.append(Operation(op, tuple([number[k] for k in graph.operands(node)]), datum))
     return Sequence(
         tuple(used), tuple(constants), tuple(graph.kernels), tuple(graph.functions), tuple(operations),
