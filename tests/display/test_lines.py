@@ -48,7 +48,7 @@ def test_bodies_and_joints_are_one_line() -> None:
     assert str(body) == "Body B: mass 0, inertia (1, 1, I), products (0, 1, 0), frames tip"
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_elements_are_shown_as_the_calls_that_make_them(path: Path) -> None:
     for element in sb.load_model(path).elements:
         assert eval(repr(element), NAMES) == element

@@ -227,7 +227,6 @@ def test_what_is_legal_stays_legal() -> None:
             Body("A", mass=1, inertia=(1e6, 1e6, 1e6), frames={"f": Frame(at=(0.1, 0, 0))}),
             "radius of gyration",
         ),
-        (Revolute("j", "ground", "B"), "are called j"),
     ],
 )
 def test_remarks_on_what_is_unusual(element: Element, words: str) -> None:

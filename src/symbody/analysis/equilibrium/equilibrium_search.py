@@ -136,20 +136,20 @@ class EquilibriumSearch:
             return rest
         return self.descend(rest.q, int((bearing >= cut).sum()))
 
-    def _close(self, rest: StaticResidual) -> StaticResidual:
+    def _close(self, place: StaticResidual) -> StaticResidual:
         """Return the same place with its constraints closed to rounding.
 
         Where singular values fall to s, constraints open by e turn the loads by e / s, which balances forces
         that nothing balances at the place itself.
         """
-        q, free, sizes = rest.q.copy(), self.free, self.evaluator.sizes
+        q, free, sizes = place.q.copy(), self.free, self.evaluator.sizes
         for _ in range(_CLOSINGS):
             _, values, rows = self.evaluator.manifold().constraints(q)
             q[free] += least_step(values, rows[:, free]) * sizes[free]
         closed = self.balance.residual(
-            self.evaluator.normalize(q), rest.inputs, self.balance.largest_term(self.start), rest.bearing
+            self.evaluator.normalize(q), place.inputs, self.balance.largest_term(self.start), place.bearing
         )
-        return closed if closed.largest_gap < rest.largest_gap else rest
+        return closed if closed.largest_gap < place.largest_gap else place
 
     def _is_repeated(self, rest: StaticResidual) -> bool:
         """Return whether starts beside this crossing were tried already."""
