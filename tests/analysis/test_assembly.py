@@ -230,7 +230,24 @@ def test_first_values_at_which_the_loops_do_not_close_are_guesses() -> None:
     assert abs(sb.assemble(eqs).moved["phi"]) > 0.1  # the rocker does not come there
 
 
+def test_first_values_that_fit_are_kept_though_they_are_more_than_the_freedoms() -> None:
+    eqs = sb.form_equations(three_cranks({"ta": "60 deg", "tb": "c"}))
+    state = sb.assemble(eqs)
+    assert state.q["ta"] == state.q["tb"] == pytest.approx(math.radians(60), abs=EPS)
+    cases = sb.sweep(eqs, 0.01, parameters={"c": [math.pi / 3, 1.0]}, times=[0.0])
+    assert cases["ta"][0, 0] == pytest.approx(math.radians(60), abs=EPS)
+    apart = sb.assemble(eqs, parameters={"c": 1.0})  # angles that do not fit are guesses
+    assert cases["ta"][1, 0] == pytest.approx(apart.q["ta"], abs=1e-9)
+    assert math.cos(apart.q["ta"] - apart.q["tb"]) == pytest.approx(1.0)
+
+
 def test_a_first_value_is_kept_where_constraints_repeat_others() -> None:
+    eqs = sb.form_equations(three_cranks({"ta": "60 deg"}))
+    assert eqs.degrees_of_freedom == 1
+    assert sb.assemble(eqs).q["ta"] == pytest.approx(math.radians(60), abs=EPS)
+
+
+def three_cranks(initial: dict[str, str]) -> sb.Model:
     bar = sb.Body("Bar", mass=1, frames={name: sb.Frame(at=(k - 1, 0, 0)) for k, name in enumerate("abc")})
     parts: list[sb.Element] = [bar]
     for name in "abc":
@@ -239,10 +256,8 @@ def test_a_first_value_is_kept_where_constraints_repeat_others() -> None:
             sb.Revolute(f"p{name}", f"ground.{name}", f"K{name}", axis="z", coordinate=f"t{name}"),
             sb.Revolute(f"q{name}", f"K{name}.q", f"Bar.{name}", axis="z", tree=name == "a"),
         ]
-    model = sb.Model("three cranks", parts, ground=dict(bar.frames), initial={"ta": "60 deg"})
-    eqs = sb.form_equations(model)
-    assert eqs.degrees_of_freedom == 1
-    assert sb.assemble(eqs).q["ta"] == pytest.approx(math.radians(60), abs=EPS)
+    values = {"c": math.pi / 3}
+    return sb.Model("three cranks", parts, ground=dict(bar.frames), parameters=values, initial=initial)
 
 
 def four_bar_of_rods(initial: dict[str, str | float]) -> sb.Model:

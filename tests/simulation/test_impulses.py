@@ -130,3 +130,14 @@ def test_a_constraint_that_changes_is_judged_where_the_motion_comes_to_it() -> N
     assert abs(run["x_dot"][-1]) < 1e-9
     with pytest.raises(UsageError, match="position jumps at t = 1"):
         sb.simulate(cart_on_two_rows("x^2 - 0.02"), 2.0)
+
+
+def test_a_constraint_that_changes_nothing_at_the_start_is_judged_there_too() -> None:
+    parts: list[sb.Element] = [
+        sb.Prismatic(f"slide {name}", "ground", sb.Body(name.upper(), mass=1), axis="x", coordinate=name)
+        for name in "xy"
+    ]
+    eqs = sb.form_equations(sb.Model("pair", [*parts, sb.Constraint("row", "if(t < 1, x - y, x*y)")]))
+    assert sb.simulate(eqs, 2.0).success  # at rest at 0, where both hold
+    with pytest.raises(UsageError, match="position jumps at t = 1"):
+        sb.simulate(eqs, 2.0, {"x_dot": 1.0})

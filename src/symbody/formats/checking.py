@@ -146,14 +146,6 @@ def _explain(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
     return "wrong_type", f"{_short_text(value)} stands where {expected} is expected", why, cure
 
 
-def _list_cure(path: Path, value: object) -> str:
-    """Return what to write where a list is missing; a section of one entry has two brackets, too."""
-    key = str(path[-1]) if path else ""
-    if len(path) == 1 and isinstance(value, Mapping) and key in KINDS:
-        return f"write [[{key}]] instead of [{key}]"
-    return f"write {_LISTS.get(key, 'a list')}"
-
-
 def _causes(kind: str, value: object) -> str:
     if kind == "string_type" and not isinstance(value, bool | list | dict):
         return "quotes are missing"

@@ -14,7 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state, state_of_plain
-from symbody.analysis.configurations.kept_values import kept_initial_values
+from symbody.analysis.configurations.kept_values import (
+    do_values_fit,
+    kept_initial_values,
+    surplus_initial_values,
+)
 from symbody.analysis.configurations.loop_search import (
     NO_RANGES,
     check_meeting_ends,
@@ -71,8 +75,8 @@ def assemble(
         Where to look for the others; by default the model's initial values, then 0. Among several
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
         order, those of the model last, as long as they are independent. `State.moved` lists the others.
-        Without a guess of positions those of the model are kept, as if they were fixed, where they are no
-        more than there are freedoms left, and the loops close with them.
+        Without a guess of positions those of the model are kept, as if they were fixed, where the loops close
+        with them, and either they are no more than there are freedoms left, or nothing else is fixed.
     parameters, inputs : mapping
         As for `simulate`; they matter for explicit time, accelerations and multipliers.
     t : float
@@ -98,11 +102,30 @@ def assemble(
     check_pairs(ranges or {})
     signals, fixed, guess = split_signals(eqs, fixed, guess, parameters)
     rest = parameters, inputs, t, ranges, scales
-    kept = kept_initial_values(eqs, fixed, guess)
+    kept = kept_initial_values(eqs, fixed, guess) or _fitting_values(eqs, fixed, guess, *rest[:3], scales)
     if kept:
         with suppress(AssemblyError):
             return _assemble(eqs, {**fixed, **kept}, guess, *rest, signals)
     return _assemble(eqs, fixed, guess, *rest, signals)
+
+
+def _fitting_values(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value],
+    guess: Mapping[str, Value],
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    scales: Mapping[str, float] | None,
+) -> Mapping[str, Value]:
+    """Return the first positions of the model that fit, though they are more than there are freedoms."""
+    surplus = surplus_initial_values(eqs, fixed, guess)
+    if not surplus:
+        return {}
+    values = named_values(eqs, surplus, parameters, strict=set())
+    given = dict(parameters or {}), dict(inputs or {})
+    evaluator = constraint_evaluator(eqs, *given, t, mechanism_scales(eqs, given[0], scales, values))
+    return surplus if do_values_fit(evaluator, values) else {}
 
 
 def _assemble(

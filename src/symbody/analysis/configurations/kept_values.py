@@ -1,12 +1,18 @@
-"""`kept_initial_values`: the model's first positions that are kept, and not only guessed."""
+"""`kept_initial_values`: the model's first positions that are kept, and not only guessed.
+
+Those of `surplus_initial_values` are kept where the loops close with all of them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from functools import partial
 
+from symbody.analysis.configurations.loop_search import newton_end
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.ropes import ropes
 from symbody.errors import SymbodyError
 
 
@@ -31,12 +37,30 @@ def kept_initial_values(
     kept = [name for name in names if name not in fixed]
     if not kept or len(kept) + _positions(eqs, fixed) > freedoms or _positions(eqs, guess):
         return {}
-    initial = eqs.model.initial
-    return {name: initial[name] for name in kept}
+    return {name: eqs.model.initial[name] for name in kept}
+
+
+def surplus_initial_values(
+    eqs: EquationSet, fixed: Collection[str], guess: Collection[str]
+) -> Mapping[str, Value]:
+    """Return the first positions of the model if they are more than there are freedoms.
+
+    They may fit all the same, as equal angles of a parallelogram do. Empty where a caller fixes or guesses
+    positions, or ropes are among the constraints.
+    """
+    freedoms, names = eqs.plans.get("kept initial values", partial(_initial_positions, eqs))
+    if len(names) <= freedoms or _positions(eqs, fixed) or _positions(eqs, guess) or ropes(eqs.formed):
+        return {}
+    return {name: eqs.model.initial[name] for name in names}
+
+
+def do_values_fit(evaluator: ConstraintEvaluator, values: Mapping[str, float]) -> bool:
+    """Return whether the loops close with all of these positions, for the others nearest to 0."""
+    return newton_end(evaluator, evaluator.initial_coordinates(values), values).is_closed
 
 
 def _initial_positions(eqs: EquationSet) -> tuple[int, tuple[str, ...]]:
-    """Return the number of freedoms, and the coordinates with first values if these are no more."""
+    """Return the number of freedoms, and the coordinates with first values, unless these are guesses."""
     holonomic, coordinates = eqs.formed.holonomic, eqs.coordinate_names
     names = tuple(name for name in coordinates if name in eqs.model.initial)
     in_quaternions = {name for four in eqs.quaternions for name in four}
@@ -46,7 +70,7 @@ def _initial_positions(eqs: EquationSet) -> tuple[int, tuple[str, ...]]:
     freedoms = len(coordinates) - len(eqs.quaternions) - len(holonomic)
     if len(names) > freedoms:
         freedoms = _counted_freedoms(eqs)
-    return (freedoms, names) if len(names) <= freedoms else (0, ())
+    return freedoms, names
 
 
 def _counted_freedoms(eqs: EquationSet) -> int:

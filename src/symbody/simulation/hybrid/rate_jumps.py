@@ -140,7 +140,8 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
     rounded = _ROUNDED * _sizes(problem, names)
     limits = (AT_REST * largest + width + rounded[: len(largest)])[:, np.newaxis]
     torn = np.abs(positions) > limits
-    by_state = torn & (np.abs(positions - _changes_elsewhere(prescribed, names, closed)) > limits)
+    # One that changes nothing at this state may tear at another.
+    by_state = np.abs(positions - _changes_elsewhere(prescribed, names, closed)) > limits
     if (torn & ~by_state).any():
         row, k = np.argwhere(torn & ~by_state)[0]
         raise UsageError(_jump_problem(_row_name(eqs, names, int(row)), float(times[k])))

@@ -10,7 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.configurations.assembly import consistent_start
-from symbody.analysis.configurations.kept_values import kept_initial_values
+from symbody.analysis.configurations.kept_values import (
+    do_values_fit,
+    kept_initial_values,
+    surplus_initial_values,
+)
 from symbody.analysis.configurations.plain_assembly import is_plain, plain_assembly, plain_function
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_function
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
@@ -79,8 +83,8 @@ def first_states(
     states = _of_tree(eqs, table.count, guessed, fixed)
     if states is None:
         scales = case_scales(eqs, table, {**guessed, **fixed}, span, given)
-        kept = tuple(kept_initial_values(eqs, fixed, guess))
-        states, notes = _Assembler(eqs, table, inputs, span[0], kept).all(guessed, fixed, scales, notes)
+        kept = tuple(kept_initial_values(eqs, fixed, guess)), tuple(surplus_initial_values(eqs, fixed, guess))
+        states, notes = _Assembler(eqs, table, inputs, span[0], *kept).all(guessed, fixed, scales, notes)
     states[list(notes)] = np.nan
     places = enumerate(eqs.coordinate_names, len(eqs.speed_names))
     near = {name: np.nan_to_num(states[:, k]) for k, name in places}
@@ -161,10 +165,17 @@ class _Assembler:
     """Closes the loops of one case after the other, with functions that take what varies as arguments."""
 
     def __init__(
-        self, eqs: EquationSet, table: CaseTable, inputs: Mapping[str, Value], t: float, kept: Sequence[str]
+        self,
+        eqs: EquationSet,
+        table: CaseTable,
+        inputs: Mapping[str, Value],
+        t: float,
+        kept: Sequence[str],
+        surplus: Sequence[str],
     ) -> None:
         self._eqs = eqs
         self._kept = kept
+        self._surplus = surplus
         self._table = table
         self._inputs = inputs
         self._t = t
@@ -195,9 +206,12 @@ class _Assembler:
 
     def _state(self, k: int, fixed: Mapping[str, float], near: Mapping[str, float], sizes: Scales) -> Floats:
         """Return a first state, with positions of the model kept where `assemble` keeps them."""
-        if self._kept:
+        kept = {name: near[name] for name in self._kept}
+        surplus = {name: near[name] for name in self._surplus}
+        if surplus and do_values_fit(self._closure(k, sizes), surplus):
+            kept = surplus
+        if kept:
             with suppress(AssemblyError):
-                kept = {name: near[name] for name in self._kept}
                 return self._closed_state(k, {**fixed, **kept}, near, sizes)
         return self._closed_state(k, fixed, near, sizes)
 
@@ -210,7 +224,16 @@ class _Assembler:
             plain = self._assembly.solve(constants, sizes, fixed, near, self._t)
             if plain is not None:
                 return np.concatenate([plain.u, plain.q])
-        closure = ConstraintEvaluator(
+        q, u = consistent_start(
+            self._closure(k, sizes), without_signals(eqs, fixed), without_signals(eqs, near)
+        )
+        signals = [fixed.get(name, near[name]) for name in eqs.signal_state_names]
+        return np.array([*u, *q, *signals])
+
+    def _closure(self, k: int, sizes: Scales) -> ConstraintEvaluator:
+        """Return the constraints of a case."""
+        eqs, table = self._eqs, self._table
+        return ConstraintEvaluator(
             eqs,
             table.values(k)[0],
             self._inputs,
@@ -222,9 +245,6 @@ class _Assembler:
             self._angles,
             sizes,
         )
-        q, u = consistent_start(closure, without_signals(eqs, fixed), without_signals(eqs, near))
-        signals = [fixed.get(name, near[name]) for name in eqs.signal_state_names]
-        return np.array([*u, *q, *signals])
 
     def _compile(self) -> CompiledFunction:
         table = self._table
