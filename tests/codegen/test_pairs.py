@@ -90,6 +90,15 @@ def test_pairs_have_the_bits_of_single_operations(
     check_bits(sequence, piece_size, monkeypatch)
 
 
+@pytest.mark.usefixtures("any_gain")
+def test_circles_of_circles_that_differ_in_their_order_compile(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pairs of them would need each other: the inner one of each limb is the outer one of the other."""
+    outputs = ["udot", "sin(cos(q00 + 1))", "cos(sin(q10 + 1))"]
+    sequence = fold_constants(form_sequence(sb.form_equations(limbs(1, 2, 3)), outputs)[0])
+    assert find_pairs(order_operations(sequence))
+    check_bits(sequence, 8000, monkeypatch)
+
+
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("output", ["udot", "mass_matrix", "inverse_dynamics", "d udot/d(q, u)"])

@@ -34,6 +34,14 @@ def test_what_is_stored_is_found_under_its_key_alone(place: Path) -> None:
     assert [path.suffix for path in place.iterdir()] == [".stored"]
 
 
+def test_all_that_forms_sequences_and_writes_code_is_in_the_key() -> None:
+    """Else a mend of one of these files would leave what is on the disk as it was."""
+    codegen = Path(stored_module.__file__).parent.parent
+    files = stored_module.writing_files()
+    assert {codegen / "llvm/pairs/signs.py", codegen / "formation/sequences.py"} <= set(files)
+    assert codegen.parent / "expr/fingerprints/shapes.py" in files
+
+
 @pytest.mark.parametrize("damage", [b"", b"short", None])
 def test_a_damaged_file_is_made_again(place: Path, damage: bytes | None) -> None:
     store(b"key", b"code" * 100)

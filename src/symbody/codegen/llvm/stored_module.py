@@ -16,6 +16,7 @@ from pathlib import Path
 
 import symbody.kernels
 from symbody.codegen.llvm.machine import environment
+from symbody.expr.fingerprints import shapes
 from symbody.expr.opcodes import NAMES
 from symbody.expr.sequences.sequence import Sequence
 from symbody.single_flight import once
@@ -90,12 +91,14 @@ def store_module(key: bytes, module: Module) -> None:
 @once
 def written_by() -> bytes:
     """Return a hash of the files and numbers that texts are written by; nothing if they cannot be read."""
-    here = Path(__file__).parent
-    kernels = Path(symbody.kernels.__file__).parent
-    folders = (here.parent, here, here.parent / "kernels")
-    files = [file for folder in folders for file in sorted(folder.glob("*.py"))]
-    files += sorted(kernels.rglob("*.py"))
-    digest = sha256(repr(NAMES).encode())
+    digest, files = sha256(repr(NAMES).encode()), writing_files()
     for file in files:
         digest.update(sha256(file.read_bytes()).digest())
     return digest.digest() if files else b""
+
+
+def writing_files() -> list[Path]:
+    """Return the files that sequences are formed, paired and written by, in folders at any depth."""
+    codegen, kernels = Path(__file__).parent.parent, Path(symbody.kernels.__file__).parent
+    files = [file for folder in (codegen, kernels) for file in sorted(folder.rglob("*.py"))]
+    return [*files, Path(shapes.__file__)] if files else []

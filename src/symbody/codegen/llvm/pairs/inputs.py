@@ -48,17 +48,22 @@ def shape_of_angle(terms: Terms, k: int) -> int:
 
 
 def _origins(sequence: Sequence, terms: Terms) -> list[int | None]:
-    """Return for each value the input that it is, up to a sign, a constant, and a sine or cosine."""
+    """Return for each value the input that it is, up to a sign, a constant, and one sine or cosine.
+
+    Circles of circles have none: pairs of an inner and an outer one could need each other.
+    """
     origins: list[int | None] = []
+    turned: set[int] = set()
     for k, (code, operands, _) in enumerate(sequence.operations):
         origin = None
         if code == op.SYMBOL:
             origin = k
-        elif code in (op.NEG, op.SIN, op.COS):
-            origin = origins[operands[0]]
-        elif code in (op.ADD, op.SUB):
+        elif code in (op.NEG, op.ADD, op.SUB, op.SIN, op.COS):
             rest = [j for j in operands if j not in terms.constants]
-            origin = origins[rest[0]] if len(rest) == 1 else None
+            is_circle, has_circle = code in (op.SIN, op.COS), not turned.isdisjoint(rest)
+            origin = origins[rest[0]] if len(rest) == 1 and not (is_circle and has_circle) else None
+            if is_circle or has_circle:
+                turned.add(k)
         origins.append(origin)
     return origins
 
