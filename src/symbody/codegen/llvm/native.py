@@ -130,7 +130,7 @@ def _compile_text(sequence: Sequence, piece_size: int, level: int, width: int) -
     begin("order of operations")
     inner = order_operations(sequence)
     check()
-    pairs = find_pairs(inner) if width == 1 else {}
+    pairs = find_pairs(inner) if width == 1 and level == THOROUGH else {}
     if pairs:
         inner, pairs = order_pairs(inner, pairs)
         check()

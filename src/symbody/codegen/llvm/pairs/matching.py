@@ -22,6 +22,8 @@ _SAME: Final = 0.02
 _WORTH: Final = 0.23
 # Shorter functions wait for results, not for instructions.
 _SHORTEST: Final = 300
+# Longer ones are derivatives and mechanisms of hundreds of bodies: the search takes more than it gains.
+_LONGEST: Final = 30_000
 # One of so many that wait goes alone at a time.
 _PORTION: Final = 16
 
@@ -34,7 +36,7 @@ def find_pairs(sequence: Sequence) -> dict[int, int]:
     """Return for some values the one that is computed with it; nothing where that saves too little."""
     terms = Terms(sequence)
     work = sum(map(terms.is_work, range(len(sequence.operations))))
-    seeds = corresponding_inputs(sequence, terms) if work >= _SHORTEST else []
+    seeds = corresponding_inputs(sequence, terms) if _SHORTEST <= work <= _LONGEST else []
     if not seeds:
         return {}
     pairs = _Matcher(sequence, terms).match(seeds)
