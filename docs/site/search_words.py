@@ -29,7 +29,7 @@ WORDS: Final[Mapping[str, str]] = MappingProxyType(
         "index_reduction": "dae differential algebraic",
         "inverse_dynamics": "required torque motor drive constant speed given motion",
         "joints": "hinge pin slider ball cardan hooke rotational translational fixed rigid",
-        "kinematic_analysis": "dead center point toggle limit position singularity stroke workspace",
+        "kinematic_analysis": "dead center point toggle limit position stroke workspace mechanical advantage",
         "linearization": "natural frequency eigenfrequency resonance modal shape transfer function",
         "model_file": "units millimeter mm degrees kilogram center gravity moment default value keyword",
         "plots": "graph chart figure diagram",

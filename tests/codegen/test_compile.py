@@ -195,3 +195,12 @@ def test_generated_c_has_every_name_and_is_deterministic(eqs: sb.EquationSet) ->
     assert len(numbers) < len(text) * 2 and "9.81" not in text
     with pytest.raises(sb.CompileError, match="cobol"):
         sb.generate_code(eqs, ["xdot"], language="cobol")
+
+
+def test_a_name_of_a_model_without_inputs_is_answered_by_how_to_declare_it() -> None:
+    body = sb.Body("B", 1)
+    eqs = sb.form_equations(sb.Model("m", [sb.Prismatic("j", "ground", body, axis="x", coordinate="x")]))
+    for words in ({"inputs": {"T": 1}}, {"parameters": {"T": 1}}):
+        with pytest.raises(sb.CompileError) as caught:
+            sb.simulate(eqs, 1.0, **words)  # type: ignore[arg-type]
+        assert "declare" in caught.value.problems[0].fix and "T" in caught.value.problems[0].fix

@@ -136,6 +136,12 @@ def test_what_is_no_place(place: object) -> None:
     assert problem.where == "joint w, between[0]" and problem.fix
 
 
+def test_an_axis_with_a_minus_is_answered_by_its_components() -> None:
+    with pytest.raises(ModelError) as caught:
+        Prismatic("p", "ground", "A", axis="-Y")
+    assert caught.value.problems[0].fix.endswith('["0", "-1", "0"]')
+
+
 def test_every_fault_of_a_joint_is_told() -> None:
     with pytest.raises(ModelError) as caught:
         Prismatic("a.b", 3, "A..", axis="u", coordinate="pi", force="F", motion="1+", tree=2)

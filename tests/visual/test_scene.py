@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 import symbody as sb
 from symbody.errors import ModelError
 from symbody.formats.native import model_from_toml
-from symbody.visual.scene import make_scene, scene_to_json
+from symbody.visual.scene import coordinate_courses, make_scene, scene_to_json
 from symbody.visual.scene.scene import Scene, SceneBody, Solid
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -159,6 +159,25 @@ def test_a_guide_covers_what_moves_on_it() -> None:
     (rail,) = solids(make_scene(model, motion={"s": [2.0, -1.0, 5.0]}), "ground", "box", "j")
     low, high = rail.at[0] - 0.5 * rail.size[2], rail.at[0] + 0.5 * rail.size[2]
     assert low < -1.0 and high > 5.0
+
+
+@pytest.mark.parametrize("substitute", [False, True])
+def test_a_guide_covers_coordinates_that_couplings_and_motions_give(substitute: bool) -> None:
+    bodies = [sb.Body(name, 1) for name in "ABC"]
+    slides = [
+        sb.Prismatic("a", "ground", bodies[0], axis="x", coordinate="x"),
+        sb.Prismatic("b", "ground", bodies[1], axis="y", coordinate="y"),
+        sb.Prismatic("c", "ground", bodies[2], axis="z", coordinate="z", motion="3*sin(t)"),
+    ]
+    rope = sb.Constraint("rope", ["x + y - 1"])
+    eqs = sb.form_equations(sb.Model("m", [*bodies, *slides, rope]), substitute=substitute)
+    run = sb.simulate(eqs, 5.0, {"x": 0, "x_dot": 2})
+    courses = coordinate_courses(run)
+    assert np.allclose(courses["x"] + courses["y"], 1)
+    scene = make_scene(eqs.model, motion=courses)
+    for name, axis, reach in (("b", 1, -9.0), ("c", 2, -2.8)):
+        (rail,) = solids(scene, "ground", "box", name)
+        assert rail.at[axis] - 0.5 * rail.size[2] < reach
 
 
 def test_lengths_scale_the_scene() -> None:

@@ -52,10 +52,19 @@ def read_axis(arguments: Arguments, value: object, path: str) -> Axis:
             path,
             f"{value!r} is not an axis",
             "",
-            'write "x", "y", "z", or three components such as ["0", "0", "-1"]',
+            _axis_cure(value),
         )
         return "x"
     return arguments.triple(value, path)
+
+
+def _axis_cure(text: str) -> str:
+    """Return what to write; for an axis with a minus its components."""
+    letter = text.replace(" ", "").lower().removeprefix("-")
+    if letter in LETTERS and "-" in text:
+        components = ", ".join('"-1"' if each == letter else '"0"' for each in "xyz")
+        return f"write three components, [{components}]"
+    return 'write "x", "y", "z", or three components such as ["0", "0", "-1"]'
 
 
 def unit_axis(axis: Axis) -> Triple:

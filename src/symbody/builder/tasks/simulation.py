@@ -18,7 +18,7 @@ from symbody.equations.outputs.joint_outputs import effort_names
 from symbody.errors import Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
-from symbody.visual.scene import make_motion, make_scene, motion_to_json, scene_to_json
+from symbody.visual.scene import coordinate_courses, make_motion, make_scene, motion_to_json, scene_to_json
 from symbody.visual.scene.scene import Scene, SceneMotion
 
 Answer = dict[str, Any]
@@ -92,8 +92,7 @@ def draw_run(
     run: Trajectory, eqs: EquationSet, vectors: str | None, extra: tuple[str, ...] = ()
 ) -> FinishedRun:
     """Return a motion with its picture; `extra` are curves beside coordinates and speeds."""
-    courses = {name: run[name] for name in eqs.coordinate_names}
-    scene = make_scene(eqs.model, motion=courses)
+    scene = make_scene(eqs.model, motion=coordinate_courses(run))
     names = tuple(dict.fromkeys((*extra, *eqs.coordinate_names, *eqs.speed_names)))[:_MOST_CURVES]
     return FinishedRun(run, scene, make_motion(run, scene, curves=names, vectors=vectors))
 

@@ -5,12 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from collections.abc import Sequence as Items
 from dataclasses import replace
+from typing import Final
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, Problem, nearest
 from symbody.expr.language.formula import Formula
 
 Value = int | float | str | Formula
+
+_DECLARATIONS: Final = {
+    "input": 'inputs=["{0}"] in Python, inputs = ["{0}"] in a file',
+    "parameter": 'parameters={{"{0}": ..}} in Python, [parameters] {0} = .. in a file',
+}
 
 
 def check_names(eqs: EquationSet, given: Mapping[str, Value], free: Items[str]) -> None:
@@ -29,9 +35,8 @@ def check_names(eqs: EquationSet, given: Mapping[str, Value], free: Items[str]) 
 
 def unknown_name(kind: str, name: str, known: Items[str]) -> Problem:
     """Return what to say about a name that the model does not have."""
-    return Problem(
-        f"compile.unknown_{kind}", name, f"the model has no {kind} {name!r}", "", nearest(name, known)
-    )
+    cure = nearest(name, known) if known else f"declare it in the model: {_DECLARATIONS[kind].format(name)}"
+    return Problem(f"compile.unknown_{kind}", name, f"the model has no {kind} {name!r}", "", cure)
 
 
 def offer_argument(problem: Problem) -> Problem:

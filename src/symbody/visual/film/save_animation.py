@@ -21,7 +21,7 @@ from symbody.visual.film.facets import Floats
 from symbody.visual.film.files.animated_images import FASTEST
 from symbody.visual.film.pictures import STILLS, file_kind, write_film, write_still
 from symbody.visual.film.studio import Look
-from symbody.visual.scene import make_motion, make_scene
+from symbody.visual.scene import coordinate_courses, make_motion, make_scene
 from symbody.visual.scene.scene import Scene, SceneMotion
 from symbody.visual.scene.view import seen_along
 
@@ -93,8 +93,7 @@ def _scene(run: Trajectory) -> Scene:
                     "its file was written by an older version, or its equations were placed by hand",
                     "save_animation(run, ..., model=...) with the model it was computed from")
         )  # fmt: skip
-    courses = {name: np.atleast_1d(run[name]) for name in run.coordinate_names}
-    scene = make_scene(run.model, run.parameters, courses)
+    scene = make_scene(run.model, run.parameters, coordinate_courses(run))
     return seen_along(scene, _motion_at(run, scene, np.unique(run.t)[:: max(1, run.t.size // 20)], "none"))
 
 

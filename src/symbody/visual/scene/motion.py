@@ -83,6 +83,25 @@ def make_motion(
     )
 
 
+def coordinate_courses(run: Trajectory) -> dict[str, Floats]:
+    """Return the coordinates of joints at the samples (N,), those that couplings and motions give included.
+
+    Guides are as long as these need. Coordinates that the run cannot compute, as of cut joints, are left out.
+    """
+    courses = dict(zip(run.coordinate_names, np.atleast_2d(run.q), strict=True))
+    if run.model is None or run.provenance is None:
+        return courses
+    trees = {*run.provenance.trees.rotation, *run.provenance.trees.translation}
+    for joint in run.model.joints:
+        for name in joint.coordinates if joint.name in trees else ():
+            if name not in courses:
+                try:
+                    courses[name] = np.atleast_1d(run[name])
+                except UsageError:
+                    continue
+    return courses
+
+
 def _model(run: Trajectory) -> Model:
     if run.t.size == 0:
         raise UsageError(

@@ -26,7 +26,7 @@ from symbody.simulation.inputs.input_laws import Law
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.programs.motion_request import MotionRequest
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.scene import make_motion, make_scene
+from symbody.visual.scene import coordinate_courses, make_motion, make_scene
 from symbody.visual.scene.scene import Scene, SceneMotion
 from symbody.visual.scene.view import seen_along
 from symbody.visual.viewer.live import Slider, SliderMechanism, slider_mechanism
@@ -294,8 +294,7 @@ def make_animation(
     if motion_run.model is None:
         raise _no_model()
     _check_options(options)
-    courses = dict(zip(motion_run.coordinate_names, np.atleast_2d(motion_run.q), strict=True))
-    scene = make_scene(motion_run.model, motion_run.parameters, courses)
+    scene = make_scene(motion_run.model, motion_run.parameters, coordinate_courses(motion_run))
     pair = _span(times)
     motion = make_motion(motion_run, scene, None if pair else times, curves, vectors, pair)
     scene = seen_along(scene, motion)

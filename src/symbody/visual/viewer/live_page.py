@@ -31,7 +31,7 @@ from symbody.simulation.programs.javascript_simulation import (
 )
 from symbody.simulation.programs.motion_request import MotionRequest, branch_problem
 from symbody.simulation.simulate import simulate
-from symbody.visual.scene import make_motion, make_scene, scene_to_json
+from symbody.visual.scene import coordinate_courses, make_motion, make_scene, scene_to_json
 from symbody.visual.scene.body_poses import chain_of
 from symbody.visual.scene.scene import Scene
 from symbody.visual.viewer.page import PageData, fill_page, page_data
@@ -267,7 +267,7 @@ def _courses(
         raise UsageError(branch_problem(eqs.model.name, f"the motion passes a change point: {note}"))
     if run.t.size < 2:
         return {name: np.array([value]) for name, value in first.q.items()}
-    return dict(zip(run.coordinate_names, run.q, strict=True))
+    return coordinate_courses(run)
 
 
 def _spring(scene: Scene) -> PointerSpring:
