@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import ast
 import html
+import os
 import runpy
 import shutil
 import tempfile
@@ -28,6 +29,7 @@ PICTURES: Final = HERE / "pictures" / "gallery"
 EXAMPLES: Final = HERE.parent / "examples"
 MECHANISMS: Final = sorted(EXAMPLES.glob("gallery/*/*.py"))
 HEADINGS: Final[Mapping[str, str]] = {"linkages": "Linkages", "drives": "Drives", "motions": "Motions"}
+WIDTH: Final = "100"  # of lines of equations, on whatever screen
 MOST_LINES: Final = 17  # of equations that the page shows
 # Why no page simulates these: they are played as they were computed.
 PLAYED: Final[Mapping[str, str]] = {
@@ -135,14 +137,14 @@ def title_and_text(path: Path) -> tuple[str, list[str]]:
 
 def equations_lines(path: Path) -> Iterator[str]:
     """Yield the equations of motion, or how many there are."""
+    os.environ["COLUMNS"] = WIDTH
     eqs = sb.form_equations(script_of(path)["model"]())
     lines = str(eqs).splitlines()
     if len(lines) <= MOST_LINES:
         yield from (":::{dropdown} Equations", "```text", *lines, "```", ":::", "")
         return
     speeds, multipliers = len(eqs.speed_names), len(eqs.multiplier_names)
-    # How many lines hangs on how far the time for simplifying them reaches.
-    yield f"Equations: {speeds} of motion with {multipliers} multipliers, more than {MOST_LINES} lines.\n"
+    yield f"Equations: {speeds} of motion with {multipliers} multipliers, {len(lines)} lines.\n"
 
 
 def mechanism_lines(path: Path) -> Iterator[str]:
