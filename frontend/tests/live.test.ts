@@ -24,6 +24,17 @@ describe("what a live page adds to its simulation", () => {
     expect(scene.bodies[0]!.size[0]).toBe(1);
   });
 
+  it("moves the corners of a mesh, whose numbers stand side by side for each value", () => {
+    const text = (values: number[]): string => btoa(String.fromCharCode(...new Uint8Array(Float32Array.from(values).buffer)));
+    const { tables } = readLive({
+      controls: [],
+      tables: [{ parameter: "b", min: 0, max: 2, entries: [[["meshes", 0, "vertices"], text([0, 0, 0, 1, 10, 0, 4, 20, 0])]] }],
+    });
+    const scene = { meshes: [{ vertices: text([1, 10, 5]) }] };
+    const found = sceneFor(scene, tables, () => 1.5, () => 1) as { meshes: { vertices: Float32Array }[] };
+    expect([...found.meshes[0]!.vertices]).toEqual([2.5, 15, 5]);
+  });
+
   it("refuses damaged sliders", () => {
     expect(() => readLive(null)).toThrow("sliders");
     expect(() => readLive({ controls: [{ name: "m", kind: "mass", min: 0, max: 1 }], tables: [] })).toThrow("damaged");

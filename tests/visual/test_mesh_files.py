@@ -12,7 +12,7 @@ import pytest
 import symbody as sb
 from symbody.errors import EnvironmentFault, FormatError
 from symbody.visual.scene import make_scene
-from symbody.visual.scene.shapes.mesh_files import MOST_TRIANGLES, read_mesh, split_at_edges
+from symbody.visual.scene.shapes.mesh_files import MOST_TRIANGLES, read_meshes, split_at_edges
 
 trimesh = pytest.importorskip("trimesh")
 
@@ -37,7 +37,8 @@ def write_box(path: Path) -> Path:
 def test_stl_in_text(tmp_path: Path) -> None:
     path = tmp_path / "one.stl"
     path.write_text(ASCII)
-    mesh = read_mesh(path)
+    ((mesh, color),) = read_meshes(path)
+    assert color == ""
     assert np.allclose(mesh.vertices.max(axis=0), (1, 2, 0)) and mesh.triangles.shape == (1, 3)
 
 
@@ -45,7 +46,8 @@ def test_stl_in_bytes(tmp_path: Path) -> None:
     path = tmp_path / "one.STL"
     facet = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0)
     path.write_bytes(b"\0" * 80 + struct.pack("<I", 1) + facet)
-    assert np.allclose(read_mesh(path).vertices.max(axis=0), (1, 2, 0))
+    ((mesh, _),) = read_meshes(path)
+    assert np.allclose(mesh.vertices.max(axis=0), (1, 2, 0))
 
 
 @pytest.mark.filterwarnings("ignore:Setting the shape on a NumPy array:DeprecationWarning")  # in pycollada
@@ -61,7 +63,7 @@ def test_formats(suffix: str, tmp_path: Path) -> None:
         path = tmp_path / next(name for name in files if name.endswith(".gltf"))
     else:
         write_box(path)
-    mesh = read_mesh(path)
+    ((mesh, _),) = read_meshes(path)
     assert np.allclose(np.ptp(mesh.vertices, axis=0), (1, 2, 3)) and len(mesh.triangles) == 12
     corners = mesh.vertices[mesh.triangles]
     volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
@@ -72,9 +74,29 @@ def test_formats(suffix: str, tmp_path: Path) -> None:
 def test_large_meshes_are_made_coarser(tmp_path: Path) -> None:
     pytest.importorskip("fast_simplification")
     trimesh.creation.icosphere(subdivisions=6).export(tmp_path / "ball.stl")
-    mesh = read_mesh(tmp_path / "ball.stl")
+    ((mesh, _),) = read_meshes(tmp_path / "ball.stl")
     assert len(mesh.triangles) <= MOST_TRIANGLES
     assert np.allclose(np.linalg.norm(mesh.vertices, axis=1), 1, atol=0.01)
+
+
+def test_parts_keep_the_colours_of_their_materials(tmp_path: Path) -> None:
+    red, blue = ([200, 30, 20, 255], [10, 40, 160, 255])
+    scene = trimesh.Scene()
+    for place, rgba in enumerate((red, blue, red)):
+        box = trimesh.creation.box(
+            (1.0, 1.0, 1.0), transform=trimesh.transformations.translation_matrix((2 * place, 0, 0))
+        )
+        box.visual = trimesh.visual.TextureVisuals(
+            material=trimesh.visual.material.PBRMaterial(baseColorFactor=rgba)
+        )
+        scene.add_geometry(box)
+    scene.export(tmp_path / "boxes.glb")
+    parts = read_meshes(tmp_path / "boxes.glb")
+    assert [(len(mesh.triangles), color) for mesh, color in parts] == [(24, "#c81e14"), (12, "#0a28a0")]
+    drawn = make_scene(arm(tmp_path / "boxes.glb")).bodies[1].solids
+    assert [solid.color for solid in drawn] == ["#c81e14", "#0a28a0"]
+    painted = make_scene(arm(tmp_path / "boxes.glb", color="#ffffff")).bodies[1].solids
+    assert {solid.color for solid in painted} == {"#ffffff"}  # what the model says wins
 
 
 def arm(path: str | Path, **more: object) -> sb.Model:
@@ -110,7 +132,7 @@ def test_a_box_stands_for_what_is_no_mesh(name: str, content: str | None, code: 
     if content is not None:
         path.write_text(content)
     with pytest.raises(FormatError) as caught:
-        read_mesh(path)
+        read_meshes(path)
     assert [problem.code for problem in caught.value.problems] == [code]
     scene = make_scene(arm(path))
     assert scene.bodies[1].solids[0].kind == "box"
@@ -128,7 +150,7 @@ def test_without_the_package_the_cure_is_named(tmp_path: Path, monkeypatch: pyte
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(EnvironmentFault, match=r"symbody\[meshes\]"):
-        read_mesh(path)
+        read_meshes(path)
     assert "symbody[meshes]" in make_scene(arm(path)).notes[0]
 
 

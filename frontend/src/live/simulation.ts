@@ -1,6 +1,6 @@
 /** The simulation that a page holds, as `symbody.simulation.programs` writes it, and what the page adds to it. */
 
-import { DataError, type Motion } from "../viewer";
+import { DataError, Reader, type Motion } from "../viewer";
 
 export interface Simulation {
   readonly time: number;
@@ -44,12 +44,16 @@ export interface Control {
   readonly unit: string;
 }
 
-/** Numbers of the scene, by their way in it, at equal distances of a parameter. */
+/** Numbers of the scene, by their way in it, at equal distances of a parameter; of a mesh all corners, distance by distance. */
 export interface SceneTable {
   readonly parameter: string;
   readonly min: number;
   readonly max: number;
-  readonly entries: readonly (readonly [readonly (string | number)[], readonly number[]])[];
+  readonly entries: readonly (readonly [way: readonly (string | number)[], values: readonly number[] | Float32Array])[];
+}
+
+interface WrittenTable extends Omit<SceneTable, "entries"> {
+  readonly entries: readonly (readonly [readonly (string | number)[], readonly number[] | string])[];
 }
 
 export interface LiveData {
@@ -67,7 +71,14 @@ export function readLive(value: unknown): LiveData {
       throw new DataError("live.controls", "is damaged");
     }
   }
-  return { controls: controls as Control[], tables: tables as SceneTable[] };
+  return { controls: controls as Control[], tables: (tables as WrittenTable[]).map(readTable) };
+}
+
+function readTable({ entries, ...table }: WrittenTable): SceneTable {
+  return {
+    ...table,
+    entries: entries.map(([way, values]) => [way, typeof values === "string" ? new Reader(values, "live.tables").floats() : values]),
+  };
 }
 
 /** Return JSON of a scene with the numbers that parameters change: those of each table add up. */
@@ -75,19 +86,28 @@ export function sceneFor(base: unknown, tables: readonly SceneTable[], value: (p
   const scene = structuredClone(base);
   for (const table of tables) {
     for (const [way, values] of table.entries) {
-      const change = tabulated(table, values, value(table.parameter)) - tabulated(table, values, first(table.parameter));
-      const holder = way.slice(0, -1).reduce<unknown>((each, key) => (each as Record<string | number, unknown>)[key], scene) as Record<string | number, number>;
+      const change = (number: number, width: number): number =>
+        tabulated(table, values, value(table.parameter), number, width) - tabulated(table, values, first(table.parameter), number, width);
+      const holder = way.slice(0, -1).reduce<unknown>((each, key) => (each as Record<string | number, unknown>)[key], scene) as Record<string | number, unknown>;
       const key = way[way.length - 1]!;
-      holder[key] = holder[key]! + change;
+      const before = holder[key];
+      if (typeof before === "number") holder[key] = before + change(0, 1);
+      else {
+        const corners = new Reader(before, way.join(".")).floats();
+        holder[key] = corners.map((each, number) => each + change(number, corners.length));
+      }
     }
   }
   return scene;
 }
 
-function tabulated({ min, max }: SceneTable, values: readonly number[], x: number): number {
-  const place = Math.min(Math.max((x - min) / (max - min), 0), 1) * (values.length - 1);
-  const before = Math.min(Math.floor(place), values.length - 2);
-  return values[before]! + (place - before) * (values[before + 1]! - values[before]!);
+/** Return one of `width` numbers that stand side by side in a table, at a value of its parameter. */
+function tabulated({ min, max }: SceneTable, values: readonly number[] | Float32Array, x: number, number: number, width: number): number {
+  const count = values.length / width;
+  const place = Math.min(Math.max((x - min) / (max - min), 0), 1) * (count - 1);
+  const row = Math.min(Math.floor(place), count - 2);
+  const [before, after] = [values[row * width + number]!, values[(row + 1) * width + number]!];
+  return before + (place - row) * (after - before);
 }
 
 /** Return quaternions (4 each, scalar first) of rotation matrices (9 each, by rows). */

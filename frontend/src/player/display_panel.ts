@@ -19,7 +19,7 @@ export function displayPanel(settings: Settings, scene: Scene, source: StateSour
     check(settings, "labels", "Names", "labels"),
     check(settings, "frames", "Frames", "frames"),
     check(settings, "joints", "Joints", "joints"),
-    check(settings, "grid", "Grid", "grid"),
+    check(settings, "grid", "Ground", "grid"),
     ...(scene.gravity === null ? [] : [check(settings, "gravity", "Gravity")]),
   ];
   const arrows = [

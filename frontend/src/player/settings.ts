@@ -7,7 +7,7 @@ export interface SettingValues {
   /** "auto": against the normal of a planar mechanism, else isometric. */
   view: "auto" | ViewName;
   parallel: boolean;
-  /** Whether the camera goes with the selected body, or with a mechanism that goes far. */
+  /** Whether the camera goes with the selected body or, with none selected, with the centre of mass. */
   follow: boolean;
   look: Look;
   frames: boolean;

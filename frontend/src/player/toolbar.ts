@@ -33,15 +33,20 @@ export function createToolbar(
   run: (command: Command) => void,
 ): Toolbar {
   const { settings } = player;
-  const views = new Popover("views", "Views", viewButtons(run), cameraBox(player, "parallel", "Without perspective"), cameraBox(player, "follow", "Go with what moves"));
+  const views = new Popover("views", "Views", viewButtons(run), cameraBox(player, "parallel", "Parallel projection"));
   const display = new Popover("display", "What is shown", ...displayPanel(settings, scene, source));
   const popovers = player.viewer === null ? [] : [views, display];
   const curves = iconButton("curves", "Curves", "C", () => { run("curves"); });
   settings.follow((name) => {
     if (name === "curves") curves.setAttribute("aria-pressed", String(settings.values.curves));
   });
+  const track = iconButton("track", "Track", "W", () => { run("follow"); });
+  track.title = "The camera goes with the selected body, or with the whole mechanism (W)";
+  settings.follow((name) => {
+    if (name === "follow") track.setAttribute("aria-pressed", String(settings.values.follow));
+  });
   const buttons = [
-    ...(player.viewer === null ? [] : [iconButton("fit", "Show all", "F", () => { run("fit"); })]),
+    ...(player.viewer === null ? [] : [iconButton("fit", "Show all", "F", () => { run("fit"); }), track]),
     ...popovers.map((each) => each.button),
     ...(player.curves === null ? [] : [curves]),
     ...(player.viewer === null ? [] : [iconButton("camera", "Save a picture", "", () => { player.savePicture(); })]),
@@ -71,7 +76,7 @@ function viewButtons(run: (command: Command) => void): HTMLElement {
   return create("div", { class: "sb-views" }, ...buttons);
 }
 
-function cameraBox({ settings }: Parts, setting: "parallel" | "follow", label: string): HTMLElement {
+function cameraBox({ settings }: Parts, setting: "parallel", label: string): HTMLElement {
   const box = create("input", { type: "checkbox" });
   box.addEventListener("change", () => { settings.set(setting, box.checked); });
   settings.follow((name) => {

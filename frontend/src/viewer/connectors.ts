@@ -39,6 +39,7 @@ export class Connectors implements Layer {
       return createPart(connector, material, store, down, scene.size, shortest[index] ?? 0);
     });
     for (const part of this.parts) this.object.add(...part.meshes);
+    this.object.traverse((each) => { each.castShadow = true; });
   }
 
   update(instant: Instant): void {

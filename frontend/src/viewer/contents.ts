@@ -5,7 +5,7 @@ import { VectorArrows } from "./arrows";
 import { BodyLines } from "./body_lines";
 import { Connectors } from "./connectors";
 import type { Scene } from "./contract";
-import { GroundGrid } from "./ground";
+import { Ground } from "./ground";
 import type { Counts, Instant, Layer } from "./layer";
 import { FrameAxes, JointMarks } from "./marks";
 import { centreOf, motionExtent, shortestLengths, visitStates, type Extent } from "./paths";
@@ -24,7 +24,7 @@ export class Contents {
   readonly axes: FrameAxes;
   readonly joints: JointMarks;
   readonly traces: Traces;
-  readonly grid: GroundGrid;
+  readonly ground: Ground;
   readonly layers: readonly Layer[];
   /** Where a mechanism that goes far begins. */
   readonly first = new Vector3();
@@ -46,8 +46,8 @@ export class Contents {
     this.axes = new FrameAxes(scene, this.store);
     this.joints = new JointMarks(scene, this.store);
     this.traces = new Traces(scene, source, counts);
-    this.grid = new GroundGrid(scene, this.extent.box);
-    this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
+    this.ground = new Ground(scene, this.extent.box);
+    this.layers = [this.ground, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
     this.store.tidy();
   }
 

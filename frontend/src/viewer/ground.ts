@@ -1,6 +1,6 @@
-/** A grid that fades into the distance, under the mechanism or behind a planar one. */
+/** The ground: a floor with a grid that fades into the distance, under the mechanism or behind a planar one, and its shadows. */
 
-import { Color, DoubleSide, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, Vector3, type Box3 } from "three";
+import { Color, DoubleSide, Group, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, ShadowMaterial, Vector3, type Box3 } from "three";
 import { roundDown } from "./arrow_scale";
 import type { Scene } from "./contract";
 import type { Layer } from "./layer";
@@ -15,7 +15,9 @@ void main() {
 
 const FRAGMENT = `
 uniform vec3 color;
+uniform vec3 floor_;
 uniform float opacity;
+uniform float cover;
 uniform float step_;
 uniform float reach;
 uniform vec2 offset;
@@ -30,15 +32,19 @@ void main() {
   vec2 at = (place + offset) / step_;
   float strength = max(0.45 * lines(at, 1.1), lines(at / 5.0, 1.4));
   float fade = 1.0 - smoothstep(0.25, 1.0, length(place) / reach);
-  gl_FragColor = vec4(color, opacity * strength * fade);
+  float line = opacity * strength;
+  float alpha = line + cover * (1.0 - line);
+  gl_FragColor = vec4((color * line + floor_ * cover * (1.0 - line)) / max(alpha, 1e-4), alpha * fade);
   if (gl_FragColor.a < 0.004) discard;
   #include <colorspace_fragment>
 }`;
 
-/** The distance between lines [m], and the grid itself. */
-export class GroundGrid implements Layer {
-  readonly object: Mesh<PlaneGeometry, ShaderMaterial>;
+export class Ground implements Layer {
+  readonly object = new Group();
+  /** The distance between lines of the grid [m]. */
   readonly spacing: number;
+  private readonly floor: Mesh<PlaneGeometry, ShaderMaterial>;
+  private readonly shade: Mesh<PlaneGeometry, ShadowMaterial>;
   private readonly home = new Vector3();
   private readonly homeInPlane = new Vector3();
   private readonly toPlane: Quaternion;
@@ -59,7 +65,9 @@ export class GroundGrid implements Layer {
       fragmentShader: FRAGMENT,
       uniforms: {
         color: { value: new Color() },
+        floor_: { value: new Color() },
         opacity: { value: 0.3 },
+        cover: { value: 0 },
         step_: { value: this.spacing },
         reach: { value: reach },
         offset: { value: [inPlane.x, inPlane.y] },
@@ -68,11 +76,16 @@ export class GroundGrid implements Layer {
       depthWrite: false,
       side: DoubleSide,
     });
-    this.object = new Mesh(new PlaneGeometry(2 * reach, 2 * reach), material);
+    const plane = new PlaneGeometry(2 * reach, 2 * reach);
+    this.floor = new Mesh(plane, material);
+    this.floor.renderOrder = -2;
+    this.shade = new Mesh(plane, new ShadowMaterial({ transparent: true, depthWrite: false, side: DoubleSide }));
+    this.shade.receiveShadow = true;
+    this.shade.renderOrder = -1;
+    for (const each of [this.floor, this.shade]) each.raycast = () => undefined;
+    this.object.add(this.floor, this.shade);
     this.object.position.copy(place);
     this.object.quaternion.copy(turn);
-    this.object.renderOrder = -1;
-    this.object.raycast = () => undefined;
     this.home.copy(place);
     this.homeInPlane.copy(inPlane);
     this.toPlane = turn.clone().invert();
@@ -84,7 +97,7 @@ export class GroundGrid implements Layer {
     const along = gone.clone().addScaledVector(this.level, -gone.dot(this.level));
     this.object.position.addVectors(this.home, along);
     along.applyQuaternion(this.toPlane).add(this.homeInPlane);
-    this.object.material.uniforms["offset"]!.value = [along.x, along.y];
+    this.floor.material.uniforms["offset"]!.value = [along.x, along.y];
   }
 
   update(): void {
@@ -92,14 +105,18 @@ export class GroundGrid implements Layer {
   }
 
   setTheme(theme: Theme): void {
-    const { uniforms } = this.object.material;
+    const { uniforms } = this.floor.material;
     (uniforms["color"]!.value as Color).set(theme.grid);
+    (uniforms["floor_"]!.value as Color).set(theme.ground);
     uniforms["opacity"]!.value = theme.gridOpacity;
+    uniforms["cover"]!.value = theme.groundOpacity;
+    this.shade.material.opacity = theme.shadow;
   }
 
   dispose(): void {
-    this.object.geometry.dispose();
-    this.object.material.dispose();
+    this.floor.geometry.dispose();
+    this.floor.material.dispose();
+    this.shade.material.dispose();
   }
 }
 

@@ -9,7 +9,7 @@ export type * from "./contract";
 export { decodeMotion, decodeScene } from "./decode";
 export type { SceneElement } from "./layer";
 export { bodyColor, BODY_COLORS, VECTOR_COLORS, type ThemeChoice, type ThemeName } from "./palette";
-export { DataError } from "./reader";
+export { DataError, Reader } from "./reader";
 export type { Look } from "./solids";
 export { LiveSource, restPose, sampleBefore, sourceOf, StoredMotion, type LiveState, type Pose, type StateSource } from "./source";
 export { WebGLMissing } from "./stage";

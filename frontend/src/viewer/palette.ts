@@ -16,6 +16,8 @@ export const CONNECTOR_COLORS = {
 } as const;
 
 export const VECTOR_COLORS = { force: "#c62f3b", torque: "#7a3fa0", reaction: "#0a8f8f" } as const;
+/** Edges of solids, and how strongly they are drawn. */
+export const EDGE = { color: "#0e1a28", opacity: 0.45 } as const;
 export const HIGHLIGHT = "#ffe433";
 /** What something comes from, by its name, and how strongly that is shown, from 0 to 1. */
 export type Lights = ReadonlyMap<string, number>;
@@ -34,6 +36,10 @@ export interface Theme {
   readonly name: ThemeName;
   readonly grid: string;
   readonly gridOpacity: number;
+  readonly ground: string;
+  readonly groundOpacity: number;
+  /** How dark shadows are, from 0 to 1. */
+  readonly shadow: number;
   readonly sky: string;
   readonly floor: string;
   readonly light: number;
@@ -42,7 +48,7 @@ export interface Theme {
 }
 
 export const THEMES: Record<ThemeName, Theme> = {
-  light: { name: "light", grid: "#51607a", gridOpacity: 0.22, sky: "#ffffff", floor: "#c9d2de", light: 1, joint: "#1d2733", gravity: "#66758a" },
-  dark: { name: "dark", grid: "#a9bbd6", gridOpacity: 0.17, sky: "#e8f0ff", floor: "#4a5568", light: 0.95, joint: "#f2f6fc", gravity: "#a9b8cc" },
-  contrast: { name: "contrast", grid: "#ffffff", gridOpacity: 0.45, sky: "#ffffff", floor: "#9aa4b2", light: 1.1, joint: "#ffff00", gravity: "#ffffff" },
+  light: { name: "light", grid: "#51607a", gridOpacity: 0.22, ground: "#dfe6ee", groundOpacity: 0.75, shadow: 0.26, sky: "#ffffff", floor: "#c9d2de", light: 1, joint: "#1d2733", gravity: "#66758a" },
+  dark: { name: "dark", grid: "#a9bbd6", gridOpacity: 0.17, ground: "#273140", groundOpacity: 0.75, shadow: 0.5, sky: "#e8f0ff", floor: "#4a5568", light: 0.95, joint: "#f2f6fc", gravity: "#a9b8cc" },
+  contrast: { name: "contrast", grid: "#ffffff", gridOpacity: 0.45, ground: "#000000", groundOpacity: 0, shadow: 0, sky: "#ffffff", floor: "#9aa4b2", light: 1.1, joint: "#ffff00", gravity: "#ffffff" },
 };

@@ -11,7 +11,7 @@ const SAMPLES = 80;
 const MOST_GROUND = 1.8; // a ground that is larger, in parts of what moves, may stick out
 const MOST_POINTS = 24_000; // that a view is fitted to
 const LOOSE: readonly string[] = ["free", "cartesian", "rectangular", "planar"]; // joints that hold nothing in its place
-const FAR = 15; // times its own extent goes a mechanism that the camera follows
+const FAR = 3; // times its own extent: a mechanism that moves farther is followed by the camera
 
 /** Call `visit` with the state at each of the times; the instant is reused. */
 export function visitStates(

@@ -69,8 +69,9 @@ export class Reader {
     }
   }
 
-  /** Single-precision numbers, finite; of `count` if that is given. */
+  /** Single-precision numbers, finite; of `count` if that is given. They may have been decoded before. */
   floats(count?: number): Float32Array {
+    if (this.value instanceof Float32Array) return finite(this.value, this.where);
     return finite(new Float32Array(this.bytes(4, count)), this.where);
   }
 

@@ -3,6 +3,7 @@
 import { Color, DoubleSide, FrontSide, Group, InstancedMesh, Matrix4, MeshStandardMaterial } from "three";
 import type { BufferGeometry } from "three";
 import type { Scene, Solid } from "./contract";
+import { createEdges, edgeMaterial, edgesOf } from "./edges";
 import type { Instant, Layer } from "./layer";
 import { placeMatrix } from "./layer";
 import { bodyColor, HIGHLIGHT, LIGHT, NO_LIGHTS } from "./palette";
@@ -70,7 +71,7 @@ export class GeometryStore {
 
   /** Give all but the meshes of the scene to the next one; what is given is not freed here. */
   private handOver(): Map<string, BufferGeometry> {
-    const given = [...this.geometries].filter(([key]) => !key.startsWith("mesh"));
+    const given = [...this.geometries].filter(([key]) => !/^(edges )?mesh/.test(key));
     for (const [key] of given) this.geometries.delete(key);
     return new Map(given);
   }
@@ -80,6 +81,8 @@ export class Solids implements Layer {
   readonly object = new Group();
   private readonly batches: Batch[] = [];
   private readonly materials = new Map<string, MeshStandardMaterial>();
+  private readonly edges = new Group();
+  private readonly edgeMaterial = edgeMaterial();
 
   /** `copies` of the solids of all bodies from `firstBody` on, their opacities times `fade`. */
   constructor(
@@ -107,6 +110,7 @@ export class Solids implements Layer {
       }
     });
     for (const { solid, entries } of groups.values()) this.batches.push(this.createBatch(solid, entries));
+    this.object.add(this.edges);
     this.paint("", "");
   }
 
@@ -146,6 +150,7 @@ export class Solids implements Layer {
   }
 
   setLook(look: Look): void {
+    this.edges.visible = look !== "wire";
     for (const [key, material] of this.materials) {
       const opacity = Number(key.split("|")[0]) * this.fade * (look === "transparent" ? 0.35 : 1);
       material.wireframe = look === "wire";
@@ -162,6 +167,7 @@ export class Solids implements Layer {
   dispose(): void {
     for (const { mesh } of this.batches) mesh.dispose();
     for (const material of this.materials.values()) material.dispose();
+    this.edgeMaterial.dispose();
     this.object.removeFromParent();
   }
 
@@ -171,14 +177,25 @@ export class Solids implements Layer {
     const mesh = new InstancedMesh(this.store.get(key), material, entries.length * this.copies);
     mesh.frustumCulled = false;
     this.object.add(mesh);
+    if (this.fade === 1 && solid.opacity === 1) this.addDetails(mesh, key);
     return { mesh, entries };
+  }
+
+  /** Shadows and edges, which translucent copies have not. */
+  private addDetails(mesh: Batch["mesh"], key: string): void {
+    mesh.castShadow = mesh.receiveShadow = true;
+    const edges = this.store.made(`edges ${key}`, () => edgesOf(mesh.geometry));
+    if (edges.hasAttribute("position") && edges.getAttribute("position").count > 0) this.edges.add(createEdges(mesh, edges, this.edgeMaterial));
   }
 
   private material(opacity: number, doubleSided: boolean): MeshStandardMaterial {
     const key = `${opacity}|${doubleSided ? "double" : "front"}`;
     const material =
       this.materials.get(key) ??
-      new MeshStandardMaterial({ roughness: 0.5, metalness: 0.05, side: doubleSided ? DoubleSide : FrontSide });
+      new MeshStandardMaterial({
+        roughness: 0.5, metalness: 0.05, side: doubleSided ? DoubleSide : FrontSide, shadowSide: DoubleSide,
+        polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, // edges lie on faces
+      }); // prettier-ignore
     this.materials.set(key, material);
     setOpacity(material, opacity * this.fade);
     return material;

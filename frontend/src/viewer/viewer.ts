@@ -88,7 +88,7 @@ export class Viewer {
   ) {
     this.stage = new Stage(scene.up);
     this.contents = new Contents(scene, source, this.counts);
-    for (const layer of this.contents.layers) this.stage.scene.add(layer.object);
+    this.addContents();
     this.picker = new Picker(scene, this);
     this.firstRebuilt = this.counts.rebuilt;
     host.append(this.stage.canvas);
@@ -143,7 +143,7 @@ export class Viewer {
     this.former = this.contents;
     for (const layer of this.former.layers) layer.object.removeFromParent();
     this.contents = new Contents(scene, source, this.counts, this.former);
-    for (const layer of this.contents.layers) this.stage.scene.add(layer.object);
+    this.addContents();
     this.picker = new Picker(scene, this);
     const labels = new Labels(labelItems(scene, source, this));
     this.labels.element.replaceWith(labels.element);
@@ -181,7 +181,7 @@ export class Viewer {
     this.shown[what] = on;
     this.contents.axes.object.visible = this.shown.frames;
     this.joints.object.visible = this.shown.joints;
-    this.contents.grid.object.visible = this.shown.grid;
+    this.contents.ground.object.visible = this.shown.grid;
     for (const group of ["force", "torque", "reaction"] as const) this.arrows.shown[group] = this.shown[group];
     this.setTime(this.instant.time);
   }
@@ -344,12 +344,17 @@ export class Viewer {
     this.stage.dispose();
   }
 
-  /** Let the camera go with a mechanism that goes far, else look at the selected body and go with it, or stay. */
+  /** Let the camera go with a mechanism that goes far; else look at the selected body or the centre of mass, and go with it. */
   setFollow(follow: boolean): void {
     this.followed = follow;
-    if (!follow || this.selected === null || this.roams) return;
+    if (!follow || this.roams) return;
     this.followedTo.copy(this.rig.controls.target);
-    this.goWith(this.selected.body);
+    this.goWith();
+  }
+
+  private addContents(): void {
+    for (const layer of this.contents.layers) this.stage.scene.add(layer.object);
+    this.stage.setSun(this.scene, this.contents.extent.box);
   }
 
   private goOn(): void {
@@ -357,14 +362,16 @@ export class Viewer {
     if (this.roams) {
       centreOf(this.scene, this.instant.matrices, this.here).sub(this.contents.first);
       this.rig.carry(this.here);
-      this.contents.grid.carry(this.here);
-    } else if (this.selected !== null) {
-      this.goWith(this.selected.body);
+      this.contents.ground.carry(this.here);
+      this.stage.carry(this.here);
+    } else {
+      this.goWith();
     }
   }
 
-  private goWith(body: number): void {
-    this.bodyPosition(body, this.here);
+  private goWith(): void {
+    if (this.selected === null) centreOf(this.scene, this.instant.matrices, this.here);
+    else this.bodyPosition(this.selected.body, this.here);
     this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
     this.followedTo.copy(this.here);
   }

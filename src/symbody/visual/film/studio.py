@@ -34,7 +34,7 @@ _MARGIN: Final = 44.0  # points around the mechanism
 _SMALL_MARGIN: Final = 0.13  # of the picture, where it is small
 
 _LOOSE: Final = ("free", "cartesian", "rectangular", "planar")  # joints that hold nothing in its place
-_FAR: Final = 15.0  # times its own extent goes a mechanism that is followed
+_FAR: Final = 3.0  # times its own extent goes a mechanism that is followed
 
 
 @dataclass(frozen=True, slots=True)

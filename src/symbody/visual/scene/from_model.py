@@ -62,7 +62,7 @@ from symbody.visual.scene.shapes.patches import (
 )
 from symbody.visual.scene.shapes.user_shapes import user_shapes
 from symbody.visual.scene.shapes.wheels import knife_shapes, rolling_shapes
-from symbody.visual.scene.view import gravity_of, plane_normal, up_direction
+from symbody.visual.scene.view import facing_normal, gravity_of, plane_normal, up_direction
 
 _NOTHING: Mapping[str, float] = MappingProxyType({})
 
@@ -106,7 +106,7 @@ def draw_scene(basis: SceneBasis) -> Scene:
         name=model.name,
         size=float(basis.size),
         up=as_point(up),
-        normal=None if normal is None else as_point(normal),
+        normal=None if normal is None else as_point(facing_normal(normal, up)),
         gravity=None if gravity is None else as_point(gravity),
         bodies=_bodies(basis, solids),
         connectors=tuple(_connectors(basis)),

@@ -52,6 +52,13 @@ def up_direction(gravity: Floats | None, normal: Floats | None) -> Floats:
     return candidates[-1]
 
 
+def facing_normal(normal: Floats, up: Floats) -> Floats:
+    """Return the normal or its opposite: seen against it, ground's x, or else y, runs to the right."""
+    right = np.cross(up, normal)
+    side = right[0] if abs(right[0]) > _ACROSS else right[1]
+    return normal if side > 0.0 else -normal
+
+
 def seen_along(scene: Scene, motion: SceneMotion) -> Scene:
     """Return a scene of bodies without joints that move in a plane as one that is seen along its normal."""
     if scene.joints or scene.normal is not None or not motion.positions.size:
@@ -61,10 +68,9 @@ def seen_along(scene: Scene, motion: SceneMotion) -> Scene:
     for k in (2, 1, 0):
         others = [j for j in range(3) if j != k]
         if reach[k] <= _ACROSS * scene.size and turns[others].max() <= _ACROSS and reach.max() > 0.0:
-            normal = np.eye(3)[k]
             gravity = None if scene.gravity is None else np.array(scene.gravity)
-            up = up_direction(gravity, normal)
-            return replace(scene, normal=as_point(normal), up=as_point(up))
+            up = up_direction(gravity, np.eye(3)[k])
+            return replace(scene, normal=as_point(facing_normal(np.eye(3)[k], up)), up=as_point(up))
     return scene
 
 

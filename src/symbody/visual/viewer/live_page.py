@@ -33,6 +33,7 @@ from symbody.simulation.programs.motion_request import MotionRequest, branch_pro
 from symbody.simulation.simulate import simulate
 from symbody.visual.scene import coordinate_courses, make_motion, make_scene, scene_to_json
 from symbody.visual.scene.body_poses import chain_of
+from symbody.visual.scene.json_form import encode_array
 from symbody.visual.scene.scene import Scene
 from symbody.visual.viewer.page import PageData, fill_page, page_data
 from symbody.visual.viewer.still import run_of_state
@@ -285,13 +286,27 @@ def _scene_tables(
         if control.kind != "parameter":
             continue
         places = np.linspace(control.min, control.max, _TABLE)
-        scenes = [
-            scene_to_json(make_scene(model, {**values, control.name: float(place)}, courses))
-            for place in places
-        ]
-        entries = [[list(way), numbers] for way, numbers in _differences((), scenes)]
+        scenes = [make_scene(model, {**values, control.name: float(place)}, courses) for place in places]
+        forms = [scene_to_json(replace(scene, meshes=())) for scene in scenes]
+        entries: list[list[Any]] = [[list(way), numbers] for way, numbers in _differences((), forms)]
+        entries += _mesh_changes(scenes)
         if entries:
             yield {"parameter": control.name, "min": control.min, "max": control.max, "entries": entries}
+
+
+def _mesh_changes(scenes: Sequence[Scene]) -> list[list[Any]]:
+    """Return the ways to the corners of meshes that change, and these corners, one scene after the other."""
+    if len({len(scene.meshes) for scene in scenes}) > 1:
+        return []
+    changes: list[list[Any]] = []
+    for place, meshes in enumerate(zip(*(scene.meshes for scene in scenes), strict=True)):
+        first = meshes[0]
+        alike = all(np.array_equal(mesh.triangles, first.triangles) for mesh in meshes)
+        if not alike or any(mesh.vertices.shape != first.vertices.shape for mesh in meshes):
+            continue
+        if any(not np.array_equal(mesh.vertices, first.vertices) for mesh in meshes):
+            changes.append([["meshes", place, "vertices"], encode_array([mesh.vertices for mesh in meshes])])
+    return changes
 
 
 def _differences(way: tuple[Any, ...], items: Sequence[Any]) -> Iterator[tuple[tuple[Any, ...], list[float]]]:

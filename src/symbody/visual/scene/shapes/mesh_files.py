@@ -23,8 +23,11 @@ _LARGE: Final = 10.0  # the part of a mesh that a flat face has at least to stay
 _LARGEST_FILE: Final = 200_000_000
 
 
-def read_mesh(path: Path) -> SceneMesh:
-    """Return the triangles of a file, in metres where the file has a unit, vertices that coincide as one.
+def read_meshes(path: Path) -> list[tuple[SceneMesh, str]]:
+    """Return the triangles of a file with their colours, a mesh for each colour, in the order of the file.
+
+    Lengths are in metres where the file has a unit; vertices that coincide are one. The colour is
+    ``"#rrggbb"``, empty where the file gives none.
 
     Raises
     ------
@@ -42,10 +45,19 @@ def read_mesh(path: Path) -> SceneMesh:
         )  # fmt: skip
     _check_file(path, where)
     trimesh = _trimesh(where, suffix)
-    mesh = _load(trimesh, where)
-    if len(mesh.faces) > MOST_TRIANGLES:
-        mesh = _coarser(mesh)
-    return split_at_edges(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64))
+    parts = _load(trimesh, where)
+    share = MOST_TRIANGLES / sum(len(mesh.faces) for mesh, _ in parts)
+    if share < 1.0:
+        parts = [(_coarser(mesh, share), color) for mesh, color in parts]
+    return [
+        (
+            split_at_edges(
+                np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
+            ),
+            color,
+        )
+        for mesh, color in parts
+    ]
 
 
 def split_at_edges(vertices: Floats, triangles: NDArray[np.int64]) -> SceneMesh:
@@ -106,10 +118,10 @@ def _trimesh(where: str, suffix: str) -> Any:
     return trimesh
 
 
-def _coarser(mesh: Any) -> Any:
-    """Return a mesh with few enough triangles, or the same if the package that does it is not installed."""
+def _coarser(mesh: Any, share: float) -> Any:
+    """Return a mesh with a share of its triangles; without the package that does it, all of them."""
     try:
-        return mesh.simplify_quadric_decimation(face_count=MOST_TRIANGLES)
+        return mesh.simplify_quadric_decimation(face_count=max(int(share * len(mesh.faces)), 4))
     except (ImportError, ModuleNotFoundError):
         return mesh
 
@@ -131,14 +143,20 @@ def _check_file(path: Path, where: str) -> None:
         )  # fmt: skip
 
 
-def _load(trimesh: Any, where: str) -> Any:
-    """Return the mesh of a file as trimesh holds it, in metres."""
+def _load(trimesh: Any, where: str) -> list[tuple[Any, str]]:
+    """Return the meshes of a file as trimesh holds them, in metres, one for each colour."""
     try:
-        mesh = trimesh.load(where, force="mesh", process=True)
-        if mesh.units is not None:
-            mesh.apply_scale(trimesh.units.unit_conversion(mesh.units, "meters"))
-        mesh.merge_vertices()
-        is_good = len(mesh.faces) > 0 and bool(np.all(np.isfinite(mesh.vertices)))
+        scene = trimesh.load_scene(where, process=True)
+        scale = 1.0 if scene.units is None else trimesh.units.unit_conversion(scene.units, "meters")
+        groups: dict[str, list[Any]] = {}
+        for mesh in scene.dump():
+            if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
+                groups.setdefault(_color_of(mesh), []).append(mesh)
+        parts = [(trimesh.util.concatenate(meshes), color) for color, meshes in groups.items()]
+        for mesh, _ in parts:
+            mesh.apply_scale(scale)
+            mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        is_good = bool(parts) and all(bool(np.all(np.isfinite(mesh.vertices))) for mesh, _ in parts)
     except Exception as error:  # readers of its formats raise whatever comes
         raise FormatError(
             Problem("scene.mesh_unreadable", where, "the file cannot be read as a mesh",
@@ -149,4 +167,16 @@ def _load(trimesh: Any, where: str) -> Any:
             Problem("scene.mesh_empty", where, "the file has no triangles, or some that are not finite", "",
                     "export it anew, with its surfaces")
         )  # fmt: skip
-    return mesh
+    return parts
+
+
+def _color_of(mesh: Any) -> str:
+    """Return the colour of a mesh's material or, if it has one, of all its faces; empty without."""
+    kind = mesh.visual.kind
+    if kind == "texture":
+        rgba = mesh.visual.material.main_color
+    elif kind in ("face", "vertex"):
+        rgba = mesh.visual.main_color
+    else:
+        return ""
+    return "#" + "".join(f"{int(share):02x}" for share in rgba[:3])
