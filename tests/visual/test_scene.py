@@ -339,3 +339,18 @@ def test_points_of_a_surface_fulfil_its_equation() -> None:
     )
     _, uses = np.unique(edges, axis=0, return_counts=True)
     assert np.all(uses == 2)  # closed
+
+
+@pytest.mark.parametrize("plane", ["x", "y", "z"])
+@pytest.mark.parametrize("upwards", ["x", "y", "z"])
+def test_a_planar_mechanism_is_seen_with_an_axis_to_the_right(plane: str, upwards: str) -> None:
+    if plane == upwards:
+        pytest.skip("gravity across the plane")
+    gravity = tuple(-9.81 * (axis == upwards) for axis in "xyz")
+    rod = sb.Body("Rod", 1, (0.1, 0.1, 0.1), frames={"end": sb.Frame(at=(0.5, 0.5, 0.5))})
+    scene = make_scene(
+        sb.Model("m", [rod, sb.Revolute("pin", "ground", "Rod.end", axis=plane)], gravity=gravity)
+    )
+    assert scene.normal is not None
+    right = np.cross(scene.up, scene.normal)
+    assert np.allclose(np.abs(right).max(), 1) and right.max() > 0.99

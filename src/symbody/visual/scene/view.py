@@ -53,10 +53,10 @@ def up_direction(gravity: Floats | None, normal: Floats | None) -> Floats:
 
 
 def facing_normal(normal: Floats, up: Floats) -> Floats:
-    """Return the normal or its opposite: seen against it, ground's x, or else y, runs to the right."""
+    """Return the normal or its opposite: seen against it, ground's x, else y, else z runs to the right."""
     right = np.cross(up, normal)
-    side = right[0] if abs(right[0]) > _ACROSS else right[1]
-    return normal if side > 0.0 else -normal
+    across = next(share for share in right if abs(share) > _ACROSS)
+    return normal if across > 0.0 else -normal
 
 
 def seen_along(scene: Scene, motion: SceneMotion) -> Scene:
