@@ -104,7 +104,7 @@ static int try_assembly(Motion *m, const double *x, const double *p, const int *
         if (SB_IS_CLOSED) {
             double *A = m->pool + SB_ASSEMBLY;
             for (i = 0; i < SB_U + SB_Q; i++) A[(int)A[SB_HELD] + i] = is_given[i] && sb_is_held[i] ? 1.0 : 0.0;
-            if (symbody_assemble(SB_ASSEMBLY_FUNCTION, A, clock_of(m), m->x) != 0) return 0;
+            if (symbody_close_state(SB_ASSEMBLY_FUNCTION, A, clock_of(m), m->x) != 0) return 0;
         }
     }
     for (i = 0; i < SB_X; i++)
