@@ -23,12 +23,16 @@ CURE: Final = (
 
 
 def solve_speeds(
-    evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
+    evaluator: ConstraintEvaluator,
+    q: Floats,
+    fixed: Mapping[str, float],
+    guess: Mapping[str, float],
+    near: Floats | None = None,
 ) -> Floats:
-    """Return u with ``J u + b = 0`` and the fixed rates; all others come near their guess, else near rest.
+    """Return u with ``J u + b = 0`` and the fixed rates, nearest to speeds `near` (n_u,), by default to rest.
 
-    Rates with a guess, also those of cut joints, take it in the order of the guesses, as far as it is still
-    free. The others have the least kinetic energy: see `nearest_speeds`.
+    Rates with a guess, also those of cut joints, take it in the order of the guesses, as far as they are
+    still free. The change of all others has the least kinetic energy: see `nearest_speeds`.
 
     Raises
     ------
@@ -38,10 +42,16 @@ def solve_speeds(
     """
     eqs = evaluator.eqs
     if evaluator.is_tree and eqs.formed.elimination is None and {*fixed, *guess} <= {*eqs.speed_names}:
-        return np.array([fixed.get(name, guess.get(name, 0.0)) for name in eqs.speed_names])
+        rest = (
+            dict.fromkeys(eqs.speed_names, 0.0)
+            if near is None
+            else dict(zip(eqs.speed_names, near, strict=True))
+        )
+        return np.array([*({**rest, **guess, **fixed}.values())])
     check_pivots(evaluator, q)
     rows, right = _conditions(evaluator, q, fixed)
-    if not (fixed or right.any() or any(guess.values())) and guess.keys() <= {*evaluator.eqs.speed_names}:
+    is_still = near is None and not (fixed or right.any() or any(guess.values()))
+    if is_still and guess.keys() <= {*evaluator.eqs.speed_names}:
         return np.zeros(len(evaluator.eqs.speed_names))  # at rest
     if not _fulfils(evaluator, least_solution(rows, right), rows, right):
         raise AssemblyError(_conflict(evaluator, q, fixed))
@@ -55,24 +65,9 @@ def solve_speeds(
             rows = np.vstack([rows, row])
             right = np.concatenate([right, target])
             basis = np.vstack([basis, _project_out(basis, left / distance)])
-    return nearest_speeds(evaluator, q, (rows, right), np.zeros(len(eqs.speed_names)))
-
-
-def close_speeds(
-    evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float], near: Floats
-) -> Floats:
-    """Return u with ``J u + b = 0`` and the fixed rates, nearest to speeds (n_u,): see `nearest_speeds`.
-
-    Raises
-    ------
-    AssemblyError
-        As `solve_speeds`.
-    """
-    check_pivots(evaluator, q)
-    rows, right = _conditions(evaluator, q, fixed)
-    if not _fulfils(evaluator, least_solution(rows, right), rows, right):
-        raise AssemblyError(_conflict(evaluator, q, fixed))
-    return nearest_speeds(evaluator, q, (rows, right), near)
+    return nearest_speeds(
+        evaluator, q, (rows, right), np.zeros(len(eqs.speed_names)) if near is None else near
+    )
 
 
 def nearest_speeds(

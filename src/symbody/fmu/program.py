@@ -23,7 +23,7 @@ from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, ma
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
 from symbody.simulation.native.blocks import make_block
-from symbody.simulation.native.closing import POSED, StateShape, closing_block, metric
+from symbody.simulation.native.closing import POSED, closing_block, metric, state_shape
 from symbody.simulation.native.description import Projector
 from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
 from symbody.simulation.programs.motion_request import PosedMotion
@@ -198,7 +198,7 @@ class FmuProgram:
         eqs, function = self.eqs, self.functions["assembly"]
         own = metric(eqs, self.motion.integration.problem.scales)
         sizes = function.sizes
-        return closing_block(StateShape.of(eqs), own, sizes, function.numbers, self.closing_share)
+        return closing_block(state_shape(eqs), own, sizes, function.numbers, self.closing_share)
 
     @property
     def closing_parameters(self) -> tuple[bool, ...]:

@@ -52,8 +52,8 @@ class Status(Enum):
     )
 
     UNMET_ACTION = (
-        "the action of an event sets what the constraints do not admit: look for its values in the notes, and "
-        "set fewer of them, or such that fit each other"
+        "the action of an event sets what the constraints do not admit: look for its values in the notes, "
+        "and set fewer of them, or such that fit each other"
     )
 
     @property

@@ -275,21 +275,28 @@ def _all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[st
     return given | {name: value for name, value in eqs.model.initial.items() if name not in given}
 
 
-def consistent_start(
-    evaluator: ConstraintEvaluator, fixed: Mapping[str, float], near: Mapping[str, float]
+def close(
+    evaluator: ConstraintEvaluator,
+    held: Mapping[str, float],
+    near: Mapping[str, float],
+    speeds: Floats | None = None,
 ) -> tuple[Floats, Floats]:
-    """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
+    """Return q and u in which all constraints hold, with what is held, nearest to what is near.
+
+    Positions move least in the sizes of `Scales`. Rates that are near take their values in their order, as
+    far as they are still free; the change of all others, from `speeds` (n_u,) or from rest, has the least
+    kinetic energy. `kernels.configurations.closing` computes the same without names.
 
     Raises
     ------
     AssemblyError
         As `assemble`.
     """
-    positions, rates = evaluator.split_values(fixed)
+    positions, rates = evaluator.split_values(held)
     positions, near = unit_quaternions(evaluator.eqs.quaternions, positions, near)
     q = consistent_positions(evaluator, positions, near)
     guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
-    return q, solve_speeds(evaluator, q, rates, guess)
+    return q, solve_speeds(evaluator, q, rates, guess, speeds)
 
 
 def consistent_positions(

@@ -17,7 +17,7 @@ from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.closing import CLOSING, POSED, StateShape, closing_block, metric
+from symbody.simulation.native.closing import CLOSING, POSED, closing_block, metric, state_shape
 from symbody.simulation.native.description import RightHandSide
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -90,7 +90,7 @@ class EventFunctions:
         """Return the block of what closes states with a function."""
         eqs, sizes = self._problem.eqs, [len(output.values) for output in function.outputs]
         own = metric(eqs, self._problem.scales)
-        return closing_block(StateShape.of(eqs), own, sizes, self._numbers(function), self._share)
+        return closing_block(state_shape(eqs), own, sizes, self._numbers(function), self._share)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.

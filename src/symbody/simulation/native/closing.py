@@ -26,12 +26,12 @@ class StateShape(NamedTuple):
     coordinates: int
     quaternions: tuple[int, ...]
 
-    @classmethod
-    def of(cls, eqs: EquationSet) -> StateShape:
-        """Return the shape of the states of equations."""
-        names = eqs.coordinate_names
-        four = (names.index(name) for names_of_one in eqs.quaternions for name in names_of_one)
-        return cls(len(eqs.speed_names), len(names), tuple(four))
+
+def state_shape(eqs: EquationSet) -> StateShape:
+    """Return the shape of the states of equations."""
+    names = eqs.coordinate_names
+    four = (names.index(name) for group in eqs.quaternions for name in group)
+    return StateShape(len(eqs.speed_names), len(names), tuple(four))
 
 
 def metric(eqs: EquationSet, scales: Scales) -> Floats:

@@ -25,7 +25,7 @@ from symbody.kernels import block
 from symbody.kernels.configurations import assembly as assembly_block
 from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.native.closing import CLOSING, StateShape, closing_block, metric
+from symbody.simulation.native.closing import CLOSING, closing_block, metric, state_shape
 from symbody.simulation.programs.motion_request import (
     MotionRequest,
     PosedMotion,
@@ -223,7 +223,7 @@ def _assembly(motion: PosedMotion, function: ProgramFunction) -> Floats:
     """Return the block of `symbody.kernels.configurations.closing`."""
     own = metric(motion.eqs, motion.integration.problem.scales)
     share = residual_share(motion.projection, motion.request.atol)
-    return closing_block(StateShape.of(motion.eqs), own, function.sizes, _call_numbers(function), share)
+    return closing_block(state_shape(motion.eqs), own, function.sizes, _call_numbers(function), share)
 
 
 def _literal(value: Any) -> str:

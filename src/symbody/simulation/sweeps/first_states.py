@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.configurations.assembly import consistent_start
+from symbody.analysis.configurations.assembly import close
 from symbody.analysis.configurations.kept_values import (
     do_values_fit,
     kept_initial_values,
@@ -224,9 +224,7 @@ class _Assembler:
             plain = self._assembly.solve(constants, sizes, fixed, near, self._t)
             if plain is not None:
                 return np.concatenate([plain.u, plain.q])
-        q, u = consistent_start(
-            self._closure(k, sizes), without_signals(eqs, fixed), without_signals(eqs, near)
-        )
+        q, u = close(self._closure(k, sizes), without_signals(eqs, fixed), without_signals(eqs, near))
         signals = [fixed.get(name, near[name]) for name in eqs.signal_state_names]
         return np.array([*u, *q, *signals])
 

@@ -36,7 +36,7 @@ from symbody.simulation.methods.constraints import (
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
-from symbody.simulation.native.closing import CLOSING, POSED, StateShape
+from symbody.simulation.native.closing import CLOSING, POSED, state_shape
 from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.simulation.sweeps.first_states import FirstStates, first_states
@@ -133,7 +133,7 @@ def case_watch(
         closing = bound_function(eqs, CLOSING if outputs else POSED, parameters, free, inputs)
     return CaseWatch(
         values, actions, labels, tuple(event_numbers(eqs, event) for event in events), eqs.state_names,
-        closing, StateShape.of(eqs), share,
+        closing, state_shape(eqs), share,
     )  # fmt: skip
 
 
