@@ -15,6 +15,7 @@ from .constraints import PointOnSurface as PointOnSurface
 from .constraints import RackPinion as RackPinion
 from .constraints import Rolling as Rolling
 from .frame import Frame as Frame
+from .initial import Initial as Initial
 from .joints import Bearing as Bearing
 from .joints import Cartesian as Cartesian
 from .joints import ConstantVelocity as ConstantVelocity

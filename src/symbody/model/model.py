@@ -23,6 +23,7 @@ from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.frame_index import element_labels, include_bodies
 from symbody.model.frozen_mapping import FrozenMapping
+from symbody.model.initial import Initial, read_initial
 from symbody.model.joint import Joint
 from symbody.model.parameters import dependence_order, parameter_values, resolve
 from symbody.model.parts.expansion import add_parts
@@ -69,7 +70,7 @@ class Model(Displayed):
         Formulas may contain other parameters, in any order; None: declared without value.
     inputs : iterable of str
         Names of quantities given from outside while the mechanism moves.
-    initial : mapping of coordinate, rate or speed to number or formula
+    initial : mapping of coordinate, rate or speed to number, formula or Initial
         Initial values, in SI units and radians.
     ground : mapping of name to Frame
         Frames fixed on the ground.
@@ -80,6 +81,10 @@ class Model(Displayed):
 
     Attributes
     ----------
+    initial : mapping of name to Formula
+        All initial values.
+    held_initial : tuple of str
+        Names of those that hold where loops are closed; the others are guesses.
     bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
     signals : tuple of Signal
@@ -113,6 +118,7 @@ class Model(Displayed):
     parameters: FrozenMapping[Formula | None]
     inputs: tuple[str, ...]
     initial: FrozenMapping[Formula]
+    held_initial: tuple[str, ...]
     ground: FrozenMapping[Frame]
     ground_shapes: tuple[BodyShape, ...]
     bodies: tuple[Body, ...] = field(init=False, compare=False)
@@ -134,7 +140,7 @@ class Model(Displayed):
         gravity: Iterable[Value] = (0, 0, 0),
         parameters: Mapping[str, Value | None] | None = None,
         inputs: Iterable[str] = (),
-        initial: Mapping[str, Value] | None = None,
+        initial: Mapping[str, Value | Initial] | None = None,
         ground: Mapping[str, Frame] | None = None,
         notes: Iterable[str] = (),
         ground_shapes: Iterable[BodyShape] = (),
@@ -143,6 +149,7 @@ class Model(Displayed):
         items = arguments.items(elements, "elements")
         includes = tuple(item for item in items if isinstance(item, Include))
         items = [item for item in items if not isinstance(item, Include)]
+        first_values, held = read_initial(arguments, initial or {})
         draft = Draft(
             elements=_sort_by_kind(include_bodies(_elements(arguments, items))),
             gravity=arguments.triple(gravity, "gravity"),
@@ -155,7 +162,8 @@ class Model(Displayed):
                 arguments.symbol_name(item, f"inputs[{k}]")
                 for k, item in enumerate(arguments.items(inputs, "inputs"))
             ),
-            initial=arguments.table(initial or {}, "initial", arguments.angle),
+            initial=first_values,
+            held_initial=held,
             ground=frame_table(arguments, ground or {}, "ground.frames"),
             ground_shapes=read_shapes(arguments, ground_shapes, "ground.shape"),
         )
@@ -173,6 +181,7 @@ class Model(Displayed):
         object.__setattr__(self, "parameters", draft.parameters)
         object.__setattr__(self, "inputs", draft.inputs)
         object.__setattr__(self, "initial", draft.initial)
+        object.__setattr__(self, "held_initial", draft.held_initial)
         object.__setattr__(self, "ground", draft.ground)
         object.__setattr__(self, "ground_shapes", draft.ground_shapes)
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
@@ -190,6 +199,14 @@ class Model(Displayed):
     def __repr__(self) -> str:
         sizes = f"{number_in_words(len(self.bodies), 'body')}, {number_in_words(len(self.joints), 'joint')}"
         return f"Model({self.name!r}: {sizes})"
+
+    @property
+    def first_values(self) -> dict[str, Formula | Initial]:
+        """Initial values with their priorities, as the constructor takes them."""
+        return {
+            name: Initial(value, "hold") if name in self.held_initial else value
+            for name, value in self.initial.items()
+        }
 
     @property
     def free_joints(self) -> tuple[Joint, ...]:

@@ -56,6 +56,7 @@ class Draft:
     initial: FrozenMapping[Formula]
     ground: FrozenMapping[Frame]
     ground_shapes: tuple[BodyShape, ...]
+    held_initial: tuple[str, ...] = ()
 
     @property
     def bodies(self) -> tuple[Body, ...]:

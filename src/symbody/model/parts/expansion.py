@@ -32,7 +32,7 @@ class PartContent:
 
     Attributes
     ----------
-    parameters, inputs, initial
+    parameters, inputs, initial, held_initial
         Those that the model gets; of shared ones the model's own come first.
     frames, shapes
         On the body that is the ground of the part.
@@ -42,6 +42,7 @@ class PartContent:
     parameters: Mapping[str, Formula | None]
     inputs: tuple[str, ...]
     initial: Mapping[str, Formula]
+    held_initial: tuple[str, ...]
     at: FrameRef
     frames: Mapping[str, Frame]
     shapes: tuple[BodyShape, ...]
@@ -64,6 +65,10 @@ def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]
             parameters=_extend_values(draft.parameters, content.parameters),
             inputs=tuple(dict.fromkeys((*draft.inputs, *content.inputs))),
             initial=_extend_values(draft.initial, content.initial),
+            held_initial=(
+                *draft.held_initial,
+                *(name for name in content.held_initial if name not in draft.initial),
+            ),
             ground=_ground_frames(draft, content),
             ground_shapes=(*draft.ground_shapes, *(content.shapes if content.at.body == GROUND else ())),
         )
@@ -129,6 +134,7 @@ def part_content(
         parameters,
         tuple(renaming.symbol(name) for name in open_inputs),
         {renaming.symbol(name): renaming.formula(value) for name, value in part.initial.items()},
+        tuple(renaming.symbol(name) for name in part.held_initial),
         at,
         frames,
         tuple(shapes),

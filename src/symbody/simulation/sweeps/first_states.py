@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from symbody.analysis.configurations.assembly import close
 from symbody.analysis.configurations.kept_values import (
     do_values_fit,
+    held_initial_values,
     kept_initial_values,
     surplus_initial_values,
 )
@@ -78,6 +79,8 @@ def first_states(
     """
     known_formulas = check_names(eqs, table, guess)
     guessed, fixed = case_values(eqs, table, known_formulas), case_values(eqs, table, table.fixed_initial)
+    held = held_initial_values(eqs, (*fixed, *table.initial_names), guess)
+    fixed |= case_values(eqs, table, held)
     fixed |= {name: table.initial[:, k] for k, name in enumerate(table.initial_names)}
     notes = impossible_cases(eqs, table)
     states = _of_tree(eqs, table.count, guessed, fixed)
