@@ -145,7 +145,7 @@ def _with_free_joints(model: Model) -> tuple[Model, tuple[str, ...]]:
         gravity=model.gravity,
         parameters=model.parameters,
         inputs=model.inputs,
-        initial=model.first_values,
+        initial=model.initial,
         ground=model.ground,
         ground_shapes=model.ground_shapes,
     )

@@ -20,10 +20,10 @@ from symbody.model.constraint import ConstraintElement
 from symbody.model.declarations.arguments import Arguments, Value, plain_value
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.element import Element
+from symbody.model.first_values import FirstValues, Initial, read_initial
 from symbody.model.frame import Frame
 from symbody.model.frame_index import element_labels, include_bodies
 from symbody.model.frozen_mapping import FrozenMapping
-from symbody.model.initial import Initial, read_initial
 from symbody.model.joint import Joint
 from symbody.model.parameters import dependence_order, parameter_values, resolve
 from symbody.model.parts.expansion import add_parts
@@ -117,10 +117,10 @@ class Model(Displayed):
     gravity: Triple
     parameters: FrozenMapping[Formula | None]
     inputs: tuple[str, ...]
-    initial: FrozenMapping[Formula]
-    held_initial: tuple[str, ...]
+    initial: FirstValues
     ground: FrozenMapping[Frame]
     ground_shapes: tuple[BodyShape, ...]
+    held_initial: tuple[str, ...] = field(init=False)
     bodies: tuple[Body, ...] = field(init=False, compare=False)
     joints: tuple[Joint, ...] = field(init=False, compare=False)
     constraints: tuple[ConstraintElement, ...] = field(init=False, compare=False)
@@ -149,7 +149,6 @@ class Model(Displayed):
         items = arguments.items(elements, "elements")
         includes = tuple(item for item in items if isinstance(item, Include))
         items = [item for item in items if not isinstance(item, Include)]
-        first_values, held = read_initial(arguments, initial or {})
         draft = Draft(
             elements=_sort_by_kind(include_bodies(_elements(arguments, items))),
             gravity=arguments.triple(gravity, "gravity"),
@@ -162,8 +161,7 @@ class Model(Displayed):
                 arguments.symbol_name(item, f"inputs[{k}]")
                 for k, item in enumerate(arguments.items(inputs, "inputs"))
             ),
-            initial=first_values,
-            held_initial=held,
+            initial=read_initial(arguments, initial or {}),
             ground=frame_table(arguments, ground or {}, "ground.frames"),
             ground_shapes=read_shapes(arguments, ground_shapes, "ground.shape"),
         )
@@ -181,7 +179,7 @@ class Model(Displayed):
         object.__setattr__(self, "parameters", draft.parameters)
         object.__setattr__(self, "inputs", draft.inputs)
         object.__setattr__(self, "initial", draft.initial)
-        object.__setattr__(self, "held_initial", draft.held_initial)
+        object.__setattr__(self, "held_initial", draft.initial.held)
         object.__setattr__(self, "ground", draft.ground)
         object.__setattr__(self, "ground_shapes", draft.ground_shapes)
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
@@ -199,14 +197,6 @@ class Model(Displayed):
     def __repr__(self) -> str:
         sizes = f"{number_in_words(len(self.bodies), 'body')}, {number_in_words(len(self.joints), 'joint')}"
         return f"Model({self.name!r}: {sizes})"
-
-    @property
-    def first_values(self) -> dict[str, Formula | Initial]:
-        """Initial values with their priorities, as the constructor takes them."""
-        return {
-            name: Initial(value, "hold") if name in self.held_initial else value
-            for name, value in self.initial.items()
-        }
 
     @property
     def free_joints(self) -> tuple[Joint, ...]:

@@ -51,7 +51,7 @@ from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError
 from symbody.expr.parser import parse_angle
 from symbody.model.declarations.arguments import plain_value
-from symbody.model.initial import Initial
+from symbody.model.first_values import Initial
 
 Floats = NDArray[np.float64]
 

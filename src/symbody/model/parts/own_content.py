@@ -72,7 +72,7 @@ def _remove_part(whole: OwnContent, content: PartContent, include: Include) -> O
     shapes = whole.ground_shapes[: len(whole.ground_shapes) - count]
 
     def is_same(name: str) -> bool:
-        priorities = (name in content.held_initial, name in whole.held_initial)
+        priorities = (name in content.initial.held, name in whole.held_initial)
         return content.initial.get(name) == whole.initial[name] and priorities[0] == priorities[1]
 
     gone = {name for name in content.parameters if name not in shared}

@@ -29,7 +29,7 @@ def without_sampling(model: Model) -> Model:
     if problems:
         raise ModelError(*problems)
     return Model(
-        model.name, elements, model.gravity, model.parameters, model.inputs, model.first_values, model.ground,
+        model.name, elements, model.gravity, model.parameters, model.inputs, model.initial, model.ground,
         (), model.ground_shapes,
     )  # fmt: skip
 

@@ -49,7 +49,7 @@ def add_pointer_wrench(eqs: EquationSet) -> tuple[EquationSet, PointerWrench | N
     ]  # fmt: skip
     pulled = Model(
         model.name, [*model.elements, *loads], model.gravity, model.parameters,
-        [*model.inputs, *wrench.names], model.first_values, model.ground, (), model.ground_shapes,
+        [*model.inputs, *wrench.names], model.initial, model.ground, (), model.ground_shapes,
     )  # fmt: skip
     topology = eqs.formed.topology
     dependent = eqs.formed.dependent_names

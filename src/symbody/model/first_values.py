@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -43,17 +43,25 @@ class Initial:
             )  # fmt: skip
 
 
+class FirstValues(FrozenMapping[Formula]):
+    """First values by name, and which of them hold: a model that is made of another's keeps priorities."""
+
+    __slots__ = ("held",)
+
+    def __init__(self, items: Mapping[str, Formula] | None = None, held: Iterable[str] = ()) -> None:
+        super().__init__(items)
+        self.held = tuple(name for name in held if name in self)
+
+
 def _from_table(arguments: Arguments, table: Mapping[str, Any]) -> Initial:
     """Return a first value as a model file writes it."""
     made = arguments.attempt(lambda: Initial(table["value"], table.get("priority", "guess")))
     return Initial(ZERO) if made is None else made
 
 
-def read_initial(
-    arguments: Arguments, values: Mapping[str, Value | Initial]
-) -> tuple[FrozenMapping[Formula], tuple[str, ...]]:
-    """Return the formulas of first values, and the names of those that hold."""
-    held: list[str] = []
+def read_initial(arguments: Arguments, values: Mapping[str, Value | Initial]) -> FirstValues:
+    """Return the formulas of first values, with the names of those that hold."""
+    held: list[str] = [*values.held] if isinstance(values, FirstValues) else []
 
     def read(value: object, path: str) -> Formula:
         if isinstance(value, Mapping) and "value" in value and {*value} <= {"value", "priority"}:
@@ -64,4 +72,4 @@ def read_initial(
             value = value.value
         return arguments.angle(value, path)
 
-    return arguments.table(values, "initial", read), tuple(held)
+    return FirstValues(arguments.table(values, "initial", read), held)
