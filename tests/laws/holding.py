@@ -18,11 +18,11 @@ RATE, PLACE = 0.3, 1e-3  # changes of rates and coordinates, in their sizes
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One action: the state it set, to which value, and the value with which the motion went on."""
+    """One action: the state it set, to which value, and the sample with which the motion went on."""
 
     name: str
     asked: float
-    found: float
+    sample: int
 
 
 def movable(eqs: sb.EquationSet, state: sb.State) -> list[str]:
@@ -40,25 +40,29 @@ def movable(eqs: sb.EquationSet, state: sb.State) -> list[str]:
 
 
 def settings_of(
-    eqs: sb.EquationSet, names: list[str], rounds: int, seed: int
+    eqs: sb.EquationSet, names: list[str], rounds: int, seed: int, start: sb.State | None = None
 ) -> tuple[sb.Trajectory, list[Setting]]:
     """The motion in which each of these states is set in turn, and what became of each."""
-    state = sb.assemble(eqs)
+    state = sb.assemble(eqs) if start is None else start
+    given = {} if start is None else {**state.q, **state.u}
     scales = mechanism_scales(eqs, {}, None, state.q)
-    rates = dict(zip(eqs.speed_names, RATE * scales.displacements(eqs) / scales.time, strict=True))
-    sizes = rates | dict(zip(eqs.coordinate_names, PLACE * scales.coordinates(eqs), strict=True))
+    all_names = (*state.u, *state.q)
+    sizes = dict.fromkeys(all_names, 1.0)
+    sizes |= {name: scales.length for name in all_names if state.eqs.units.get(name) in ("m", "m/s")}
     random = np.random.default_rng(seed)
     changes = [
-        (name, float(random.choice([-1.0, 1.0]) * sizes[name])) for _ in range(rounds) for name in names
-    ]
+        (name, float(random.choice([-1.0, 1.0]) * sizes[name] * (RATE / scales.time if name in state.u else PLACE)))
+        for _ in range(rounds) for name in names
+    ]  # fmt: skip
     step = STEP * scales.time
     events = [
         sb.Event(f"t - {(k + 1) * step!r}", action={name: f"{name} + ({change!r})"}, name=f"{k}")
         for k, (name, change) in enumerate(changes)
     ]
-    run = sb.simulate(eqs, (len(changes) + 1) * step, events=events, integrator=sb.Explicit())
+    first = {name: value for name, value in given.items() if name in eqs.state_names}
+    run = sb.simulate(eqs, (len(changes) + 1) * step, initial=first, events=events, integrator=sb.Explicit())
     found = []
-    for (_, t, before), (name, change) in zip(run.events, changes, strict=False):
+    for (_, t, _), (name, change) in zip(run.events, changes, strict=False):
         sample = int(np.searchsorted(run.t, t, side="right")) - 1  # the one after the action
-        found.append(Setting(name, before[name] + change, float(run[name][sample])))
+        found.append(Setting(name, float(run[name][sample - 1]) + change, sample))
     return run, found
