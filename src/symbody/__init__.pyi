@@ -38,6 +38,7 @@ from .model import Friction as Friction
 from .model import Gimbal as Gimbal
 from .model import Hysteresis as Hysteresis
 from .model import Include as Include
+from .model import Initial as Initial
 from .model import Lookup as Lookup
 from .model import Model as Model
 from .model import PID as PID

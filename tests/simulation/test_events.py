@@ -194,13 +194,12 @@ def test_maps_on_a_closed_loop_leave_it_closed() -> None:
     assert run.velocity_violation.max() < 1e-14
     for _, t, before in run.events:
         k = int(np.searchsorted(run.t, t))
-        # A move of least length in M: the momentum it adds is normal to the motions that the loop allows,
-        # so with v a possible velocity, v M (u+ - u*) = 0, u* being the speeds that the action set.
-        set_to = np.array([before["theta_dot"] / 2, before["beta_dot"], before["s_dot"]])
-        after = run.u[:, k + 1]
-        mass = sb.compile(slider_crank(), "mass_matrix")(t, run.q[:, k + 1], after, [0.0])
-        normal = after @ mass @ (after - set_to)
-        assert abs(normal) < 1e-12 * (after @ mass @ after)
+        # The crank turns half as fast, and of a loop with one freedom all else does: rates are linear in one.
+        set_to = [before[name] / 2 for name in ("theta_dot", "beta_dot", "s_dot")]
+        after = [float(run[name][k + 1]) for name in ("theta_dot", "beta_dot", "s_dot")]
+        assert after[0] == set_to[0]
+        # closed to 1e-10 of lengths and angles before and after, of which rates of some 10 rad/s follow
+        np.testing.assert_allclose(after, set_to, rtol=0, atol=1e-8)
     assert run.energy_drift < 1e-6 * run["kinetic_energy"].max()
 
 

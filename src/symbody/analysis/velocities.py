@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
-from symbody.manifold import least_solution, row_space
+from symbody.kernels.configurations.closing import RESISTED
+from symbody.manifold import least_solution, null_space, row_space
 from symbody.tolerances import ASSEMBLED, RANK
 
 Floats = NDArray[np.float64]
@@ -22,12 +23,16 @@ CURE: Final = (
 
 
 def solve_speeds(
-    evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
+    evaluator: ConstraintEvaluator,
+    q: Floats,
+    fixed: Mapping[str, float],
+    guess: Mapping[str, float],
+    near: Floats | None = None,
 ) -> Floats:
-    """Return u with ``J u + b = 0`` and the fixed rates; independent speeds left take their guess, else 0.
+    """Return u with ``J u + b = 0`` and the fixed rates, nearest to speeds `near` (n_u,), by default to rest.
 
-    Speeds and rates with a guess come first, in the order of the guesses, also those of cut joints; then
-    the other speeds, in their order; eliminated ones too, so that both forms of the equations start alike.
+    Rates with a guess, also those of cut joints, take it in the order of the guesses, as far as they are
+    still free. The change of all others has the least kinetic energy: see `nearest_speeds`.
 
     Raises
     ------
@@ -37,16 +42,22 @@ def solve_speeds(
     """
     eqs = evaluator.eqs
     if evaluator.is_tree and eqs.formed.elimination is None and {*fixed, *guess} <= {*eqs.speed_names}:
-        return np.array([fixed.get(name, guess.get(name, 0.0)) for name in eqs.speed_names])
+        rest = (
+            dict.fromkeys(eqs.speed_names, 0.0)
+            if near is None
+            else dict(zip(eqs.speed_names, near, strict=True))
+        )
+        return np.array([*({**rest, **guess, **fixed}.values())])
     check_pivots(evaluator, q)
     rows, right = _conditions(evaluator, q, fixed)
-    if not (fixed or right.any() or any(guess.values())) and guess.keys() <= {*evaluator.eqs.speed_names}:
+    is_still = near is None and not (fixed or right.any() or any(guess.values()))
+    if is_still and guess.keys() <= {*evaluator.eqs.speed_names}:
         return np.zeros(len(evaluator.eqs.speed_names))  # at rest
     if not _fulfils(evaluator, least_solution(rows, right), rows, right):
         raise AssemblyError(_conflict(evaluator, q, fixed))
     basis = row_space(rows)
-    for name in dict.fromkeys([*evaluator.split_values(guess)[1], *evaluator.all_speeds]):
-        condition, value = evaluator.speed_row(q, name, guess.get(name, 0.0))
+    for name, value_near in evaluator.split_values(guess)[1].items():
+        condition, value = evaluator.speed_row(q, name, value_near)
         row, target = _scale_conditions(evaluator, condition[np.newaxis, :], np.array([value]))
         left = _project_out(basis, row[0])
         distance = float(np.linalg.norm(left))
@@ -54,7 +65,31 @@ def solve_speeds(
             rows = np.vstack([rows, row])
             right = np.concatenate([right, target])
             basis = np.vstack([basis, _project_out(basis, left / distance)])
-    return least_solution(rows, right) * evaluator.speed_sizes
+    return nearest_speeds(
+        evaluator, q, (rows, right), np.zeros(len(eqs.speed_names)) if near is None else near
+    )
+
+
+def nearest_speeds(
+    evaluator: ConstraintEvaluator, q: Floats, conditions: tuple[Floats, Floats], near: Floats
+) -> Floats:
+    """Return u that fulfils conditions ``A v = b``, v the speeds over their sizes, and is nearest to others.
+
+    Speeds that the conditions determine have no part in the measure. Of all else the change has the least
+    kinetic energy, and where no inertia resists it the least sum of squares over sizes: what
+    `kernels.configurations.closing` computes.
+    """
+    rows, right = conditions
+    sizes = evaluator.speed_sizes
+    change = least_solution(rows, right - rows @ (near / sizes))
+    free = null_space(rows, RANK)
+    if free.shape[1] and change.any():
+        own = np.abs(free).max(axis=1) > RANK
+        mass = evaluator.compile("mass_matrix")(evaluator.t, q, np.zeros(sizes.size), s=evaluator.signals)
+        momenta = (mass * np.outer(sizes, sizes) * np.outer(own, own)) @ free
+        if np.isfinite(momenta).all():
+            change = change - free @ least_solution(free.T @ momenta, momenta.T @ change, RESISTED)
+    return np.asarray(near + change * sizes)
 
 
 def _conditions(

@@ -29,10 +29,10 @@ from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Project
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.native.closing import CLOSING
 from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
-ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
 RTOL: Final = 1e-8
 RTOL_2: Final = 1e-5  # of a method of order 2
 _POINTS: Final = 3  # at which conditions are recognized
@@ -76,7 +76,7 @@ def make_program(
     }
     if motion.is_closed or eqs.multiplier_names:
         made["projection"] = functions.make(eqs, "projection", PROJECTED)
-        made["assembly"] = functions.make(eqs, "assembly", ASSEMBLED)
+        made["assembly"] = functions.make(eqs, "assembly", CLOSING)
     if isinstance(integrator, GeneralizedAlpha):
         made["turn"] = functions.make(eqs, "turn", ["qdot"])
         made["jacobian"] = functions.make(with_state_jacobian(eqs, {}), "jacobian", [STATE_JACOBIAN])

@@ -28,7 +28,7 @@ _KERNELS: Final = (
     ("step_machine", ("begin", "advance")),
     ("dense_output", ("interpolate",)),
     ("projection", ("project",)),
-    ("assembly", ("assemble",)),
+    ("closing", ("close_state",)),
     ("runge_kutta", ("call",)),
     ("solve_saddle", ("solve_saddle",)),
     ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),

@@ -17,13 +17,13 @@ from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
 from symbody.kernels import block
-from symbody.kernels.configurations import assembly as at
 from symbody.simulation.events.events import Event
 from symbody.simulation.methods.constraints import make_projector, residual_share
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
 from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.closing import POSED, closing_block, metric, state_shape
 from symbody.simulation.native.description import Projector
 from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
 from symbody.simulation.programs.motion_request import PosedMotion
@@ -192,28 +192,13 @@ class FmuProgram:
         )  # fmt: skip
 
     def assembly(self) -> Floats:
-        """Return the block of `symbody.kernels.configurations.assembly`; empty for open mechanisms."""
+        """Return the block of `symbody.kernels.configurations.closing`; empty for open mechanisms."""
         if "assembly" not in self.functions:
             return np.zeros(0)
         eqs, function = self.eqs, self.functions["assembly"]
-        scales = self.motion.integration.problem.scales
-        n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
-        count, rows = function.sizes[0], function.sizes[2]
-        four = [float(eqs.coordinate_names.index(name)) for names in eqs.quaternions for name in names]
-        parts = [
-            np.zeros(at.HEADER), np.zeros(n_u + n_q), scales.displacements(eqs), scales.coordinates(eqs),
-            scales.constraints(eqs)[:count], np.zeros(function.size),
-            np.zeros(at.matrices_size(max(n_q, n_u))), function.numbers, np.zeros(n_q), np.array(four),
-        ]  # fmt: skip
-        begins = np.cumsum([part.size for part in parts])
-        head = parts[0]
-        head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, rows
-        head[[at.HELD, at.SIZES]] = begins[:2]
-        order = (at.SCALES, at.OUT, at.MATRICES, at.NUMBERS, at.OLD, at.QUATERNION_PLACES)
-        head[[*order]] = begins[3:-1]
-        head[at.QUATERNIONS], head[at.OUT_SIZE] = len(eqs.quaternions), function.size
-        head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * self.closing_share
-        return np.concatenate(parts)
+        own = metric(eqs, self.motion.integration.problem.scales)
+        sizes = function.sizes
+        return closing_block(state_shape(eqs), own, sizes, function.numbers, self.closing_share)
 
     @property
     def closing_parameters(self) -> tuple[bool, ...]:
@@ -221,7 +206,9 @@ class FmuProgram:
         names = self.parameters.arguments
         if "assembly" not in self.functions:
             return (False,) * len(names)
-        read = frozenset().union(*dependencies(self.functions["assembly"].sequence))
+        function = self.functions["assembly"]
+        results = dependencies(function.sequence)[: sum(function.sizes[: len(POSED)])]
+        read = frozenset().union(*results)
         return tuple(("p", k) in read for k in range(len(names)))
 
 

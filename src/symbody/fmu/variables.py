@@ -74,7 +74,7 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     n_u = len(eqs.speed_names)
     if "assembly" not in program.functions:
         return (True,) * len(eqs.state_names)
-    residual, by_q, _, jacobian = _constraint_values(program)
+    residual, by_q, _, jacobian, _ = _constraint_values(program)
     free = with_taut(program.motion.eqs, ())  # nothing is held at first
     chosen = free.mobility.independent_speeds if free.multiplier_names else range(n_u)
     preferred = {eqs.speed_names[k] for k in chosen}

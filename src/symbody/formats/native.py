@@ -246,8 +246,11 @@ def _content(model: Model, folder: str | None = None, *, is_alone: bool = False)
     if said.includes:
         content["include"] = [include_entry(include, folder) for include in said.includes]
     if said.initial:
-        content["initial"] = {name: formula for name, formula in said.initial.items()}
-    is_new = any(section in content for section in NEWER_SECTIONS)
+        content["initial"] = {
+            name: {"value": formula, "priority": "hold"} if name in said.held_initial else formula
+            for name, formula in said.initial.items()
+        }
+    is_new = bool(said.held_initial) or any(section in content for section in NEWER_SECTIONS)
     return {"version": VERSION, **content} if is_new else content
 
 

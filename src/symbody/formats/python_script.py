@@ -34,13 +34,20 @@ def model_to_script(model: Model) -> str:
     if model.inputs:
         arguments.append(f"inputs={list(model.inputs)!r}")
     if model.initial:
-        arguments.append(f"initial={_value(write_node(model.initial))}")
+        arguments.append(f"initial={_initial(model)}")
     if model.ground:
         arguments.append(f"ground={_frames(write_node(model.ground))}")
     if model.ground_shapes:
         arguments.append(f"ground_shapes={_shapes(shape_entries(model.ground_shapes, None))}")
     first = f'"""{_title(model.name)}, written by symbody."""'
     return f"{first}\n\nimport symbody as sb\n\nmodel = {_call('sb.Model', arguments)}\n"
+
+
+def _initial(model: Model) -> str:
+    """Return first values; those that hold say so."""
+    values = {name: _value(formula) for name, formula in model.initial.items()}
+    held = {name: _call("sb.Initial", [values[name], 'priority="hold"']) for name in model.held_initial}
+    return _dict_text({**values, **held})
 
 
 def _title(name: str) -> str:

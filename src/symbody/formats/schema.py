@@ -14,7 +14,7 @@ from pydantic.functional_validators import PlainValidator
 from pydantic_core import PydanticCustomError
 
 from symbody.formats.schema_entries import TYPES, entry_list_type
-from symbody.formats.schema_types import Angle, Expression, FileEntry, Triple
+from symbody.formats.schema_types import Angle, Expression, FileEntry, FirstValue, Triple
 from symbody.formats.version import VERSION
 from symbody.model.body import Frames
 from symbody.model.model import KINDS
@@ -92,7 +92,7 @@ ModelFile: Final = create_model(
         Field(default=[], description="Parts: model files, once or several times, under prefixes."),
     ),
     initial=(
-        dict[str, Angle],
+        dict[str, FirstValue],
         Field(default={}, description="Initial values of coordinates and speeds."),
     ),
     layout=(

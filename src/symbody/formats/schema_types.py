@@ -47,6 +47,16 @@ def _law(value: object) -> object:
     return value if isinstance(value, dict) else _expression(value)
 
 
+def _first_value(value: object) -> object:
+    if not isinstance(value, dict):
+        return _expression(value)
+    if "value" not in value or not set(value) <= {"value", "priority"}:
+        raise PydanticCustomError("first_value", 'a value, or { value = .., priority = "hold" }')
+    if value.get("priority", "guess") not in ("guess", "hold"):
+        raise PydanticCustomError("priority", 'priority "hold" or "guess"')
+    return {**value, "value": _expression(value["value"])}
+
+
 def _six(value: object) -> object:
     if not isinstance(value, list) or len(value) != 6:
         raise PydanticCustomError("six", "six numbers or expressions, or six rows of six")
@@ -68,6 +78,27 @@ Angle = Annotated[
     Any,
     PlainValidator(_expression),
     WithJsonSchema({**_TEXT_OR_NUMBER, "description": 'An angle in rad, or such as "30 deg".'}),
+]
+FirstValue = Annotated[
+    Any,
+    PlainValidator(_first_value),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _TEXT_OR_NUMBER,
+                {
+                    "type": "object",
+                    "properties": {
+                        "value": _TEXT_OR_NUMBER,
+                        "priority": {"enum": ["guess", "hold"], "default": "guess"},
+                    },
+                    "required": ["value"],
+                    "additionalProperties": False,
+                },
+            ],
+            "description": 'A value, or { value = .., priority = "hold" } if it holds when loops are closed.',
+        }
+    ),
 ]
 Triple = Annotated[list[Expression], Field(min_length=3, max_length=3)]
 Factors = Annotated[

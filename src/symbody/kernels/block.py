@@ -29,6 +29,8 @@ NO_SAMPLE_ROOM: Final = 12
 SAMPLE_FAULT: Final = 13
 # What motions that are searched for events return where an action sets what is not finite.
 SPOILED: Final = 14
+# The same where the constraints do not admit what an action sets.
+UNMET: Final = 15
 
 # Counters, first in the block.
 ACCEPTED: Final = 0

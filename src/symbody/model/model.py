@@ -20,6 +20,7 @@ from symbody.model.constraint import ConstraintElement
 from symbody.model.declarations.arguments import Arguments, Value, plain_value
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.element import Element
+from symbody.model.first_values import FirstValues, Initial, read_initial
 from symbody.model.frame import Frame
 from symbody.model.frame_index import element_labels, include_bodies
 from symbody.model.frozen_mapping import FrozenMapping
@@ -69,7 +70,7 @@ class Model(Displayed):
         Formulas may contain other parameters, in any order; None: declared without value.
     inputs : iterable of str
         Names of quantities given from outside while the mechanism moves.
-    initial : mapping of coordinate, rate or speed to number or formula
+    initial : mapping of coordinate, rate or speed to number, formula or Initial
         Initial values, in SI units and radians.
     ground : mapping of name to Frame
         Frames fixed on the ground.
@@ -80,6 +81,10 @@ class Model(Displayed):
 
     Attributes
     ----------
+    initial : mapping of name to Formula
+        All initial values.
+    held_initial : tuple of str
+        Names of those that hold where loops are closed; the others are guesses.
     bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
     signals : tuple of Signal
@@ -112,9 +117,10 @@ class Model(Displayed):
     gravity: Triple
     parameters: FrozenMapping[Formula | None]
     inputs: tuple[str, ...]
-    initial: FrozenMapping[Formula]
+    initial: FirstValues
     ground: FrozenMapping[Frame]
     ground_shapes: tuple[BodyShape, ...]
+    held_initial: tuple[str, ...] = field(init=False)
     bodies: tuple[Body, ...] = field(init=False, compare=False)
     joints: tuple[Joint, ...] = field(init=False, compare=False)
     constraints: tuple[ConstraintElement, ...] = field(init=False, compare=False)
@@ -134,7 +140,7 @@ class Model(Displayed):
         gravity: Iterable[Value] = (0, 0, 0),
         parameters: Mapping[str, Value | None] | None = None,
         inputs: Iterable[str] = (),
-        initial: Mapping[str, Value] | None = None,
+        initial: Mapping[str, Value | Initial] | None = None,
         ground: Mapping[str, Frame] | None = None,
         notes: Iterable[str] = (),
         ground_shapes: Iterable[BodyShape] = (),
@@ -155,7 +161,7 @@ class Model(Displayed):
                 arguments.symbol_name(item, f"inputs[{k}]")
                 for k, item in enumerate(arguments.items(inputs, "inputs"))
             ),
-            initial=arguments.table(initial or {}, "initial", arguments.angle),
+            initial=read_initial(arguments, initial or {}),
             ground=frame_table(arguments, ground or {}, "ground.frames"),
             ground_shapes=read_shapes(arguments, ground_shapes, "ground.shape"),
         )
@@ -173,6 +179,7 @@ class Model(Displayed):
         object.__setattr__(self, "parameters", draft.parameters)
         object.__setattr__(self, "inputs", draft.inputs)
         object.__setattr__(self, "initial", draft.initial)
+        object.__setattr__(self, "held_initial", draft.initial.held)
         object.__setattr__(self, "ground", draft.ground)
         object.__setattr__(self, "ground_shapes", draft.ground_shapes)
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))

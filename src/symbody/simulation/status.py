@@ -51,6 +51,11 @@ class Status(Enum):
         "the samples outgrew the memory of this computer: pass times= to store fewer, or shorten the run"
     )
 
+    UNMET_ACTION = (
+        "the action of an event sets what the constraints do not admit: look for its values in the notes, "
+        "and set fewer of them, or such that fit each other"
+    )
+
     @property
     def success(self) -> bool:
         """Whether the motion reached its end, or an event that stops it."""

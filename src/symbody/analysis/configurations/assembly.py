@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from symbody.analysis.accelerations import complete_state, state_of_plain
 from symbody.analysis.configurations.kept_values import (
     do_values_fit,
+    held_initial_values,
     kept_initial_values,
     surplus_initial_values,
 )
@@ -48,6 +49,9 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError
+from symbody.expr.parser import parse_angle
+from symbody.model.declarations.arguments import plain_value
+from symbody.model.first_values import Initial
 
 Floats = NDArray[np.float64]
 
@@ -55,8 +59,8 @@ Floats = NDArray[np.float64]
 @checked_arguments
 def assemble(
     eqs: EquationSet,
-    fixed: Mapping[str, Value] | None = None,
-    guess: Mapping[str, Value] | None = None,
+    fixed: Mapping[str, Value | Initial] | None = None,
+    guess: Mapping[str, Value | Initial] | None = None,
     parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Value] | None = None,
     t: float = 0.0,
@@ -70,7 +74,8 @@ def assemble(
     ----------
     fixed : mapping of name to number or formula in parameters
         Coordinates, speeds, ``_dot`` names, any named joint coordinate, or states of signals, that must have
-        these values; of an angle also ``"30 deg"``.
+        these values; of an angle also ``"30 deg"``. First values of the model with the priority "hold" are
+        among them.
     guess : mapping of name to number or formula in parameters
         Where to look for the others; by default the model's initial values, then 0. Among several
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
@@ -100,13 +105,32 @@ def assemble(
     """
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
-    signals, fixed, guess = split_signals(eqs, fixed, guess, parameters)
+    exact, near = _by_priority(fixed or {}, guess or {})
+    exact = {**held_initial_values(eqs, exact, near), **exact}
+    signals, exact, near = split_signals(eqs, exact, near, parameters)
     rest = parameters, inputs, t, ranges, scales
-    kept = kept_initial_values(eqs, fixed, guess) or _fitting_values(eqs, fixed, guess, *rest[:3], scales)
+    kept = kept_initial_values(eqs, exact, near) or _fitting_values(eqs, exact, near, *rest[:3], scales)
     if kept:
         with suppress(AssemblyError):
-            return _assemble(eqs, {**fixed, **kept}, guess, *rest, signals)
-    return _assemble(eqs, fixed, guess, *rest, signals)
+            return _assemble(eqs, {**exact, **kept}, near, *rest, signals)
+    return _assemble(eqs, exact, near, *rest, signals)
+
+
+def _by_priority(
+    fixed: Mapping[str, Value | Initial], guess: Mapping[str, Value | Initial]
+) -> tuple[dict[str, Value], dict[str, Value]]:
+    """Return what is held and what is guessed: an `Initial` says so itself."""
+    held: dict[str, Value] = {}
+    near: dict[str, Value] = {}
+    for values, usual in ((guess, near), (fixed, held)):
+        for name, value in values.items():
+            if isinstance(value, Initial):
+                (held if value.priority == "hold" else near)[name] = parse_angle(
+                    plain_value(value.value), where=name
+                )
+            else:
+                usual[name] = value
+    return held, near
 
 
 def _fitting_values(
@@ -275,21 +299,28 @@ def _all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[st
     return given | {name: value for name, value in eqs.model.initial.items() if name not in given}
 
 
-def consistent_start(
-    evaluator: ConstraintEvaluator, fixed: Mapping[str, float], near: Mapping[str, float]
+def close(
+    evaluator: ConstraintEvaluator,
+    held: Mapping[str, float],
+    near: Mapping[str, float],
+    speeds: Floats | None = None,
 ) -> tuple[Floats, Floats]:
-    """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
+    """Return q and u in which all constraints hold, with what is held, nearest to what is near.
+
+    Positions move least in the sizes of `Scales`. Rates that are near take their values in their order, as
+    far as they are still free; the change of all others, from `speeds` (n_u,) or from rest, has the least
+    kinetic energy. `kernels.configurations.closing` computes the same without names.
 
     Raises
     ------
     AssemblyError
         As `assemble`.
     """
-    positions, rates = evaluator.split_values(fixed)
+    positions, rates = evaluator.split_values(held)
     positions, near = unit_quaternions(evaluator.eqs.quaternions, positions, near)
     q = consistent_positions(evaluator, positions, near)
     guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
-    return q, solve_speeds(evaluator, q, rates, guess)
+    return q, solve_speeds(evaluator, q, rates, guess, speeds)
 
 
 def consistent_positions(

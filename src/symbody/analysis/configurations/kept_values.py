@@ -16,6 +16,15 @@ from symbody.equations.solving.ropes import ropes
 from symbody.errors import SymbodyError
 
 
+def held_initial_values(eqs: EquationSet, fixed: Collection[str], guess: Collection[str]) -> dict[str, Value]:
+    """Return the first values of the model that hold, where a caller gives no others."""
+    return {
+        name: eqs.model.initial[name]
+        for name in eqs.model.held_initial
+        if name not in fixed and name not in guess
+    }
+
+
 def kept_initial_values(
     eqs: EquationSet, fixed: Collection[str], guess: Collection[str]
 ) -> Mapping[str, Value]:

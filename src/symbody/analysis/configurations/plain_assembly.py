@@ -25,6 +25,7 @@ from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block
 from symbody.kernels.configurations import assembly as at
 from symbody.kernels.configurations import first_state as places
+from symbody.kernels.configurations.closing import closing_size
 from symbody.single_flight import once
 from symbody.tolerances import ASSEMBLED, EXACT
 
@@ -133,7 +134,8 @@ def plain_function(
 ) -> CompiledFunction:
     """Return what `plain_assembly` takes; inputs without a value are 0."""
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
-    return bound_function(eqs, _OUTPUTS, parameters, free, given, quick=True)
+    weighed = ("mass_matrix",) if eqs.multiplier_names else ()
+    return bound_function(eqs, (*_OUTPUTS, *weighed), parameters, free, given, quick=True)
 
 
 def plain_assembly(eqs: EquationSet, function: CompiledFunction) -> PlainAssembly:
@@ -181,8 +183,8 @@ class PlainAssembly:
         closed = max(n_u, n_q) if residuals or rows or four else 0
         constants = function.constant_count
         lengths = [
-            at.HEADER, n_u + n_q, n_u + n_q, residuals, sum(sizes), at.matrices_size(closed), n_q,
-            len(four), 6 * n_u, places.speeds_size(n_u) if rows else 0, block.R_PLACE, constants,
+            at.HEADER, n_u + n_q, n_u + n_q, residuals, sum(sizes), closing_size(closed), n_q,
+            len(four), 4 * n_u, places.speeds_size(n_u) if rows else 0, block.R_PLACE, constants,
             function.work_size,
         ]  # fmt: skip
         begins = np.cumsum([0, *lengths]).tolist()
@@ -246,7 +248,7 @@ class PlainAssembly:
         return self._state(A, x, start)
 
     def _choose_speeds(self, A: Floats, fixed: Mapping[str, float], near: Mapping[str, float]) -> None:
-        """Enter speeds in the order in which they take their values: fixed, guessed, all others at rest."""
+        """Enter speeds in the order in which they take their values: fixed, then guessed."""
         speeds, chosen = self._speeds, []
         for values in (fixed, near):
             for name, value in values.items():
@@ -254,8 +256,6 @@ class PlainAssembly:
                     chosen += [speeds[name], value]
             if values is fixed:
                 A[places.KEPT] = len(chosen) // 2
-        for place in speeds.values():
-            chosen += [place, 0.0]
         A[places.CHOICES] = len(chosen) // 2
         first = self._begins[places.CHOSEN]
         A[first : first + len(chosen)] = chosen

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.configurations.assembly import assemble, consistent_positions
+from symbody.analysis.configurations.kept_values import held_initial_values
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.named_values import named_values
 from symbody.analysis.scales import mechanism_scales
@@ -45,6 +46,7 @@ class PositionSolver:
         """
         if self.evaluator is None:
             return dict(assemble(self.eqs, fixed, guess, self.parameters).q)
+        fixed = {**held_initial_values(self.eqs, fixed, guess), **fixed}
         model = self.eqs.model.initial
         guessed: dict[str, Value] = {
             **guess,

@@ -58,7 +58,7 @@ static double shown_indicator(const Motion *m, int k)
 /* Set what the events noted set. Returns whether values changed, -1 for a fault. */
 static int set_states(Motion *m, int *must_stop)
 {
-    int k, j, changed = 0;
+    int k, j, changed = 0, is_set[SB_X + 1] = {0};
     double actions[SB_ACTIONS + 1];
     *must_stop = 0;
     for (k = 0; k < SB_EVENTS; k++) *must_stop |= m->pending[k] && sb_stops[k];
@@ -66,12 +66,13 @@ static int set_states(Motion *m, int *must_stop)
     for (j = 0; j < SB_ACTIONS; j++)
         if (m->pending[sb_action_events[j]]) {
             m->x[sb_action_states[j]] = actions[j];
-            changed = 1;
+            changed = is_set[sb_action_states[j]] = 1;
         }
     if (!changed) return 0;
     m->valid = 0;
     m->is_fresh = 1;
-    if (project_state(m) != SOLVED) return -1;
+    m->is_unmet = close_held(m, is_set) != SOLVED;
+    if (m->is_unmet) return -1;
     /* A map leaves what it acts on where it is, up to rounding: only a side that is clear counts. */
     if (need(m, HAS_INDICATORS) == SOLVED)
         for (k = 0; k < SB_EVENTS; k++)

@@ -274,6 +274,8 @@ static void log_events(Instance *instance)
     m->happened_count = 0;
 }
 
+#define UNMET "the constraints do not admit what the action of an event sets"
+
 /* One update of discrete states; `next` becomes the time of the next event, infinite without one. */
 static int update(Instance *instance, const char *function, int *has_changed, int *must_stop, double *next)
 {
@@ -293,7 +295,7 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     }
     acted = act(m, must_stop);
     log_events(instance);
-    if (acted < 0) return fail(instance, STATUS_ERROR, function, "the state after an event has no solution");
+    if (acted < 0) return fail(instance, STATUS_ERROR, function, m->is_unmet ? UNMET : "the state after an event has no solution");
     *has_changed |= acted;
     look_for_jump(m);
     acted = sample(m, &stops);
@@ -345,7 +347,8 @@ static int do_step(Instance *instance, const char *function, double start, doubl
     log_events(instance);
     if (code == SB_RUNNING) return STATUS_OK;
     snprintf(text, sizeof text, "the motion cannot go on from t = %.17g: %s", m->time,
-        code == SB_SINGULAR ? "the accelerations have no solution"
+        m->is_unmet ? UNMET
+        : code == SB_SINGULAR ? "the accelerations have no solution"
         : code == SB_TOO_MANY ? "too many events or steps"
         : code == SB_COLLAPSED ? "steps become too short" : "values are not finite");
     return fail(instance, STATUS_DISCARD, function, text);

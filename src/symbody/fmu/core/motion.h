@@ -18,6 +18,7 @@ typedef struct {
     int has_arguments;    /* parameters and inputs stand in the numbers of all functions */
     int is_fresh;         /* the integrator has to begin at x */
     int has_stopped;      /* an event ended the motion */
+    int is_unmet;         /* the constraints do not admit what an action sets */
     int must_project;     /* the state is to be brought back onto the constraints in event mode */
     int has_modes, mode_of[SB_ELEMENTS + 1]; /* see modes.h */
     int side[SB_EVENTS + SB_ELEMENTS + 1], pending[SB_EVENTS + SB_ELEMENTS + 1];
@@ -89,7 +90,19 @@ static void begin_motion(Motion *m)
     m->is_fresh = m->is_settled = 1;
 }
 
-/* Assembly: constraints hold with the values that were set; what was not set follows. */
+/* Closing: constraints hold with the values that were set; what was not set follows. */
+
+static int close_held(Motion *m, const int *is_held)
+{
+    int i;
+    if (SB_IS_CLOSED) {
+        double *A = m->pool + SB_ASSEMBLY;
+        for (i = 0; i < SB_U + SB_Q; i++) A[(int)A[SB_HELD] + i] = is_held[i] ? 1.0 : 0.0;
+        renew_arguments(m);
+        if (symbody_close_state(SB_ASSEMBLY_FUNCTION, A, clock_of(m), m->x) != 0) return NOT_CLOSED;
+    }
+    return SOLVED;
+}
 
 static int try_assembly(Motion *m, const double *x, const double *p, const int *is_given, int parts)
 {
@@ -102,9 +115,9 @@ static int try_assembly(Motion *m, const double *x, const double *p, const int *
         for (i = 0; i < SB_X; i++)
             if (is_given[i]) m->x[i] = k == parts ? x[i] : m->settled_x[i] + share * (x[i] - m->settled_x[i]);
         if (SB_IS_CLOSED) {
-            double *A = m->pool + SB_ASSEMBLY;
-            for (i = 0; i < SB_U + SB_Q; i++) A[(int)A[SB_HELD] + i] = is_given[i] && sb_is_held[i] ? 1.0 : 0.0;
-            if (symbody_assemble(SB_ASSEMBLY_FUNCTION, A, clock_of(m), m->x) != 0) return 0;
+            int is_held[SB_X + 1];
+            for (i = 0; i < SB_X; i++) is_held[i] = is_given[i] && sb_is_held[i];
+            if (close_held(m, is_held) != SOLVED) return 0;
         }
     }
     for (i = 0; i < SB_X; i++)

@@ -1,4 +1,4 @@
-"""Assembly near a state: the nearest positions and speeds that fulfil the constraints, some of them held.
+"""Assembly near a state: the nearest positions that fulfil the constraints, some of them held.
 
 The block of an assembly holds its sizes, where its arrays begin, and these arrays. Its function writes the
 constraints on positions, their derivatives by the coordinates, the velocity residuals, and J.
@@ -29,7 +29,8 @@ SHARE: Final = 12  # the residual, over sizes, of constraints that count as clos
 QUATERNIONS: Final = 13  # how many; their places in q
 QUATERNION_PLACES: Final = 14
 ENOUGH: Final = 21  # the residual from which on nothing is moved
-HEADER: Final = 22
+WEIGHED: Final = 22  # whether the function writes the mass matrix behind J: see `closing`
+HEADER: Final = 23
 
 # As in `symbody.manifold.newton`, which says why: residuals over their sizes, moves over those of states.
 MOST_ROUNDS: Final = 80
@@ -191,42 +192,3 @@ def assemble_positions(h: Function, A: Reals, t: float, x: Reals) -> int:
     if norm <= max(A[SHARE], FAR * farthest):
         return ASSEMBLED
     return POSITIONS_FAIL
-
-
-def assemble_speeds(h: Function, A: Reals, t: float, x: Reals) -> int:
-    """Move the speeds of x = (u, q) onto the constraints."""
-    n = int(A[SPEEDS])
-    m = int(A[ROWS])
-    count = int(A[RESIDUALS])
-    out = part(A, int(A[OUT]), int(A[OUT_SIZE]))
-    sizes = part(A, int(A[SIZES]), n)
-    moves = part(A, int(A[MATRICES]), n)
-    numbers = part(A, int(A[NUMBERS]), 1)
-    first = count + count * int(A[COORDINATES])
-    if call(h, n, numbers, t, x, out) != 0:
-        return SPEEDS_FAIL
-    least_move(A, 0, n, m, part(out, first + m, m * n), part(out, first, m))
-    for i in range(n):
-        x[i] = x[i] + moves[i] * sizes[i]
-    if call(h, n, numbers, t, x, out) != 0:
-        return SPEEDS_FAIL
-    for k in range(m):
-        terms = 0.0
-        for i in range(n):
-            terms = terms + abs(out[first + m + k * n + i]) * max(abs(x[i]), sizes[i])
-        if not abs(out[first + k]) <= CLOSED * terms:
-            return SPEEDS_FAIL
-    return ASSEMBLED
-
-
-def assemble(h: Function, A: Reals, t: float, x: Reals) -> int:
-    """Move a state x = (u, q) onto the constraints, those that are held aside; return how that ended."""
-    result = assemble_positions(h, A, t, x)
-    if result != ASSEMBLED:
-        return result
-    return assemble_speeds(h, A, t, x)
-
-
-def matrices_size(n: int) -> int:
-    """Return how many numbers the matrices of a move of n states take."""
-    return 2 * n + n * n

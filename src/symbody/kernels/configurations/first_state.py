@@ -2,7 +2,8 @@
 
 Plain is a state whose constraints are independent by a wide margin. What is not goes to
 `analysis.configurations.assembly`, which judges it and says what is wrong. The function writes, behind what
-`assembly` reads, cosines of axes, gamma, accelerations, multipliers and the kinetic energy.
+`assembly` reads, cosines of axes, gamma, accelerations, multipliers, the kinetic energy, and where there are
+constraints the mass matrix.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import Final
 from symbody.kernels.configurations.assembly import (
     ASSEMBLED,
     COORDINATES,
+    MATRICES,
     NUMBERS,
     OUT,
     OUT_SIZE,
@@ -23,6 +25,7 @@ from symbody.kernels.configurations.assembly import (
     TINY,
     assemble_positions,
 )
+from symbody.kernels.configurations.closing import add_free, spread_change, weigh
 from symbody.kernels.language import Function, Reals, part, sqrt
 from symbody.kernels.linear.row_space import add_row, dot, fulfil
 from symbody.kernels.runge_kutta import call
@@ -92,42 +95,52 @@ def add_constraints(A: Reals, rows: Reals, basis: Reals, lengths: Reals, right: 
 
 
 def add_chosen(A: Reals, constraints: int, rows: Reals, basis: Reals, lengths: Reals, right: Reals) -> int:
-    """Store rows of chosen speeds behind those of constraints, up to n; return 0 if those to keep do not fit.
+    """Store rows of chosen speeds behind those of constraints; count all, or -1 if those to keep do not fit.
 
     Chosen speeds are pairs of a place in u and a value.
     """
     n = int(A[SPEEDS])
-    chosen = part(A, int(A[CHOSEN]), 6 * n)
+    chosen = part(A, int(A[CHOSEN]), 4 * n)
     size = constraints
-    turn = 0
-    while size < n:
-        speed = int(chosen[2 * turn])
-        for i in range(n):
-            rows[size * n + i] = 0.0
-        rows[size * n + speed] = 1.0
-        right[size] = chosen[2 * turn + 1] / A[int(A[SIZES]) + speed]
-        lengths[size] = add_row(n, size, part(rows, size * n, n), basis, RANK)
-        turn = turn + 1
-        if lengths[size] != 0.0:
+    for turn in range(int(A[CHOICES])):
+        length = 0.0
+        if size < n:
+            speed = int(chosen[2 * turn])
+            for i in range(n):
+                rows[size * n + i] = 0.0
+            rows[size * n + speed] = 1.0
+            right[size] = chosen[2 * turn + 1] / A[int(A[SIZES]) + speed]
+            length = add_row(n, size, part(rows, size * n, n), basis, RANK)
+        if length != 0.0:
+            lengths[size] = length
             size = size + 1
-        elif turn <= int(A[KEPT]):
-            return 0
-    if turn < int(A[KEPT]):
-        return 0
-    return 1
+        elif turn < int(A[KEPT]):
+            return -1
+    return size
 
 
 def set_speeds(A: Reals, x: Reals) -> None:
     """Set speeds to what was chosen for them, first choices first."""
-    chosen = part(A, int(A[CHOSEN]), 6 * int(A[SPEEDS]))
+    chosen = part(A, int(A[CHOSEN]), 4 * int(A[SPEEDS]))
     for turn in range(int(A[CHOICES]) - 1, -1, -1):
         x[int(chosen[2 * turn])] = chosen[2 * turn + 1]
+
+
+def move_others(A: Reals, size: int, basis: Reals, v: Reals, row: Reals) -> None:
+    """Change v, which fulfils the rows of a basis, so that speeds left open have the least kinetic energy."""
+    n = int(A[SPEEDS])
+    mass = part(A, int(A[OUT]) + int(A[OUT_SIZE]) - n * n, n * n)
+    free = add_free(A, size, row, basis) - size
+    images = part(A, int(A[MATRICES]), n * n)
+    directions = part(basis, size * n, n)
+    weigh(A, mass, directions, free, images)
+    spread_change(n, v, directions, free, images, part(A, int(A[MATRICES]) + n * n, n))
 
 
 def find_speeds(h: Function, A: Reals, t: float, x: Reals) -> int:
     """Set the speeds of x = (u, q) to what constraints and chosen values determine, the first of these first.
 
-    The first `KEPT` have to fit.
+    The first `KEPT` have to fit. What is not determined has the least kinetic energy: see `closing`.
     """
     n = int(A[SPEEDS])
     place = int(A[ROW_PLACE])
@@ -145,13 +158,16 @@ def find_speeds(h: Function, A: Reals, t: float, x: Reals) -> int:
     if size == 0:
         set_speeds(A, x)
         return ASSEMBLED
-    if add_chosen(A, size, rows, basis, lengths, right) == 0:
+    size = add_chosen(A, size, rows, basis, lengths, right)
+    if size < 0:
         return DEPENDENT_ROWS
     for i in range(n):
         v[i] = 0.0
     for _turn in range(2):  # the second takes away the rounding of the first
-        for k in range(n):
+        for k in range(size):
             fulfil(n, k, part(rows, k * n, n), basis, lengths[k], right[k], v)
+    if size < n and dot(n, v, v) > 0.0:
+        move_others(A, size, basis, v, part(rows, n * n, n))
     for i in range(n):
         x[i] = v[i] * A[int(A[SIZES]) + i]
     return ASSEMBLED

@@ -16,16 +16,14 @@ CHATTERS: Final = 3
 NO_ROOM: Final = 4  # for what happened
 FAILS: Final = 5  # a function has a fault, `FAULT`
 SPOILS: Final = 6  # an action sets a state to what is not finite, `BAD_VALUE`
+MISSES: Final = 7  # the constraints do not admit what an action sets
 
 # Sizes.
 STATES: Final = 0
 SPEEDS: Final = 1
 PIECE_ROWS: Final = 2
 EVENTS: Final = 3
-COORDINATES: Final = 4
-RESIDUALS: Final = 5
 ACTION_VALUES: Final = 6
-PROJECTED_VALUES: Final = 7
 HAPPENED_ROOM: Final = 8
 
 # What counts.
@@ -45,9 +43,7 @@ NUMBERS: Final = 19  # of the values of events
 VALUES: Final = 20
 ACTIONS: Final = 21  # numbers of the function of actions; 0 where no event acts
 ACTED: Final = 22  # what it writes
-CLOSING: Final = 23  # numbers of the function that projects; 0 where nothing is projected
-CLOSED: Final = 24  # what it writes
-TOLERANCES: Final = 25  # how far each constraint may stay open
+CLOSING: Final = 23  # what closes states, see `closing`; 0 where there is nothing to close
 BEFORE: Final = 26  # states
 AFTER: Final = 27
 SCRATCH: Final = 28
@@ -76,6 +72,7 @@ RESOLUTION: Final = 49  # the least slope that shows above rounding
 FIRST_LENGTH: Final = 50  # of many motions: what the first step of each is to be, 0 where that follows
 BAD_VALUE: Final = 51  # that an action sets, and which of its values, from 1; 0 if all are finite
 BAD_PLACE: Final = 52
+UNMET: Final = 53  # whether the constraints do not admit what an action sets
 HEADER: Final = 54
 
 # The fit of a cut: for each row of a piece a share of a step, the matrix from states there to the rows, and

@@ -1,9 +1,10 @@
 """Many motions of one mechanism that are searched for events, one after the other.
 
 `cases` and `verdicts` are those of `many_motions`; behind what a row holds there follow, from `first` on, p
-and c of the functions of events, of actions and of what closes states, and the tolerances of constraints.
-`looks` holds a row for each case: what had happened when it ended, all cases before it included, which event
-chattered, and of each event where its value was not a number or had a pole.
+and c of the functions of events and of actions, sizes of what is closed, p and c of the
+function that closes it. `looks` holds a row for each case: what had happened when it
+ended, all cases before it included, which event chattered, and of each event where its value was not a number
+or had a pole.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from symbody.kernels.block import (
     VERDICT_SIZE,
     N,
 )
+from symbody.kernels.configurations.closing import closing_numbers, set_metric
 from symbody.kernels.events.watch_block import (
     ACTIONS,
     CLOSING,
@@ -39,9 +41,7 @@ from symbody.kernels.events.watch_block import (
     HAPPENED_ROOM,
     NO_NUMBER,
     NUMBERS,
-    RESIDUALS,
     TABLE,
-    TOLERANCES,
 )
 from symbody.kernels.events.watched_motion import advance_watched
 from symbody.kernels.language import Function, Reals, part
@@ -68,8 +68,9 @@ def prepare_watch(B: Reals, W: Reals, size: int, fresh: Reals, row: Reals) -> No
     if W[ACTIONS] != 0.0:
         place = place + set_numbers(part(W, int(W[ACTIONS]), 1), part(row, place, 1))
     if W[CLOSING] != 0.0:
-        place = place + set_numbers(part(W, int(W[CLOSING]), 1), part(row, place, 1))
-        copy(int(W[RESIDUALS]), part(row, place, 1), part(W, int(W[TOLERANCES]), 1))
+        A = part(W, int(W[CLOSING]), 1)
+        place = place + set_metric(A, part(row, place, 1))
+        place = place + set_numbers(part(A, closing_numbers(A), 1), part(row, place, 1))
 
 
 def note_looks(W: Reals, look: Reals) -> None:

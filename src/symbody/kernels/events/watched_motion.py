@@ -28,6 +28,7 @@ from symbody.kernels.block import (
     STOPPED,
     TIME,
     TIMES,
+    UNMET,
     VECTORS,
     N,
 )
@@ -42,6 +43,7 @@ from symbody.kernels.events.watch_block import (
     ENDS,
     FAILS,
     GOES_ON,
+    MISSES,
     NO_ROOM,
     NOTHING_YET,
     RESUMED,
@@ -157,6 +159,8 @@ def end_at_event(B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals, pieces: 
         return CHATTERING
     if happened == SPOILS:
         return SPOILED
+    if happened == MISSES:
+        return UNMET
     return STOPPED
 
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from symbody.kernels.configurations.assembly import ASSEMBLED
+from symbody.kernels.configurations.closing import close_state, hold
 from symbody.kernels.events.event_location import BESIDE, state_at, value_at
 from symbody.kernels.events.event_slopes import slope_along, take_rates
 from symbody.kernels.events.event_starts import LOWEST
@@ -21,9 +23,7 @@ from symbody.kernels.events.watch_block import (
     BEFORE,
     CAME,
     CHATTERS,
-    CLOSED,
     CLOSING,
-    COORDINATES,
     CULPRIT,
     CURRENT,
     CUT,
@@ -37,6 +37,7 @@ from symbody.kernels.events.watch_block import (
     HAPPENED_ROOM,
     JUST_HAPPENED,
     LARGEST,
+    MISSES,
     MOST,
     MOST_RECENT,
     NO_ROOM,
@@ -44,13 +45,11 @@ from symbody.kernels.events.watch_block import (
     PEAK,
     PENDING,
     PENDING_COUNT,
-    PROJECTED_VALUES,
     RATE_KNOWN,
     RECENT,
     RECENT_COUNT,
     RECORDS,
     REPEATS,
-    RESIDUALS,
     ROUNDING,
     SET_COUNT,
     SET_FIRST,
@@ -64,7 +63,7 @@ from symbody.kernels.events.watch_block import (
     T_BEFORE,
     TABLE,
     TARGETS,
-    TOLERANCES,
+    UNMET,
     WAY,
     WRAPS,
     ZERO_SIZE,
@@ -80,8 +79,6 @@ TORN: Final = 0.25
 INSTANT: Final = 1e-7
 # Zeros that the next samples may show, of each event.
 NEWEST: Final = 4.0
-# Newton's method closes a state after an action in a few rounds.
-MOST_ROUNDS: Final = 8
 
 
 def settle(
@@ -201,7 +198,8 @@ def happen(
     W[CUT] = W[int(W[PENDING]) + ZERO_SIZE * number]
     state_at(W, breaks, pieces, W[CUT], before)
     if acts != 0:
-        close_state(c, W, W[CUT], before)
+        close_held(c, W, W[CUT], before, 0, before)
+        W[UNMET] = 0.0  # what drifts stays as it is where it cannot be closed
         copy(n, before, part(W, int(W[AFTER]), n))
         for k in range(int(W[EVENTS])):
             row = int(W[TABLE]) + EVENT_SIZE * k
@@ -259,6 +257,9 @@ def let_happen(a: Function, c: Function, W: Reals, H: Reals, place: int, t: floa
         if W[BAD_PLACE] != 0.0:
             W[CULPRIT] = float(place + 1)
             return SPOILS
+        if W[UNMET] != 0.0:
+            W[CULPRIT] = float(place + 1)
+            return MISSES
         take_rates(W)
         W[RATE_KNOWN] = 1.0
     return NOTHING_YET
@@ -311,7 +312,7 @@ def act(a: Function, c: Function, W: Reals, place: int, t: float) -> None:
             W[BAD_PLACE] = float(k + 1)
             return
         x[int(W[int(W[TARGETS]) + first + k])] = value
-    close_state(c, W, t, x)
+    close_held(c, W, t, x, int(W[row + SET_COUNT]), part(W, int(W[TARGETS]) + first, 1))
     compute_action(a, W, t, x, values)
     x[n - 1] = x[n - 1] + (values[0] - energy)
 
@@ -323,31 +324,11 @@ def compute_action(a: Function, W: Reals, t: float, x: Reals, values: Reals) -> 
         W[FAULT] = float(status)
 
 
-def close_state(c: Function, W: Reals, t: float, x: Reals) -> None:
-    """Move a state back onto the constraints, if it has to be."""
+def close_held(c: Function, W: Reals, t: float, x: Reals, count: int, places: Reals) -> None:
+    """Close a state with the states at so many places held; note if that cannot be."""
     if W[CLOSING] == 0.0:
         return
-    n_u = int(W[SPEEDS])
-    n_q = int(W[COORDINATES])
-    count = int(W[RESIDUALS])
-    size = int(W[PROJECTED_VALUES])
-    out = part(W, int(W[CLOSED]), size)
-    for _round in range(MOST_ROUNDS):
-        status = call(c, n_u, part(W, int(W[CLOSING]), 1), t, x, out)
-        if status != 0:
-            W[FAULT] = float(status)
-            return
-        if is_closed(count, out, part(W, int(W[TOLERANCES]), count)) != 0:
-            break
-        for i in range(n_q):
-            x[n_u + i] = x[n_u + i] + out[count + i]
-    for i in range(n_u):
-        x[i] = x[i] + out[size - n_u + i]
-
-
-def is_closed(count: int, residuals: Reals, tolerances: Reals) -> int:
-    """Return 1 if no residual exceeds its tolerance, else 0."""
-    for i in range(count):
-        if not abs(residuals[i]) <= tolerances[i]:
-            return 0
-    return 1
+    A = part(W, int(W[CLOSING]), 1)
+    hold(A, count, places)
+    if close_state(c, A, t, x) != ASSEMBLED:
+        W[UNMET] = 1.0

@@ -33,6 +33,7 @@ from symbody.model.constraint import ConstraintElement, FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
 from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.element import Element
+from symbody.model.first_values import FirstValues
 from symbody.model.frame import Frame
 from symbody.model.frame_index import element_labels, frame_index, resolve_frames
 from symbody.model.frozen_mapping import FrozenMapping
@@ -53,7 +54,7 @@ class Draft:
     gravity: Triple
     parameters: FrozenMapping[Formula | None]
     inputs: tuple[str, ...]
-    initial: FrozenMapping[Formula]
+    initial: FirstValues
     ground: FrozenMapping[Frame]
     ground_shapes: tuple[BodyShape, ...]
 

@@ -13,6 +13,7 @@ from symbody.expr.language.tokens import is_name
 from symbody.model.body import Body
 from symbody.model.checks.validation import Draft
 from symbody.model.element import Element, FrameRef
+from symbody.model.first_values import FirstValues
 from symbody.model.frame import Frame
 from symbody.model.frame_index import frame_index
 from symbody.model.frozen_mapping import FrozenMapping
@@ -41,7 +42,7 @@ class PartContent:
     elements: tuple[Element, ...]
     parameters: Mapping[str, Formula | None]
     inputs: tuple[str, ...]
-    initial: Mapping[str, Formula]
+    initial: FirstValues
     at: FrameRef
     frames: Mapping[str, Frame]
     shapes: tuple[BodyShape, ...]
@@ -63,7 +64,7 @@ def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]
             elements=(*_with_frames(draft.elements, content), *content.elements),
             parameters=_extend_values(draft.parameters, content.parameters),
             inputs=tuple(dict.fromkeys((*draft.inputs, *content.inputs))),
-            initial=_extend_values(draft.initial, content.initial),
+            initial=_extend_initial(draft.initial, content.initial),
             ground=_ground_frames(draft, content),
             ground_shapes=(*draft.ground_shapes, *(content.shapes if content.at.body == GROUND else ())),
         )
@@ -91,6 +92,12 @@ def _free_bodies(draft: Draft, placed: Iterable[tuple[Include, AbstractSet[str]]
 def _extend_values(values: Mapping[str, V], further: Mapping[str, V]) -> FrozenMapping[V]:
     """Return values with further ones behind them; those that stand there already stay."""
     return FrozenMapping({**values, **{name: value for name, value in further.items() if name not in values}})
+
+
+def _extend_initial(values: FirstValues, further: FirstValues) -> FirstValues:
+    """Return first values with further ones behind them; those that stand there already stay."""
+    held = [name for name in further.held if name not in values]
+    return FirstValues(_extend_values(values, further), (*values.held, *held))
 
 
 def part_content(
@@ -128,7 +135,10 @@ def part_content(
         (*elements, *signals),
         parameters,
         tuple(renaming.symbol(name) for name in open_inputs),
-        {renaming.symbol(name): renaming.formula(value) for name, value in part.initial.items()},
+        FirstValues(
+            {renaming.symbol(name): renaming.formula(value) for name, value in part.initial.items()},
+            map(renaming.symbol, part.held_initial),
+        ),
         at,
         frames,
         tuple(shapes),

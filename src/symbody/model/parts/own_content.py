@@ -29,13 +29,15 @@ class OwnContent:
     ground: Mapping[str, Frame]
     ground_shapes: tuple[BodyShape, ...]
     includes: tuple[Include, ...]
+    held_initial: tuple[str, ...]
 
 
 def whole_content(model: Model) -> OwnContent:
     """Return all that a model consists of, its parts among it."""
     return OwnContent(
-        model.elements, model.parameters, model.inputs, model.initial, model.ground, model.ground_shapes, ()
-    )
+        model.elements, model.parameters, model.inputs, model.initial, model.ground, model.ground_shapes, (),
+        model.held_initial,
+    )  # fmt: skip
 
 
 def own_content(model: Model) -> OwnContent:
@@ -68,15 +70,21 @@ def _remove_part(whole: OwnContent, content: PartContent, include: Include) -> O
     }
     count = len(content.shapes) if at == GROUND else 0
     shapes = whole.ground_shapes[: len(whole.ground_shapes) - count]
+
+    def is_same(name: str) -> bool:
+        priorities = (name in content.initial.held, name in whole.held_initial)
+        return content.initial.get(name) == whole.initial[name] and priorities[0] == priorities[1]
+
     gone = {name for name in content.parameters if name not in shared}
     return OwnContent(
         tuple(elements),
         {name: value for name, value in whole.parameters.items() if name not in gone},
         tuple(name for name in whole.inputs if name not in content.inputs or name in shared),
-        {name: value for name, value in whole.initial.items() if content.initial.get(name) != value},
+        {name: value for name, value in whole.initial.items() if not is_same(name)},
         ground,
         shapes,
         (include, *whole.includes),
+        tuple(name for name in whole.held_initial if not is_same(name)),
     )
 
 

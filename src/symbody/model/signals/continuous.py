@@ -29,8 +29,8 @@ def without_sampling(model: Model) -> Model:
     if problems:
         raise ModelError(*problems)
     return Model(
-        model.name, elements, model.gravity, model.parameters, model.inputs, model.initial, model.ground, (),
-        model.ground_shapes,
+        model.name, elements, model.gravity, model.parameters, model.inputs, model.initial, model.ground,
+        (), model.ground_shapes,
     )  # fmt: skip
 
 

@@ -17,7 +17,8 @@ from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.description import Projector, RightHandSide
+from symbody.simulation.native.closing import CLOSING, POSED, closing_block, metric, state_shape
+from symbody.simulation.native.description import RightHandSide
 from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
@@ -32,13 +33,13 @@ class EventFunctions:
         What moves.
     events : sequence of Event
         At least one, in the order in which simultaneous ones happen.
-    projector : Projector or None
-        What closes states after an action; None where nothing is projected.
+    share : float
+        Constraints that are open by this share of their sizes count as closed after an action.
 
     Attributes
     ----------
     addresses : tuple of int
-        Where the functions of `kernels.event_watch.look` lie: values, actions, what projects; 0 for none.
+        Where the functions of `kernels.event_watch.look` lie: values, actions, what closes; 0 for none.
 
     Raises
     ------
@@ -48,24 +49,24 @@ class EventFunctions:
         If it is not a number but a vector or matrix.
     """
 
-    def __init__(
-        self, problem: SimulationProblem, events: Sequence[Event], projector: Projector | None
-    ) -> None:
+    def __init__(self, problem: SimulationProblem, events: Sequence[Event], share: float) -> None:
         self.events = tuple(events)
         self.state_names = problem.eqs.state_names
         self._problem = problem
-        self._projector = projector
+        self._share = share
         self._values = problem.compile_outputs([str(event.expression) for event in self.events])
         check_value_shapes(self.events, self._values)
         outputs = action_outputs(self.events)
         self._actions = problem.compile_outputs(outputs) if outputs else None
         check_action_shapes(self.events, self._actions)
+        changes = problem.is_closed and any(event.action != "record" for event in self.events)
+        self._closing = problem.compile_outputs(CLOSING if outputs else POSED) if changes else None
         functions = [function for function in (self._values, self._actions) if function is not None]
         self._callbacks = [
             CallbackFunction(function, problem.laws) for function in functions if problem.laws.need_python
         ]
         addresses = [function.address for function in self._callbacks or functions]
-        self.addresses = (*addresses, 0)[:2] + (0 if projector is None else projector.address,)
+        self.addresses = (*addresses, 0)[:2] + (0 if self._closing is None else self._closing.address,)
 
     def make_block(self, span: float) -> Floats:
         """Return the block of a watch over a run of some length [s]."""
@@ -75,19 +76,21 @@ class EventFunctions:
 
     @cached_property
     def _first_block(self) -> Floats:
-        eqs, projector = self._problem.eqs, self._projector
-        empty = np.zeros(0)
+        eqs, empty = self._problem.eqs, np.zeros(0)
         numbers = WatchNumbers(
             len(eqs.state_names) + 1,
             len(eqs.speed_names),
-            len(eqs.coordinate_names),
             self._numbers(self._values),
             empty if self._actions is None else self._numbers(self._actions),
-            empty if projector is None else function_numbers(projector),
-            0 if projector is None else projector.out_size,
-            empty if projector is None else projector.scales,
+            empty if self._closing is None else self._close_by(self._closing),
         )
         return make_watch_block([event_numbers(eqs, event) for event in self.events], numbers)
+
+    def _close_by(self, function: CompiledFunction) -> Floats:
+        """Return the block of what closes states with a function."""
+        eqs, sizes = self._problem.eqs, [len(output.values) for output in function.outputs]
+        own = metric(eqs, self._problem.scales)
+        return closing_block(state_shape(eqs), own, sizes, self._numbers(function), self._share)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.

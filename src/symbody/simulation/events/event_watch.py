@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -25,7 +25,11 @@ Floats = NDArray[np.float64]
 _ACTING_STEPS: Final = 64
 _RECORDING_STEPS: Final = 1024
 _FIRST_ROOM: Final = 64  # for what happens
-_ENDINGS: Final = {at.CHATTERS: Status.CHATTERING, at.SPOILS: Status.NOT_FINITE}
+_ENDINGS: Final = {
+    at.CHATTERS: Status.CHATTERING,
+    at.SPOILS: Status.NOT_FINITE,
+    at.MISSES: Status.UNMET_ACTION,
+}
 
 
 class EventWatch:
@@ -174,13 +178,26 @@ class EventWatch:
         if not culprit:
             return
         event, place = self._functions.events[culprit - 1], int(block[at.BAD_PLACE])
-        if place:
+        if block[at.UNMET]:
+            names = self._functions.state_names
+            values = block[int(block[at.AFTER]) :][: len(names)]
+            self.ending = unmet_note(event, {name: values.item(names.index(name)) for name in event.mapping})
+        elif place:
             self.ending = spoiled_note(event, place - 1, float(block[at.BAD_VALUE]))
         else:
             self.ending = f"event {event.label!r} happens again and again"
 
     def _make_room(self) -> None:
         self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
+
+
+def unmet_note(event: Event, values: Mapping[str, float]) -> str:
+    """Return what to say about an action that sets what the constraints do not admit."""
+    listed = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
+    return (
+        f"the action of event {event.label!r} sets {listed}: the constraints admit no such state near "
+        "the one before; set fewer values, and the others follow, or values that fit each other"
+    )
 
 
 def spoiled_note(event: Event, place: int, value: float) -> str:

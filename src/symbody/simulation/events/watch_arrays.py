@@ -57,24 +57,19 @@ class WatchNumbers(NamedTuple):
 
     Attributes
     ----------
-    states, speeds, coordinates : int
-        Numbers of states, the work among them, of speeds and of coordinates.
-    values, actions, closing : arrays
-        Numbers of the function of the values, of actions, and of what projects.
-    projected : int
-        How many numbers that writes.
-    tolerances : array
-        How far each constraint may stay open.
+    states, speeds : int
+        Numbers of states, the work among them, and of speeds.
+    values, actions : arrays
+        Numbers of the function of the values, and of actions.
+    closing : array
+        The block of what closes states.
     """
 
     states: int
     speeds: int
-    coordinates: int
     values: Floats
     actions: Floats
     closing: Floats
-    projected: int
-    tolerances: Floats
 
 
 def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers) -> Floats:
@@ -95,8 +90,6 @@ def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers) -> F
         at.ACTIONS: numbers.actions,
         at.ACTED: np.zeros(targets.size + n),
         at.CLOSING: numbers.closing,
-        at.CLOSED: np.zeros(numbers.projected),
-        at.TOLERANCES: numbers.tolerances,
         at.BEFORE: np.zeros(n),
         at.AFTER: np.zeros(n),
         at.SCRATCH: np.zeros(3 * n),
@@ -106,8 +99,7 @@ def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers) -> F
     places = at.HEADER + np.cumsum([0, *(part.size for part in parts.values())])
     block[list(parts)] = places[:-1]
     block[[at.ACTIONS, at.CLOSING]] *= [numbers.actions.size > 0, numbers.closing.size > 0]
-    block[[at.STATES, at.SPEEDS, at.COORDINATES, at.EVENTS]] = n, numbers.speeds, numbers.coordinates, m
-    block[[at.RESIDUALS, at.PROJECTED_VALUES]] = numbers.tolerances.size, numbers.projected
+    block[[at.STATES, at.SPEEDS, at.EVENTS]] = n, numbers.speeds, m
     block[[at.ACTION_VALUES, at.NODE]] = targets.size + n, at.STEP_NODES
     return block
 

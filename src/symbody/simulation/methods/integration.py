@@ -93,10 +93,10 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     """
     integration, integrator = plan.integration, plan.integrator
     constraints = _fitting_constraints(plan)
-    # Methods that do not project after steps do so after events, except `Baumgarte`.
+    # Methods that do not project after steps, except `Baumgarte`, do so where samples are interpolated.
     projection = constraints if isinstance(constraints, Projection) else _PROJECTION
     closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
-    watch = integration.event_watch(closing)
+    watch = integration.event_watch(projection)
     raw, notes, watch = _run_method(integration, integrator, constraints, closing, watch)
     step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
     return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
@@ -173,7 +173,7 @@ def _choose_method(
                 return run, (note,), watch
     except KeyboardInterrupt:  # while it compiled: what came before is kept
         return replace(raw, status=Status.INTERRUPTED), (), watch
-    again = integration.event_watch(closing)
+    again = integration.event_watch(constraints if isinstance(constraints, Projection) else _PROJECTION)
     return run_explicit(integration, DEFAULT, closing, again), (_VIBRATES.format(length),), again
 
 

@@ -16,7 +16,7 @@ from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event, EventSide
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
-from symbody.simulation.methods.constraints import PROJECTED, Projection, make_projector
+from symbody.simulation.methods.constraints import PROJECTED, Projection, make_projector, residual_share
 from symbody.simulation.methods.explicit import (
     NO_FUNCTION,
     NOTHING_TO_PROJECT,
@@ -165,15 +165,16 @@ class IntegrationProblem:
         projector = self.problem.keep(("projector", method, self.atol), make)
         return StateProjector(function, projector, self.rtol, self.tolerances, method)
 
-    def event_watch(self, closing: StateProjector | None) -> EventWatch | None:
-        """Return what looks for events, if there are any; states after actions are closed."""
+    def event_watch(self, projection: Projection) -> EventWatch | None:
+        """Return what looks for events, if there are any; states after actions are closed as by a method."""
         if not self.events:
             return None
 
         def make() -> EventFunctions:
-            return EventFunctions(self.problem, self.events, None if closing is None else closing.projector)
+            return EventFunctions(self.problem, self.events, share)
 
-        key = ("events", self.events, None if closing is None else closing.method, self.atol)
+        share = residual_share(projection, self.atol)
+        key = ("events", self.events, share)
         is_plain = not self.problem.laws.need_python and not any(event.mapping for event in self.events)
         functions = self.problem.keep(key, make) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides)

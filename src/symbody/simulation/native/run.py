@@ -40,6 +40,7 @@ VERDICTS: Final[Mapping[int, Status]] = {
     at.STOPPED: Status.STOPPED,
     at.CHATTERING: Status.CHATTERING,
     at.SPOILED: Status.NOT_FINITE,
+    at.UNMET: Status.UNMET_ACTION,
 }
 
 

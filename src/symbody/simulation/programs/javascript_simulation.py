@@ -25,6 +25,7 @@ from symbody.kernels import block
 from symbody.kernels.configurations import assembly as assembly_block
 from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.native.closing import CLOSING, closing_block, metric, state_shape
 from symbody.simulation.programs.motion_request import (
     MotionRequest,
     PosedMotion,
@@ -43,14 +44,13 @@ from symbody.simulation.programs.prepared_motion import (
 
 Floats = NDArray[np.float64]
 
-_ASSEMBLED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
 _ENERGIES: Final = ("kinetic_energy", "potential_energy")
 _PULL_INTERVAL: Final = 1.0 / 240.0  # seconds between changes of the wrench of a pointer
 _KERNELS: Final = (
     ("step_machine", ("begin", "advance")),
     ("dense_output", ("interpolate",)),
     ("projection", ("project",)),
-    ("assembly", ("assemble",)),
+    ("closing", ("close_state",)),
 )
 # What `simulation.js` calls a function, and its name in the program.
 _ENTRIES: Final = {
@@ -139,7 +139,7 @@ def javascript_simulation(
     functions = motion_functions(motion)
     functions["view"] = program_function(motion, (*view.outputs, *_ENERGIES), "view")
     if motion.is_closed:
-        functions["assembly"] = program_function(motion, _ASSEMBLED, "assembly")
+        functions["assembly"] = program_function(motion, CLOSING, "assembly")
     kernels: dict[str, KernelTree] = {}
     for file, roots in _KERNELS:
         kernels |= read_kernels(file, *roots)
@@ -220,31 +220,10 @@ def _call_numbers(function: ProgramFunction) -> Floats:
 
 
 def _assembly(motion: PosedMotion, function: ProgramFunction) -> Floats:
-    """Return the block of `symbody.kernels.configurations.assembly`."""
-    eqs, scales = motion.eqs, motion.integration.problem.scales
-    n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
-    count, rows = function.sizes[0], function.sizes[2]
-    four = [eqs.coordinate_names.index(name) for names in eqs.quaternions for name in names]
-    sizes = np.concatenate([scales.displacements(eqs), scales.coordinates(eqs)])
-    at = assembly_block
-    matrices = at.matrices_size(max(n_q, n_u))
-    parts = [
-        np.zeros(at.HEADER), np.zeros(n_u + n_q), sizes, scales.constraints(eqs)[:count],
-        np.zeros(sum(function.sizes)), np.zeros(matrices), _call_numbers(function), np.zeros(n_q),
-        np.array(four, dtype=np.float64),
-    ]  # fmt: skip
-    begins = np.cumsum([part.size for part in parts])
-    head = parts[0]
-    head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, rows
-    order = (at.HELD, at.SIZES, at.SCALES, at.OUT, at.MATRICES, at.NUMBERS, at.OLD, at.QUATERNION_PLACES)
-    head[[*order]] = begins[:-1]
-    head[at.QUATERNIONS] = len(eqs.quaternions)
-    head[at.OUT_SIZE] = sum(function.sizes)
-    # Each residual of a state that was projected is as small as this share; states that are shown stay.
-    head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * residual_share(
-        motion.projection, motion.request.atol
-    )
-    return np.concatenate(parts)
+    """Return the block of `symbody.kernels.configurations.closing`."""
+    own = metric(motion.eqs, motion.integration.problem.scales)
+    share = residual_share(motion.projection, motion.request.atol)
+    return closing_block(state_shape(motion.eqs), own, function.sizes, _call_numbers(function), share)
 
 
 def _literal(value: Any) -> str:

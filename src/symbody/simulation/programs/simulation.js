@@ -206,7 +206,7 @@ function makeSimulation() {
         if (assembly === null) return true;
         const flags = assembly[at.ASSEMBLY_HELD];
         for (let k = 0; k < n - 1; k += 1) assembly[flags + k] = held.includes(k) ? 1 : 0;
-        const ended = symbody_assemble(functions.assembly, assembly, 0, numbers.startTime, x, 0);
+        const ended = symbody_close_state(functions.assembly, assembly, 0, numbers.startTime, x, 0);
         return ended === 0 && x.every(Number.isFinite);
     }
 

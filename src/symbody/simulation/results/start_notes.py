@@ -24,9 +24,10 @@ Floats = NDArray[np.float64]
 TAKES_PART: Final = 0.1  # of a unit vector
 # Constraints that are redundant close together but for this, of the size of the mechanism.
 _ROUNDING: Final = 1e-13
-# Loops that are closed better than this, of the size of the mechanism, are not looked at.
-_FAR: Final = 0.5  # rad, or of the size of the mechanism
-_NEAR: Final = 1e-6  # the same, where balances of forces moved them
+# First values that moved farther than this are named: what is read off a drawing is not as exact.
+_FAR: Final = math.radians(0.1)  # of angles
+_FAR_OFF: Final = 1e-3  # of lengths, in sizes of the mechanism
+_NEAR: Final = 1e-6  # of both, where balances of forces moved them
 _TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
 
@@ -150,17 +151,19 @@ def _open_loops(problem: SimulationProblem, first: State) -> tuple[str, ...]:
 
 
 def _moved_initial_values(problem: SimulationProblem, first: State) -> tuple[str, ...]:
-    """Return which initial values of the model were left far behind to close the loops."""
+    """Return which initial values of the model moved to close the loops."""
     eqs = problem.eqs
     sizes = dict(zip(eqs.coordinate_names, problem.scales.coordinates(eqs).tolist(), strict=True))
     initial = eqs.model.initial
     is_balanced = any(row.is_balance for row in eqs.formed.holonomic)
-    limit = _NEAR if is_balanced else _FAR
-    far = [
-        f"{name} = {first.q[name]:.6g} instead of {first.q[name] - change:.6g}"
-        for name, change in first.moved.items()
-        if name in initial and name in sizes and abs(change) > limit * sizes[name]
-    ]
+    angles = angle_names(eqs)
+    far = []
+    for name, change in first.moved.items():
+        limit = _NEAR if is_balanced else _FAR if name in angles else _FAR_OFF
+        if name in initial and name in sizes and abs(change) > limit * sizes[name]:
+            unit, factor = (" deg", math.degrees(1.0)) if name in angles else ("", 1.0)
+            now, before = (factor * value for value in (first.q[name], first.q[name] - change))
+            far.append(f"{name} = {now:.6g}{unit} instead of {before:.6g}{unit}")
     if not far:
         return ()
     if is_balanced:

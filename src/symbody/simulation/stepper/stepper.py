@@ -8,7 +8,6 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.named_values import check_mappings
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -23,6 +22,7 @@ from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.simulate import check_arguments
 from symbody.simulation.status import Status
+from symbody.simulation.stepper.closed_states import close_again, nearest_state
 from symbody.simulation.stepper.compiled_steps import Steps
 from symbody.simulation.stepper.input_values import checked_inputs, missing_values, set_inputs
 from symbody.simulation.stepper.numbers import StepNumbers, read_only, state_values
@@ -230,13 +230,14 @@ class Stepper(OwnCopies):
         if self._missing:
             raise missing_values(self._missing)
         inputs = dict(zip(self._names, self._problem.inputs_now(self._numbers), strict=True))
-        return self._assemble(self._problem.parameters, {**self._problem.own_laws.formulas, **inputs})
+        return nearest_state(self._problem, self._numbers, self._problem.parameters, inputs)
 
     @checked_arguments
     def set(self, **values: Value) -> Self:
         """Change values of parameters, or of inputs that steps give; return this stepper.
 
-        Coordinates and speeds stay as they are; loops that other lengths open are closed by the least move.
+        Coordinates and speeds stay as they are. Loops that other lengths open are closed by the least move,
+        and then speeds by the least kinetic energy of the change.
 
         Raises
         ------
@@ -253,8 +254,8 @@ class Stepper(OwnCopies):
         if chosen:
             parameters = {**self._problem.parameters, **chosen}
             is_closed = self._problem.problem.is_closed
-            state = self._assemble(parameters, self._problem.own_laws.formulas) if is_closed else None
-            self._use(parameters, self._problem.sizes, state)
+            moved = close_again(self._problem, self._numbers, parameters) if is_closed else None
+            self._use(parameters, self._problem.sizes, moved)
         set_inputs(self._numbers.array, self._places, inputs)
         self._missing.difference_update(inputs)
         return self
@@ -344,12 +345,12 @@ class Stepper(OwnCopies):
         self._missing = set(self._settings.inputs_of_steps)
         self._places = {name: first + k for k, name in enumerate(self._names) if name in self._missing}
 
-    def _use(self, parameters: Mapping[str, Value], sizes: Sizes | None, moved: State | None = None) -> None:
+    def _use(self, parameters: Mapping[str, Value], sizes: Sizes | None, moved: Floats | None = None) -> None:
         """Go on with values of parameters from the present state, or from where it moved."""
         numbers = self._numbers
         with numbers.unless_it_fails():
             if moved is not None:
-                numbers.x[:-1] = state_values(moved)
+                numbers.x[:-1] = moved
             problem = step_problem(self._settings, parameters, numbers, numbers.x, sizes)
             steps, slow = steps_of(problem, numbers)
         if sizes is not None:
@@ -392,9 +393,3 @@ class Stepper(OwnCopies):
         self._status = ending.status
         if not ending.status.success:
             raise broken_off(self.t, ending)
-
-    def _assemble(self, parameters: Mapping[str, Value], inputs: Mapping[str, Value]) -> State:
-        """Return the closed state nearest to the present one."""
-        eqs = self._settings.eqs
-        near = dict(zip(eqs.state_names, self._numbers.x.tolist(), strict=False))
-        return assemble(eqs, None, near, parameters, inputs, self.t, scales=self._problem.sizes.scales.sizes)

@@ -13,6 +13,7 @@ from symbody.kernels import block as at
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import EventSide
+from symbody.simulation.methods.constraints import Projection, residual_share
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, RawRun, drive, fresh_record
 from symbody.simulation.status import Status
@@ -48,8 +49,10 @@ class WatchedSteps(CompiledSteps):
 
     def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
         super().__init__(problem, numbers)
-        closing = None if self._closing is None else self._closing.projector
-        self._functions = EventFunctions(problem.problem, problem.settings.events, closing)
+        constraints = problem.settings.constraints
+        method = constraints if isinstance(constraints, Projection) else Projection()
+        share = residual_share(method, problem.settings.atol)
+        self._functions = EventFunctions(problem.problem, problem.settings.events, share)
         self._sides: tuple[EventSide, ...] = no_sides(problem)
         self._last: RawRun | None = None
         self._ending = ""

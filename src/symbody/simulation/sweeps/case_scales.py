@@ -73,6 +73,13 @@ class CaseScales:
         is_length = np.array([units.get(name) == "m" for name in self.eqs.coordinate_names], dtype=np.bool_)
         return np.where(is_length, self.lengths[:, np.newaxis], 1.0)
 
+    def metric(self) -> Floats:
+        """Return the sizes of all states and of the constraints on positions, (cases, n_u + n_q + n_h)."""
+        units = self.eqs.units
+        is_length = np.array([units.get(name) == "m/s" for name in self.eqs.speed_names], dtype=np.bool_)
+        displacements = np.where(is_length, self.lengths[:, np.newaxis], 1.0)
+        return np.hstack([displacements, self.coordinates(), self.constraints()])
+
     def tolerances(self, states: Floats, atol: float | None) -> Floats:
         """Return the absolute tolerance of each speed and coordinate, (cases, n)."""
         if atol is not None:

@@ -55,7 +55,7 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     parts += [] if job.closing is None else [chunk.scales, chunk.sizes]
     projector = 0 if job.closing is None else job.closing.address
     if job.watch is not None:
-        watched = watched_rows(job, job.watch, chunk, projection, closing)
+        watched = watched_rows(job, job.watch, chunk)
         rows = np.ascontiguousarray(np.hstack([*parts, watched.rows]))
         before = records.codes.copy()
         loop = WatchedLoop(job, job.watch, (rhs.address, projector), block, rows, watched, records)

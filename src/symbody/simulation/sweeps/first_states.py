@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.configurations.assembly import consistent_start
+from symbody.analysis.configurations.assembly import close
 from symbody.analysis.configurations.kept_values import (
     do_values_fit,
+    held_initial_values,
     kept_initial_values,
     surplus_initial_values,
 )
@@ -78,6 +79,8 @@ def first_states(
     """
     known_formulas = check_names(eqs, table, guess)
     guessed, fixed = case_values(eqs, table, known_formulas), case_values(eqs, table, table.fixed_initial)
+    held = held_initial_values(eqs, (*fixed, *table.initial_names), guess)
+    fixed |= case_values(eqs, table, held)
     fixed |= {name: table.initial[:, k] for k, name in enumerate(table.initial_names)}
     notes = impossible_cases(eqs, table)
     states = _of_tree(eqs, table.count, guessed, fixed)
@@ -224,9 +227,7 @@ class _Assembler:
             plain = self._assembly.solve(constants, sizes, fixed, near, self._t)
             if plain is not None:
                 return np.concatenate([plain.u, plain.q])
-        q, u = consistent_start(
-            self._closure(k, sizes), without_signals(eqs, fixed), without_signals(eqs, near)
-        )
+        q, u = close(self._closure(k, sizes), without_signals(eqs, fixed), without_signals(eqs, near))
         signals = [fixed.get(name, near[name]) for name in eqs.signal_state_names]
         return np.array([*u, *q, *signals])
 

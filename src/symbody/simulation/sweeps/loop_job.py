@@ -36,6 +36,7 @@ from symbody.simulation.methods.constraints import (
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
+from symbody.simulation.native.closing import CLOSING, POSED, state_shape
 from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.simulation.sweeps.first_states import FirstStates, first_states
@@ -65,13 +66,13 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     values = table.fixed_parameters, table.parameter_names, laws.formulas
     function = bound_function(stabilized, ("xdot", "power") if sweep.events else "xdot", *values)
-    watch = case_watch(stabilized, sweep.events, *values) if sweep.events else None
+    projection = constraints if isinstance(constraints, Projection) else Projection()
+    tolerance = residual_share(projection, options.atol)
+    watch = case_watch(stabilized, sweep.events, tolerance, *values) if sweep.events else None
     method = options.integrator if isinstance(options.integrator, Explicit | FixedStep) else DEFAULT
     closing, scales, sizes = None, np.zeros((table.count, 0)), np.zeros((table.count, 0))
     rounding, limit = 0.0, np.inf
     if (eqs.multiplier_names or eqs.quaternions) and not isinstance(constraints, Baumgarte):
-        projection = constraints if isinstance(constraints, Projection) else Projection()
-        tolerance = residual_share(projection, options.atol)
         closing = bound_function(eqs, PROJECTED, *values)
         own_scales = first.scales.constraints()
         scales = np.ones((table.count, closing.outputs[0].shape[0]))  # norms of quaternions come last
@@ -99,18 +100,22 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     if watch is not None:
         energies = bound_function(stabilized, "kinetic_energy", *values, quick=True)
         tolerances = np.column_stack([tolerances, _work_tolerances(energies, sweep, first)])
-    chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances)
+    own_metric = np.zeros((table.count, 0))
+    if watch is not None and watch.closing is not None:
+        own_metric = first.scales.metric()
+    chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances, own_metric)
     return job, chunk, dict(first.notes)
 
 
 def case_watch(
     eqs: EquationSet,
     events: Sequence[Event],
+    share: float,
     parameters: Mapping[str, Value],
     free: Sequence[str],
     inputs: Mapping[str, Value],
 ) -> CaseWatch:
-    """Return what is watched in all cases.
+    """Return what is watched in all cases; constraints that are open by a share are closed after actions.
 
     Raises
     ------
@@ -123,9 +128,13 @@ def case_watch(
     check_value_shapes(events, values)
     check_action_shapes(events, actions)
     labels = tuple(event.label for event in events)
+    closing = None
+    if (eqs.multiplier_names or eqs.quaternions) and any(event.action != "record" for event in events):
+        closing = bound_function(eqs, CLOSING if outputs else POSED, parameters, free, inputs)
     return CaseWatch(
-        values, actions, labels, tuple(event_numbers(eqs, event) for event in events), eqs.state_names
-    )
+        values, actions, labels, tuple(event_numbers(eqs, event) for event in events), eqs.state_names,
+        closing, state_shape(eqs), share,
+    )  # fmt: skip
 
 
 def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, first: FirstStates) -> Floats:

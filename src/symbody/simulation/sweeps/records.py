@@ -23,6 +23,7 @@ from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.native.closing import StateShape
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -45,6 +46,10 @@ class CaseWatch:
         Names of the events, and these as numbers.
     state_names : tuple of str
         Speeds, coordinates, states of signals.
+    closing : CompiledFunction or None
+        Computes `native.closing.CLOSING` or `POSED`; None where no event changes what has to be closed.
+    shape, share
+        As `native.closing.closing_block` takes them.
     """
 
     values: CompiledFunction
@@ -52,6 +57,9 @@ class CaseWatch:
     labels: tuple[str, ...]
     events: tuple[WatchedEvent, ...]
     state_names: tuple[str, ...]
+    closing: CompiledFunction | None
+    shape: StateShape
+    share: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,6 +123,8 @@ class Chunk:
         As in `Projector`.
     atol : (cases, n) array
         As in `Goal`, the work last where events are watched.
+    metric : (cases, n_u + n_q + n_h) array
+        As `native.closing.metric` returns it; without columns where nothing is closed after events.
     """
 
     first: int
@@ -123,11 +133,12 @@ class Chunk:
     scales: Floats
     sizes: Floats
     atol: Floats
+    metric: Floats
 
     @classmethod
     def blank(cls, count: int) -> Chunk:
         """Return cases that are found by their numbers alone."""
-        return cls(0, *[np.zeros((count, 0))] * 5)
+        return cls(0, *[np.zeros((count, 0))] * 6)
 
     @property
     def count(self) -> int:
@@ -144,6 +155,7 @@ class Chunk:
             self.scales[rows],
             self.sizes[rows],
             self.atol[rows],
+            self.metric[rows],
         )
 
 

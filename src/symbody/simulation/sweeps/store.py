@@ -144,10 +144,11 @@ def _held_record(about: Mapping[str, Any] | None) -> HeldRecord | None:
 def digest(job: LoopJob, chunk: Chunk) -> str:
     """Return what stands for all that results depend on: code, first states, values, times, method."""
     about = hashlib.sha256()
-    watched = () if job.watch is None else (job.watch.values, job.watch.actions)
+    watched = () if job.watch is None else (job.watch.values, job.watch.actions, job.watch.closing)
     for function in (job.function, job.closing, *watched):
         about.update(b"" if function is None else function.source("c").encode())
-    for array in (chunk.states, chunk.parameters, chunk.scales, chunk.sizes, chunk.atol, job.times):
+    own = (chunk.states, chunk.parameters, chunk.scales, chunk.sizes, chunk.atol, chunk.metric, job.times)
+    for array in own:
         about.update(f"{array.shape}".encode())
         about.update(np.ascontiguousarray(array).tobytes())
     choices = (job.span, job.method, job.rtol, job.max_steps, job.stop_when_stiff, job.limit)

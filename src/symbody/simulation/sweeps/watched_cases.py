@@ -17,7 +17,8 @@ from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block, with_cut_fit
 from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.description import Floats, Projector, RightHandSide
+from symbody.simulation.native.closing import closing_block
+from symbody.simulation.native.description import Floats, RightHandSide
 from symbody.simulation.native.machine import address, watched_cases
 from symbody.simulation.native.run import EVENT_SAMPLES, memory_limit
 from symbody.simulation.sweeps.records import NOT_ENDED, CaseDetails, CaseWatch, Chunk, LoopJob, Records
@@ -61,34 +62,27 @@ def case_function(job: LoopJob, function: CompiledFunction, numbers: tuple[Float
     return RightHandSide(function.address, n_u, inputs, p, c, function.work_size, table_numbers(job.tables))
 
 
-def watched_rows(
-    job: LoopJob, watch: CaseWatch, chunk: Chunk, projector: Projector, closing: tuple[Floats, Floats]
-) -> WatchedRows:
+def watched_rows(job: LoopJob, watch: CaseWatch, chunk: Chunk) -> WatchedRows:
     """Return the block of a watch, and the numbers of its functions for each case."""
     numbers = [case_numbers(function, chunk.parameters) for function in (watch.values, watch.actions)]
     values, actions = (
         np.zeros(0) if function is None else function_numbers(case_function(job, function, columns))
         for function, columns in zip((watch.values, watch.actions), numbers, strict=True)
     )
-    is_closed = projector.address != 0
-    function = job.function.signature
-    sizes = WatchNumbers(
-        job.state_size + 1,
-        len(function.u),
-        len(function.q),
-        values,
-        actions,
-        function_numbers(projector) if is_closed else np.zeros(0),
-        projector.out_size if is_closed else 0,
-        projector.scales if is_closed else np.zeros(0),
-    )
+    closing, block = case_numbers(watch.closing, chunk.parameters), np.zeros(0)
+    if watch.closing is not None:
+        outputs = [len(output.values) for output in watch.closing.outputs]
+        own, numbers_of_one = chunk.metric[0], function_numbers(case_function(job, watch.closing, closing))
+        block = closing_block(watch.shape, own, outputs, numbers_of_one, watch.share)
+    speeds = len(job.function.signature.u)
+    sizes = WatchNumbers(job.state_size + 1, speeds, values, actions, block)
     dense_rows = 4 + len(job.method.tableau.dense)
     fresh = with_cut_fit(make_watch_block(watch.events, sizes), dense_rows)
     fresh[watch_at.SPAN] = abs(job.span[1] - job.span[0])
     fresh[watch_at.DIRECTION] = 1.0 if job.span[1] >= job.span[0] else -1.0
     fresh[watch_at.PIECE_ROWS] = dense_rows
     fresh[watch_at.FIRST_LENGTH] = float(job.method.first_step or 0.0)
-    columns = [*numbers[0], *numbers[1], *(closing if is_closed else ()), chunk.scales]
+    columns = [*numbers[0], *numbers[1], chunk.metric, *closing]
     return WatchedRows(fresh, np.hstack(columns))
 
 
@@ -112,7 +106,7 @@ class WatchedLoop:
         self._first = rows.shape[1] - watched.rows.shape[1]
         n = job.state_size + 1
         acting = 0 if watch.actions is None else watch.actions.address
-        closing = addresses[1] if watched.fresh[watch_at.CLOSING] else 0
+        closing = 0 if watch.closing is None else watch.closing.address
         self._addresses = (*addresses, watch.values.address, acting, closing)
         self._state = watched.fresh.copy()
         room = job.times.size + EVENT_SAMPLES
@@ -134,7 +128,7 @@ class WatchedLoop:
             elif code == at.NO_EVENT_ROOM:
                 self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
             done[0] = self._block[at.CASES_ENDED]
-        is_fault = np.isin(verdicts[:, at.CODE], (at.EVENT_FAULT, at.SPOILED))
+        is_fault = np.isin(verdicts[:, at.CODE], (at.EVENT_FAULT, at.SPOILED, at.UNMET))
         verdicts[is_fault, at.CODE] = at.STIFF  # `simulate` says what is wrong
 
     def _advance(self, verdicts: Floats) -> int:

@@ -1,0 +1,75 @@
+"""`Initial`: a first value, and whether it holds where loops are closed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from symbody.arguments import checked_fields
+from symbody.errors import Problem, UsageError
+from symbody.expr.language.formula import Formula
+from symbody.model.declarations.arguments import ZERO, Arguments, Value
+from symbody.model.frozen_mapping import FrozenMapping
+
+
+@checked_fields
+@dataclass(frozen=True, slots=True)
+class Initial:
+    """A first value of a coordinate, rate or speed, and its priority.
+
+    Parameters
+    ----------
+    value : number or formula
+        In SI units; of an angle also ``"60 deg"``.
+    priority : "hold" or "guess"
+        A value that holds is met exactly, or the motion does not start; a guess is where the search for
+        closed loops begins.
+
+    Raises
+    ------
+    UsageError
+        If the priority is another.
+    """
+
+    value: Value
+    priority: Literal["hold", "guess"] = "guess"
+
+    def __post_init__(self) -> None:
+        if self.priority not in ("hold", "guess"):
+            raise UsageError(
+                Problem("model.priority", "initial", f"priority = {self.priority!r} means nothing",
+                        fix="write 'hold' or 'guess'")
+            )  # fmt: skip
+
+
+class FirstValues(FrozenMapping[Formula]):
+    """First values by name, and which of them hold: a model that is made of another's keeps priorities."""
+
+    __slots__ = ("held",)
+
+    def __init__(self, items: Mapping[str, Formula] | None = None, held: Iterable[str] = ()) -> None:
+        super().__init__(items)
+        self.held = tuple(name for name in held if name in self)
+
+
+def _from_table(arguments: Arguments, table: Mapping[str, Any]) -> Initial:
+    """Return a first value as a model file writes it."""
+    made = arguments.attempt(lambda: Initial(table["value"], table.get("priority", "guess")))
+    return Initial(ZERO) if made is None else made
+
+
+def read_initial(arguments: Arguments, values: Mapping[str, Value | Initial]) -> FirstValues:
+    """Return the formulas of first values, with the names of those that hold."""
+    held: list[str] = [*values.held] if isinstance(values, FirstValues) else []
+
+    def read(value: object, path: str) -> Formula:
+        if isinstance(value, Mapping) and "value" in value and {*value} <= {"value", "priority"}:
+            value = _from_table(arguments, value)
+        if isinstance(value, Initial):
+            if value.priority == "hold":
+                held.append(path.removeprefix("initial."))
+            value = value.value
+        return arguments.angle(value, path)
+
+    return FirstValues(arguments.table(values, "initial", read), held)

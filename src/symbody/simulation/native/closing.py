@@ -1,0 +1,73 @@
+"""The block of `symbody.kernels.configurations.closing`: what closes states after they were set."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from symbody.analysis.scales import Scales
+from symbody.equations.equation_set import EquationSet
+from symbody.kernels.configurations import assembly as at
+from symbody.kernels.configurations.closing import closing_size
+from symbody.simulation.native.description import Floats
+
+# What the function of a closing writes; the mass matrix only where values are held.
+POSED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
+CLOSING: Final = (*POSED, "mass_matrix")
+
+
+class StateShape(NamedTuple):
+    """How many speeds and coordinates there are, and where quaternions lie among these."""
+
+    speeds: int
+    coordinates: int
+    quaternions: tuple[int, ...]
+
+
+def state_shape(eqs: EquationSet) -> StateShape:
+    """Return the shape of the states of equations."""
+    names = eqs.coordinate_names
+    four = (names.index(name) for group in eqs.quaternions for name in group)
+    return StateShape(len(eqs.speed_names), len(names), tuple(four))
+
+
+def metric(eqs: EquationSet, scales: Scales) -> Floats:
+    """Return the sizes of all states (u, q), then those of the constraints on positions."""
+    count = len(eqs.formed.holonomic)
+    sizes = scales.displacements(eqs), scales.coordinates(eqs), scales.constraints(eqs)[:count]
+    return np.concatenate(sizes)
+
+
+def closing_block(
+    shape: StateShape, sizes: Floats, outputs: Sequence[int], numbers: Floats, share: float
+) -> Floats:
+    """Return the block of a closing.
+
+    Parameters
+    ----------
+    sizes : array
+        What `metric` returns.
+    outputs : sequence of int
+        How many numbers each output of the function has, which are `POSED` or `CLOSING`.
+    numbers : array
+        Of the function, see `blocks.function_numbers`.
+    share : float
+        Each residual over its size that counts as closed; states as close as that stay where they are.
+    """
+    (n_u, n_q, four), count = shape, outputs[0]
+    parts = {
+        at.HELD: np.zeros(n_u + n_q), at.SIZES: sizes[: n_u + n_q], at.SCALES: sizes[n_u + n_q :],
+        at.OUT: np.zeros(sum(outputs)), at.MATRICES: np.zeros(closing_size(max(n_q, n_u))),
+        at.NUMBERS: numbers, at.OLD: np.zeros(n_q), at.QUATERNION_PLACES: np.array(four, dtype=np.float64),
+    }  # fmt: skip
+    head = np.zeros(at.HEADER)
+    begins = at.HEADER + np.cumsum([0, *(part.size for part in parts.values())])
+    head[[*parts]] = begins[:-1]
+    head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, outputs[2]
+    head[[at.QUATERNIONS, at.OUT_SIZE]] = len(four) / 4, sum(outputs)
+    head[at.WEIGHED] = len(outputs) == len(CLOSING)
+    head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * share
+    return np.concatenate([head, *parts.values()])
