@@ -340,7 +340,7 @@ class CompiledFunction:
             array = value if type(value) is np.ndarray else as_array(group, value)
             if array.shape != (size,) or (size and array.dtype.char != "d"):
                 return None
-            points.append(np.require(array, np.float64, "AC"))
+            points.append(np.require(array, np.float64, ["A", "C"]))
         return time, points
 
     def _call_at_point(self, time: float, points: Items[Floats]) -> Floats:

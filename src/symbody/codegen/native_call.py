@@ -110,7 +110,7 @@ class NativeCall:
         """
         out, work = np.empty(self.sequence.output_size), np.empty(self.native.work_size)
         # Native code reads doubles that lie one after the other: slices and other byte orders are copied.
-        arrays = {group: np.require(values, np.float64, "AC") for group, values in given.items()}
+        arrays = {group: np.require(values, np.float64, ["A", "C"]) for group, values in given.items()}
         places = [arrays[group].ctypes.data if group in arrays else None for group in GROUPS]
         check_status(self._point(*places, out.ctypes.data, work.ctypes.data))
         return out
