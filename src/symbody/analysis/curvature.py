@@ -102,6 +102,14 @@ def curved_coordinates(rows: Sequence[RowCurvature], free: Flags) -> tuple[Flags
     return _mask(curved, free.size), linear
 
 
+def limited_coordinates(eqs: EquationSet) -> Flags:
+    """Return a mask of the coordinates (n_q,) in which constraints are not linear, whatever is held."""
+    curved, _ = curved_coordinates(row_curvatures(eqs), np.ones(len(eqs.coordinate_names), dtype=np.bool_))
+    for four in eqs.quaternions:
+        curved[[eqs.coordinate_names.index(name) for name in four]] = True
+    return curved
+
+
 def curved_places(eqs: EquationSet, values: Iterable[int], slopes: Iterable[int]) -> Flags:
     """Return a mask of the coordinates (n_q,) in which nodes with these derivatives are not linear."""
     values, slopes = list(values), list(slopes)

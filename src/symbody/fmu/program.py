@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from symbody.analysis.curvature import limited_coordinates
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.sequences.sequence import Output
 from symbody.fmu.conditions import Condition
@@ -204,12 +205,13 @@ class FmuProgram:
             np.zeros(at.HEADER), np.zeros(n_u + n_q), scales.displacements(eqs), scales.coordinates(eqs),
             scales.constraints(eqs)[:count], np.zeros(function.size),
             np.zeros(at.matrices_size(max(n_q, n_u))), function.numbers, np.zeros(n_q), np.array(four),
+            limited_coordinates(eqs),
         ]  # fmt: skip
         begins = np.cumsum([part.size for part in parts])
         head = parts[0]
         head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, rows
         head[[at.HELD, at.SIZES]] = begins[:2]
-        order = (at.SCALES, at.OUT, at.MATRICES, at.NUMBERS, at.OLD, at.QUATERNION_PLACES)
+        order = (at.SCALES, at.OUT, at.MATRICES, at.NUMBERS, at.OLD, at.QUATERNION_PLACES, at.LIMITED)
         head[[*order]] = begins[3:-1]
         head[at.QUATERNIONS], head[at.OUT_SIZE] = len(eqs.quaternions), function.size
         head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * self.closing_share

@@ -29,7 +29,8 @@ SHARE: Final = 12  # the residual, over sizes, of constraints that count as clos
 QUATERNIONS: Final = 13  # how many; their places in q
 QUATERNION_PLACES: Final = 14
 ENOUGH: Final = 21  # the residual from which on nothing is moved
-HEADER: Final = 22
+LIMITED: Final = 22  # 1 for each coordinate that moves by a size at most in a step, 0 for linear ones
+HEADER: Final = 23
 
 # As in `symbody.manifold.newton`, which says why: residuals over their sizes, moves over those of states.
 MOST_ROUNDS: Final = 80
@@ -118,11 +119,12 @@ def coordinate_move(A: Reals, q: Reals) -> None:
         size = fulfil_row(A, int(A[SPEEDS]), n, size, excess(A, q, number))
 
 
-def largest(n: int, values: Reals) -> float:
-    """Return the largest magnitude of n values."""
+def largest(n: int, values: Reals, counts: Reals) -> float:
+    """Return the largest magnitude of those of n values that count."""
     worst = 0.0
     for i in range(n):
-        worst = max(worst, abs(values[i]))
+        if counts[i] != 0.0:
+            worst = max(worst, abs(values[i]))
     return worst
 
 
@@ -152,7 +154,8 @@ def try_move(h: Function, A: Reals, t: float, x: Reals, norm: float) -> float:
     old = part(A, int(A[OLD]), n)
     for i in range(n):
         old[i] = x[n_u + i]
-    share = min(1.0, 1.0 / max(largest(n, moves), TINY))
+    limited = part(A, int(A[LIMITED]), n)
+    share = min(1.0, 1.0 / max(largest(n, moves, limited), TINY))
     halvings = HALVINGS
     if norm <= POLISHED:
         halvings = POLISHINGS
