@@ -15,6 +15,7 @@ import tempfile
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
+from secrets import token_hex
 from typing import Final
 
 # Names a folder, or is "off".
@@ -154,8 +155,21 @@ def _digest(key: bytes, content: bytes) -> bytes:
     return sha256(sha256(key).digest() + content).digest()
 
 
-def new_file_mode() -> int:
-    """Return the permissions that a new file gets; temporary ones are for their owner alone."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask
+def create_file(folder: Path, prefix: str, suffix: str = "") -> tuple[int, str]:
+    """Create a file with the permissions of any new one, and return its descriptor and a path of its own.
+
+    Those of `tempfile.mkstemp` are for their owner alone. The system is asked by creating one: `os.umask` tells
+    the permissions by changing them, for the files of all threads.
+
+    Raises
+    ------
+    OSError
+        If there can be no file.
+    """
+    flags = os.O_RDWR | os.O_CREAT | os.O_EXCL
+    for word in ("O_CLOEXEC", "O_NOFOLLOW", "O_BINARY"):  # as far as the system has them
+        flags |= getattr(os, word, 0)
+    while True:
+        path = os.path.join(folder, f"{prefix}{token_hex(8)}{suffix}")
+        with suppress(FileExistsError):
+            return os.open(path, flags, 0o666), path

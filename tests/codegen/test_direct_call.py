@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -125,3 +126,51 @@ def test_threads_do_not_disturb_each_other() -> None:
     for k, values in enumerate(found):
         np.testing.assert_array_equal(values.udot, expected[k % 200].udot)
         assert values.energy == expected[k % 200].energy
+
+
+@pytest.fixture
+def often_switched() -> Iterator[None]:
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)  # threads take turns wherever the lock is released
+    yield
+    sys.setswitchinterval(interval)
+
+
+def pushed(*outputs: str) -> sb.CompiledFunction:
+    """A function of x, and of m and f as free parameters."""
+    body = sb.Body("Body", mass="m")
+    rail = sb.Prismatic("rail", "ground", "Body", coordinate="x", force=sb.Drive(applied="f"))
+    eqs = sb.form_equations(sb.Model("pushed", [body, rail], parameters={"m": 2, "f": 1}))
+    return sb.compile(eqs, outputs, free=["m", "f"])
+
+
+@needs_direct
+@pytest.mark.usefixtures("often_switched")
+@pytest.mark.parametrize("count", [501, 1000])
+def test_threads_with_parameters_of_their_own_get_their_own_results(count: int) -> None:
+    # NumPy lets other threads run while it copies more than 500 numbers, which is how results up to 1,000 are
+    # made: 4 of 100 calls gave results of another thread's parameters.
+    f = pushed(*(f"{k}*f" for k in range(1, count + 1)))
+    x, multiples = np.zeros(1), np.arange(1.0, count + 1.0)
+    for _ in range(30):
+        f(0.0, x, x, (), np.array([2.0, 1.0]))
+
+    def wrong(force: int) -> int:
+        p = np.array([2.0, force])
+        found = [np.array(f(0.0, x, x, (), p)) for _ in range(100)]
+        return sum(not np.array_equal(values, force * multiples) for values in found)
+
+    with ThreadPoolExecutor(8) as pool:
+        assert sum(pool.map(wrong, range(1, 33))) == 0
+
+
+@pytest.mark.parametrize("calls", [1, 50])
+def test_parameters_may_be_a_column_or_of_another_byte_order(calls: int) -> None:
+    f, x = pushed("udot", "f + x"), np.zeros(1)
+    table = np.array([[2.0, 40.0], [6.0, 50.0]])
+    for p in (table[:, 0], np.array([2.0, 6.0]).astype(">f8"), np.array([2.0, 6.0]).astype("<f8")):
+        for _ in range(calls):
+            found = f(0.0, x, x, (), p)
+            assert (found.udot[0], found[1]) == (3.0, 6.0)  # f/m, f + x
+        np.testing.assert_array_equal(f.constants(p), f.constants([2.0, 6.0]))
+        assert f.bind(p)(0.0, x, x).udot[0] == 3.0

@@ -14,6 +14,7 @@ from hypothesis import assume, given
 
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, select, sub
+from symbody.expr.fingerprints.circle import root_in_field
 from symbody.expr.fingerprints.fingerprint import PRIME, drop_sign, fingerprints, hash_words
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.sequences.evaluate import evaluate_sequence
@@ -51,6 +52,9 @@ class Pen:
         for factor in factors:
             total = mul(self.g, total, factor)
         return total
+
+    def root(self, square: int | Fraction | float) -> Node:
+        return apply(self.g, op.SQRT, self.n(square))
 
     def times_pi(self, factor: Fraction) -> Node:
         return mul(self.g, self.n(factor), self.g.pi())
@@ -145,6 +149,27 @@ IDENTITIES: dict[str, Callable[[Pen], tuple[Node, Node]]] = {
             p.c,
         ),
     ),
+    "sin(pi/12)": lambda p: (p.sin(p.times_pi(Fraction(1, 12))), p.product(p.n(Fraction(1, 4)), sub(p.g, p.root(6), p.root(2)))),
+    "cos(5 pi/12) = sin(pi/12)": lambda p: (p.cos(p.times_pi(Fraction(5, 12))), p.sin(p.times_pi(Fraction(1, 12)))),
+    "tan(pi/12) = 2 - sqrt 3": lambda p: (p.tan(p.times_pi(Fraction(1, 12))), sub(p.g, TWO, p.root(3))),
+    "sqrt 2 sqrt 3 = sqrt 6": lambda p: (p.product(p.root(2), p.root(3)), p.root(6)),
+    "sqrt 8 = 2 sqrt 2": lambda p: (p.root(8), p.product(TWO, p.root(2))),
+    "sqrt(3/4) = sqrt 3/2": lambda p: (p.root(Fraction(3, 4)), p.product(p.n(Fraction(1, 2)), p.root(3))),
+    "sqrt(9/4) = 3/2": lambda p: (p.root(Fraction(9, 4)), p.n(Fraction(3, 2))),
+    "sqrt 2 sqrt 5 = sqrt 10": lambda p: (p.product(p.root(2), p.root(5)), p.root(10)),
+    "sqrt(1 + sin^2 + cos^2) = sqrt 2": lambda p: (
+        apply(p.g, op.SQRT, p.sum(ONE, power(p.g, p.sin(p.a), TWO), power(p.g, p.cos(p.a), TWO))),
+        p.root(2),
+    ),
+    "1/sqrt 2 = sqrt 2/2": lambda p: (div(p.g, ONE, p.root(2)), p.product(p.n(Fraction(1, 2)), p.root(2))),
+    "sin(a+pi/3)": lambda p: (
+        p.sin(add(p.g, p.a, p.times_pi(Fraction(1, 3)))),
+        p.product(p.n(Fraction(1, 2)), add(p.g, p.sin(p.a), p.product(p.root(3), p.cos(p.a)))),
+    ),
+    "cos(2a-pi/4)": lambda p: (
+        p.cos(sub(p.g, mul(p.g, TWO, p.a), p.times_pi(Fraction(1, 4)))),
+        p.product(p.root(2), p.sum(p.product(p.sin(p.a), p.cos(p.a)), sub(p.g, power(p.g, p.cos(p.a), TWO), p.n(Fraction(1, 2))))),
+    ),
 }  # fmt: skip
 
 
@@ -172,6 +197,19 @@ DIFFERENT: dict[str, Callable[[Pen], tuple[Node, Node]]] = {
     ),
     "0.1, 1/10": lambda p: (p.n(0.1), p.n(Fraction(1, 10))),
     "pi, 355/113": lambda p: (p.g.pi(), p.n(Fraction(355, 113))),
+    "sqrt 2, -sqrt 2": lambda p: (p.root(2), neg(p.g, p.root(2))),
+    "sqrt 2 + sqrt 3, sqrt 5": lambda p: (add(p.g, p.root(2), p.root(3)), p.root(5)),
+    "sqrt 2, its float": lambda p: (p.root(2), p.n(2.0**0.5)),
+    "sqrt -2, sqrt 2": lambda p: (p.root(-2), p.root(2)),
+    "sin(pi/12), sin(5 pi/12)": lambda p: (
+        p.sin(p.times_pi(Fraction(1, 12))), p.sin(p.times_pi(Fraction(5, 12)))
+    ),
+    "sin(pi/12), sin(-11 pi/12)": lambda p: (
+        p.sin(p.times_pi(Fraction(1, 12))), p.sin(p.times_pi(Fraction(-11, 12)))
+    ),
+    "sin(pi/8), sin(pi/12)": lambda p: (
+        p.sin(p.times_pi(Fraction(1, 8))), p.sin(p.times_pi(Fraction(1, 12)))
+    ),
     "sin(1), sin(2)": lambda p: (p.sin(ONE), p.sin(TWO)),
     "two different quotients by 0": lambda p: (
         div(p.g, p.a, sub(p.g, add(p.g, p.a, p.b), add(p.g, p.b, p.a)) or _zero(p)),
@@ -212,6 +250,56 @@ def test_an_orthogonal_matrix_leaves_a_spherical_tensor_alone() -> None:
         for j in range(3):
             entry = pen.sum(*(pen.product(R[i][k], pen.c, R[j][k]) for k in range(3)))
             assert pen.equal(entry, pen.c if i == j else ZERO)
+
+
+Matrix = list[list[Node]]
+
+
+def _turn(pen: Pen, axis: int, angle: Node) -> Matrix:
+    g, c, s = pen.g, pen.cos(angle), pen.sin(angle)
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    turn = [[ONE if i == n else ZERO for n in range(3)] for i in range(3)]
+    turn[j][j], turn[j][k], turn[k][j], turn[k][k] = c, neg(g, s), s, c
+    return turn
+
+
+def _matrix_product(pen: Pen, left: Matrix, right: Matrix) -> Matrix:
+    product, three = pen.product, range(3)
+    return [[pen.sum(*(product(left[i][k], right[k][j]) for k in three)) for j in three] for i in three]
+
+
+def _check_turns(seed: int) -> None:
+    """Turns about one axis by multiples of pi/12 and of a, in any order, with conjugate turns between them."""
+    pen, rng = Pen(), random.Random(seed)
+    axis, twelfths = rng.randrange(3), [rng.randrange(-40, 41) for _ in range(4)]
+    twelfths.append(-sum(twelfths) % 24)
+    moving = [rng.randrange(-2, 3) for _ in range(2)]
+    angles = [pen.times_pi(Fraction(k, 12)) for k in twelfths] + [
+        mul(pen.g, pen.n(k), pen.a) for k in (*moving, -sum(moving))
+    ]
+    if rng.random() < 0.5:  # both in one angle
+        angles[-1] = add(pen.g, angles[-1], angles.pop(0))
+    rng.shuffle(angles)
+    other, around = (axis + 1) % 3, pen.times_pi(Fraction(rng.choice((1, 3, 4, 5, 8)), 12))
+    total = _turn(pen, other, around)
+    for angle in angles:
+        total = _matrix_product(pen, total, _turn(pen, axis, angle))
+    total = _matrix_product(pen, total, _turn(pen, other, neg(pen.g, around)))
+    for i in range(3):
+        for j in range(3):
+            assert pen.equal(total[i][j], ONE if i == j else ZERO), (seed, i, j)
+
+
+def test_turns_by_twelfths_of_pi_add_up() -> None:
+    for seed in range(100):
+        _check_turns(seed)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("first", range(100, 2000, 380))
+def test_turns_by_twelfths_of_pi_add_up_often(first: int) -> None:
+    for seed in range(first, first + 380):
+        _check_turns(seed)
 
 
 @both_tiers
@@ -264,7 +352,8 @@ def test_powers_of_two_are_distinct() -> None:
 
 
 def test_the_prime_has_what_the_field_needs() -> None:
-    assert sp.isprime(PRIME) and sp.isprime((PRIME - 1) // 2) and PRIME % 4 == 3
+    assert sp.isprime(PRIME) and sp.isprime((PRIME - 1) // 2) and PRIME % 24 == 23
+    assert all(pow(root_in_field(n, PRIME), 2, PRIME) == n for n in (2, 3))
 
 
 def test_entries_of_one_solution_have_no_sums_in_common() -> None:

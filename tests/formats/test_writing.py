@@ -32,6 +32,15 @@ def test_new_file_has_the_usual_permissions(tmp_path: Path) -> None:
     assert stat.S_IMODE((tmp_path / "a.toml").stat().st_mode) == 0o640
 
 
+def test_permissions_of_other_threads_stay_what_they_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Files that another thread creates while this one asks had the permissions 0o666.
+    monkeypatch.setattr(os, "umask", lambda mask: pytest.fail(f"umask({mask}) holds for all threads"))
+    write_text(tmp_path / "a.toml", "x")
+    assert (tmp_path / "a.toml").read_text() == "x"
+
+
 def test_old_content_and_permissions_are_kept(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text("old")

@@ -10,6 +10,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.curvature import (
+    RowCurvature,
+    curved_coordinates,
+    output_curvature,
+    row_curvatures,
+)
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.analysis.signal_values import signal_values
 from symbody.codegen.formation.bound_function import bound_function
@@ -90,7 +96,12 @@ class ConstraintEvaluator:
 
         scales = np.append(self.scales, [self._measured_size(name) for name in measured])
         places, free = self.quaternions(), self.free_coordinates(fixed)
-        return ConstraintManifold(evaluate, self.sizes, scales, places, self.is_aligned, free, ASSEMBLED)
+        rows = [*row_curvatures(self.eqs), *map(self._measured_curvature, measured)]
+        curved, linear = curved_coordinates(rows, free)
+        curved[[place for four in places for place in four]] = True
+        return ConstraintManifold(
+            evaluate, self.sizes, scales, places, self.is_aligned, free, ASSEMBLED, curved, linear
+        )
 
     def compile(self, outputs: str | Sequence[str]) -> CompiledFunction:
         """Return a compiled function of t, q and u."""
@@ -229,6 +240,13 @@ class ConstraintEvaluator:
         """Return the difference of two values; of an angle that counts no turns within half a turn."""
         counts = name not in self.eqs.measured_angles
         return a - b if counts else float(np.arctan2(np.sin(a - b), np.cos(a - b)))
+
+    def _measured_curvature(self, name: str) -> RowCurvature:
+        """Return the curvature of a condition on a coordinate of a cut joint."""
+        row = output_curvature(self.eqs, name)
+        # An angle that counts no turns has the same value after one.
+        counts = name not in self.eqs.measured_angles
+        return row if counts else row._replace(stepped=row.inside)
 
     def _measured_size(self, name: str) -> float:
         """Return the size of changes of a coordinate of a cut joint."""

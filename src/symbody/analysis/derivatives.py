@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
@@ -21,8 +20,8 @@ def with_outputs(
     """Return the equations with more outputs; the symbols in `arguments` become further inputs."""
     formed, given = eqs.formed, arguments or {}
     symbols = {name: Expr(formed.graph, formed.graph.symbol(symbol)) for name, symbol in given.items()}
-    inputs = (*formed.inputs, *(Symbol(name, symbol.kind) for name, symbol in given.items()))
-    wider = replace(formed, names=formed.names.with_values(symbols), inputs=inputs)
+    inputs = [Symbol(name, symbol.kind) for name, symbol in given.items()]
+    wider = formed.with_names(symbols, inputs)
     return EquationSet(eqs.model, wider, eqs.notes, {roots.name: roots for roots in outputs})
 
 

@@ -98,7 +98,7 @@ def redundancy(
     q = find_configuration(evaluator, guess or {}, parameters)
     if q is None:
         raise AssemblyError(
-            Problem("redundancy.open", eqs.model.name, "no configuration closes the loops", "",
+            Problem("redundancy.open", eqs.model.name, "no configuration was found that closes the loops", "",
                     "see assemble() for the joint that stays open, or give guess=")
         )  # fmt: skip
     sizes = evaluator.mechanism.constraints(eqs)[:, np.newaxis]

@@ -18,6 +18,7 @@ from symbody.builder.page_problems import page_problem, page_problems
 from symbody.builder.task_failure import Report, TaskFailure
 from symbody.errors import Problem, SymbodyError
 from symbody.expr.deadline import watch_stages
+from symbody.memory import memory_size
 
 _SHARE: Final = 0.8  # of the memory, for the data of one process
 # Where each task is: modules that are loaded by workers only.
@@ -98,11 +99,12 @@ def _fault(error: Exception) -> dict[str, Any]:
 
 def _limit_memory() -> None:
     """Let a model that is too large for this computer fail here, before the whole computer stands still."""
+    memory = memory_size()
     with suppress(ImportError, AttributeError, ValueError, OSError):  # not everywhere
         resource = import_module("resource")
-        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
         _, highest = resource.getrlimit(resource.RLIMIT_DATA)
-        resource.setrlimit(resource.RLIMIT_DATA, (int(_SHARE * memory), highest))
+        if memory is not None:
+            resource.setrlimit(resource.RLIMIT_DATA, (int(_SHARE * memory), highest))
 
 
 def _end_with_parent() -> None:

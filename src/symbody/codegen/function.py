@@ -23,7 +23,6 @@ from symbody.codegen.call_arguments import (
 )
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
-from symbody.codegen.native_call import SinglePoint
 from symbody.codegen.portable_text import portable_text
 from symbody.codegen.results import CallLayout, call_layout, split_outputs
 from symbody.codegen.shared_code import SharedCode
@@ -328,7 +327,7 @@ class CompiledFunction:
         return self._result(*results) if self._result is not None else results[0]
 
     def _points(self, t: ArrayLike, *arguments: ArrayLike) -> tuple[float, list[Floats]] | None:
-        """Return t, and q, u, r, p as arrays (n,) of floats; None if this is anything but single points."""
+        """Return t, and q, u, r, p as arrays (n,) that native code reads; None if this is no single point."""
         if isinstance(t, float):  # also NumPy's
             time = float(t)
         else:
@@ -341,7 +340,7 @@ class CompiledFunction:
             array = value if type(value) is np.ndarray else as_array(group, value)
             if array.shape != (size,) or (size and array.dtype.char != "d"):
                 return None
-            points.append(array)
+            points.append(np.require(array, np.float64, ["A", "C"]))
         return time, points
 
     def _call_at_point(self, time: float, points: Items[Floats]) -> Floats:
@@ -358,18 +357,8 @@ class CompiledFunction:
         result: Floats | None = None if direct is None else direct(time, *points[:3], p)
         if result is not None:
             return result.reshape(-1)
-        single: SinglePoint = self._code.notes.get("single", self._made_single)
-        single.groups["t"][:] = time
-        for group, array in zip("qur", points, strict=False):
-            single.groups[group][:] = array
-        single.groups["c"][:] = self._code.constants(p)
-        return single.run().copy()
-
-    def _made_single(self) -> SinglePoint:
-        """Return what calls at one point write into; each thread has its own."""
-        return SinglePoint(
-            self._code.tail, {**dict(self._sizes), "t": 1, "p": 0, "c": self._code.constant_count}
-        )
+        q, u, r, _ = points
+        return self._code.tail.at_point(t=np.array(time), q=q, u=u, r=r, c=self._code.constants(p))
 
     def _reshape_outputs(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
         results = split_outputs(self.outputs, flat, batch)

@@ -1,4 +1,4 @@
-"""Calls of native code with NumPy arrays: over a batch, and for one point without ceremony."""
+"""Calls of native code with NumPy arrays: over a batch, and for one point."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import sys
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from threading import local
 from typing import Final
 
 import numpy as np
@@ -102,7 +101,7 @@ class NativeCall:
         return out.reshape((*batch, out.shape[1]))
 
     def at_point(self, **given: Floats) -> Floats:
-        """Return the outputs at one point; arrays of doubles, one after the other, of the groups it reads.
+        """Return the outputs at one point, from the groups that are read, (n,) each.
 
         Raises
         ------
@@ -110,7 +109,9 @@ class NativeCall:
             If a kernel could not be solved.
         """
         out, work = np.empty(self.sequence.output_size), np.empty(self.native.work_size)
-        places = [given[group].ctypes.data if group in given else None for group in GROUPS]
+        # Native code reads doubles that lie one after the other: slices and other byte orders are copied.
+        arrays = {group: np.require(values, np.float64, ["A", "C"]) for group, values in given.items()}
+        places = [arrays[group].ctypes.data if group in arrays else None for group in GROUPS]
         check_status(self._point(*places, out.ctypes.data, work.ctypes.data))
         return out
 
@@ -151,31 +152,6 @@ class _PointArrays:
             arguments += [array.ctypes.data + _BYTES * start * stride, stride]
         arguments += [self.out.ctypes.data + _BYTES * start * size, size, work.ctypes.data]
         return int(_BATCH(function.batch_address)(count, *arguments))
-
-
-class SinglePoint(local):
-    """Scratch of one thread for calls at a single point, addresses taken once.
-
-    Parameters
-    ----------
-    call : NativeCall
-        What is called.
-    sizes : mapping of group to int
-        Numbers in each group.
-    """
-
-    def __init__(self, call: NativeCall, sizes: Mapping[str, int]) -> None:
-        self.groups = {group: np.zeros(sizes.get(group, 0)) for group in GROUPS}
-        self.out = np.empty(call.sequence.output_size)
-        self._work = np.empty(call.native.work_size)
-        self._function = _SINGLE(call.native.address)
-        arrays = [*self.groups.values(), self.out, self._work]
-        self._addresses = [array.ctypes.data for array in arrays]
-
-    def run(self) -> Floats:
-        """Return the outputs for what stands in `groups`; a view that the next call overwrites."""
-        check_status(self._function(*self._addresses))
-        return self.out
 
 
 def _kernel_work(kernel: KernelNode) -> int:

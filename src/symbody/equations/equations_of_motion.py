@@ -65,7 +65,7 @@ class EquationsOfMotion(MultibodySystem):
     slack: tuple[ConstraintEquation, ...] = ()
     angles: frozenset[str] = frozenset()
     outer_signals: tuple[str, ...] = ()
-    # Made on first request; pure functions of the fields above, so they cannot go stale.
+    # Made on first request from the fields above: what replaces one of these replaces what is made of it.
     _wrenches: SingleFlight[bool, Mapping[str, Wrench]] = field(default_factory=SingleFlight, repr=False)
     _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
     solution: SingleFlight[None, tuple[list[Expr], list[Expr]]] = field(
@@ -183,6 +183,15 @@ class EquationsOfMotion(MultibodySystem):
             _names=SingleFlight(),
             _released=SingleFlight(),
             _substituted=SingleFlight(),
+        )
+
+    def with_names(self, values: Mapping[str, Expr], inputs: Iterable[Symbol] = ()) -> EquationsOfMotion:
+        """Return the same equations with more names for values, some of them further inputs."""
+        return replace(
+            self,
+            names=self.names.with_values(values),
+            inputs=(*self.inputs, *inputs),
+            _names=SingleFlight(),
         )
 
     def with_independent(self, kept: Iterable[int]) -> EquationsOfMotion:

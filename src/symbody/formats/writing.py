@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.errors import FormatError, Problem
-from symbody.storage import new_file_mode
+from symbody.storage import create_file
 
 _CURES: Final = MappingProxyType(
     {
@@ -82,16 +82,18 @@ def replace_content(target: Path, content: bytes, like: Path) -> None:
     OSError
         If that is impossible; the file that was there is unchanged.
     """
-    descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:100]}.", dir=target.parent)
+    prefix, is_known = f".{target.name[:100]}.", like.exists()
+    if is_known:  # nobody reads a part of what only some may read
+        descriptor, name = tempfile.mkstemp(prefix=prefix, dir=target.parent)
+    else:
+        descriptor, name = create_file(target.parent, prefix)
     try:
         with open(descriptor, "wb") as file:
             file.write(content)
             file.flush()
             os.fsync(descriptor)
-        if like.exists():
+        if is_known:
             shutil.copymode(like, name)
-        else:
-            os.chmod(name, new_file_mode())
         os.replace(name, target)
     except BaseException:
         with contextlib.suppress(OSError):

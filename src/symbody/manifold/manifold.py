@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.manifold.newton import Step, correct, damped_step, descend
 from symbody.manifold.ranks import null_space, unit_rows
-from symbody.tolerances import CLOSED, FAR
+from symbody.tolerances import CLOSED, FAR, NEGLIGIBLE
 
 Floats = NDArray[np.float64]
 
@@ -77,6 +77,10 @@ class ConstraintManifold:
         Mask of the coordinates that may move; None: all.
     closed : float
         The largest residual of constraints that hold.
+    curved : (n,) array of bool or None
+        Mask of the coordinates in which constraints are not linear: steps are limited along these; None: all.
+    linear : (m,) array of bool or None
+        Mask of the constraints that are linear in what may move; None: none is.
     """
 
     evaluate: Callable[[Floats], Sequence[ArrayLike]]
@@ -86,6 +90,8 @@ class ConstraintManifold:
     admits: Callable[[Floats], bool] = lambda q: True
     free: NDArray[np.bool_] | None = None
     closed: float = CLOSED
+    curved: NDArray[np.bool_] | None = None
+    linear: NDArray[np.bool_] | None = None
 
     def constraints(self, q: Floats) -> LinearConstraints:
         """Return values and derivatives of the constraints, norms of quaternions included."""
@@ -116,12 +122,40 @@ class ConstraintManifold:
         return max(self.closed, FAR * float(np.abs(q / self.sizes).max(initial=0.0)))
 
     def project(self, guess: ArrayLike, step: Step = damped_step) -> Configuration:
-        """Return a configuration on the constraints near a guess, by steps of a kind."""
+        """Return a configuration on the constraints near a guess, by steps of a kind.
+
+        Where linear constraints demand a long way along coordinates in which others are not linear, they are
+        met first, by one step.
+        """
         start = self.constraints(np.array(guess, dtype=np.float64))
+        limited = self.curved if self.curved is None or self.free is None else self.curved[self.free]
+        if self.linear is not None and limited is not None and self.linear.any():
+            move = self._linear_move(start)
+            if np.abs(move[limited]).max(initial=0.0) > 1.0:
+                start = self.constraints(self._step_from(start.q, move))
         q, values, slopes = descend(
-            start, lambda point, move: self.constraints(self._step_from(point.q, move)), step
+            start, lambda point, move: self.constraints(self._step_from(point.q, move)), step, limited=limited
         )
         return self._judge(q, values, slopes)
+
+    def contradicts(self, q: Floats) -> bool:
+        """Return whether linear constraints alone exclude every configuration with what is held as in `q`."""
+        if self.linear is None or not self.linear.any():
+            return False
+        start = self.constraints(q)
+        for cut in (NEGLIGIBLE, None):  # one loses directions of long chains, the other rests on rounding
+            point = start
+            for _ in range(2):  # the second takes away the rounding of the first
+                point = self.constraints(self._step_from(point.q, self._linear_move(point, cut)))
+            values = np.abs(point.values[: self.linear.size][self.linear])
+            if values.max(initial=0.0) <= self.tolerance(point.q):
+                return False
+        return True
+
+    def _linear_move(self, point: LinearConstraints, cut: float | None = NEGLIGIBLE) -> Floats:
+        """Return the least step, in sizes, that meets the linear constraints as well as they can be met."""
+        rows = np.flatnonzero(() if self.linear is None else self.linear)
+        return np.asarray(np.linalg.lstsq(point.slopes[rows], -point.values[rows], rcond=cut)[0])
 
     def judge(self, q: Floats) -> Configuration:
         """Return a configuration as it is, with how far it is from the constraints."""

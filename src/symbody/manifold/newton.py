@@ -70,7 +70,12 @@ def damped_step(values: Floats, slopes: Floats) -> Floats:
 
 
 def descend(
-    start: P, move: Callable[[P, Floats], P], step: Step = least_step, *, patience: int | None = None
+    start: P,
+    move: Callable[[P, Floats], P],
+    step: Step = least_step,
+    *,
+    patience: int | None = None,
+    limited: NDArray[np.bool_] | None = None,
 ) -> P:
     """Return the point to which steps lead from any start, whether or not the conditions hold there.
 
@@ -82,6 +87,9 @@ def descend(
         From values and slopes to a step.
     patience : int, optional
         Steps in which the residual has to fall by a tenth; otherwise the search ends.
+    limited : (n,) array of bool, optional
+        Mask of the unknowns along which a step is a size at most; by default all. Along those in which the
+        conditions are linear, whole steps lead there, however far.
     """
     point, norm = start, float(np.linalg.norm(start.values))
     before = norm
@@ -93,7 +101,8 @@ def descend(
         if norm < EXACT or not (norm < np.inf and np.isfinite(point.slopes).all()):
             break
         direction = step(point.values, point.slopes)
-        share = min(1.0, 1.0 / max(_largest(direction), TINY))
+        bounded = direction if limited is None else direction[limited]
+        share = min(1.0, 1.0 / max(_largest(bounded), TINY))
         for _ in range(_HALVINGS if norm > _POLISHED else _POLISHINGS):
             trial = move(point, share * direction)
             trial_norm = float(np.linalg.norm(trial.values))

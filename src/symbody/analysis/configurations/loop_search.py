@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.configurations.exclusion import why_excluded
 from symbody.analysis.configurations.minimum_gap import minimum_gap
 from symbody.analysis.configurations.ranges import (
     Ranges,
@@ -128,8 +129,10 @@ def open_problem(
 def _conflict_problem(
     evaluator: ConstraintEvaluator, start: Floats, conflict: Mapping[str, float]
 ) -> Problem:
-    """Return values that no configuration has, with the nearest where one alone is impossible."""
+    """Return values with which no configuration was found, with the nearest where one alone is impossible."""
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items())
+    proof = why_excluded(evaluator, conflict)
+    why = proof or f"none was found from {STARTS} starts about the guess"
     cure = "leave one of them to guess="
     nearest = find_assembly(evaluator, start, {})
     if len(conflict) == 1 and nearest is not None:
@@ -137,8 +140,8 @@ def _conflict_problem(
         near = [f", for instance {name} = {places[name]:.4g}" for name in conflict if name in places]
         cure = f"give another value{''.join(near)}, or leave it to guess="
     return Problem(
-        "assembly.conflict", "fixed", f"no configuration has {listed}",
-        "the loops close without these values, but not with them", cure,
+        "assembly.conflict", "fixed", f"no configuration {'has' if proof else 'was found with'} {listed}",
+        f"the loops close without these values; {why}", cure,
     )  # fmt: skip
 
 
@@ -147,7 +150,12 @@ def _open_joints(
 ) -> Problem:
     """Say by how much joints stay open, from where Newton's method came nearest to closing them."""
     best = attempts[0]
-    why = f"{STARTS} starts about the guess were tried"
+    proof = why_excluded(evaluator, fixed)
+    why = (
+        f"there is no configuration: {proof}"
+        if proof
+        else f"none was found from {STARTS} starts about the guess"
+    )
     if not evaluator.is_aligned(best.q) and best.residual <= ASSEMBLED:
         joint = next(iter(evaluator.gaps(best.q)), "")
         what = f"joint {joint} closes only with its axes opposite to each other"

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.curvature import limited_coordinates
 from symbody.analysis.named_values import unit_quaternions
 from symbody.analysis.scales import Scales
 from symbody.codegen.formation.bound_function import bound_function
@@ -185,7 +186,7 @@ class PlainAssembly:
         lengths = [
             at.HEADER, n_u + n_q, n_u + n_q, residuals, sum(sizes), closing_size(closed), n_q,
             len(four), 4 * n_u, places.speeds_size(n_u) if rows else 0, block.R_PLACE, constants,
-            function.work_size,
+            function.work_size, n_q,
         ]  # fmt: skip
         begins = np.cumsum([0, *lengths]).tolist()
         self._template = head = np.zeros(begins[-1])
@@ -197,6 +198,7 @@ class PlainAssembly:
         head[order] = begins[1:11]
         head[at.QUATERNIONS], head[begins[7] : begins[8]] = len(eqs.quaternions), four
         head[at.OUT_SIZE], head[places.COSINES] = sum(sizes), sizes[4]
+        head[at.LIMITED], head[begins[13] :] = begins[13], limited_coordinates(eqs)
         head[at.SHARE], head[at.ENOUGH] = ASSEMBLED, EXACT
         numbers = head[begins[10] :]
         numbers[[block.P_PLACE, block.C_PLACE]] = block.R_PLACE

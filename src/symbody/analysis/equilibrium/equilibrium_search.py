@@ -106,8 +106,12 @@ class EquilibriumSearch:
             return least_step(values, slopes[:, free])
 
         start = balance.residual(q, balance.first_inputs, largest, bearing)
+        curved = self.evaluator.manifold(dict.fromkeys(self.fixed, 0.0)).curved
         # Controllers at their limits have no slope, and starts crawl along them.
-        return descend(start, move, step, patience=_PATIENCE if self.evaluator.signals.size else None)
+        return descend(
+            start, move, step, patience=_PATIENCE if self.evaluator.signals.size else None,
+            limited=None if curved is None else (curved | balance.curved)[free],
+        )  # fmt: skip
 
     def attempts(self, q: Floats) -> list[StaticResidual]:
         """Return the ends of a start: equilibria, or places with the least unbalanced forces.

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
+from symbody.analysis.curvature import curved_places
 from symbody.analysis.derivatives import laws_key, partial_derivatives, with_laws, with_outputs
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
@@ -105,6 +106,8 @@ class StaticBalance:
         Sizes of the constraints.
     timed : bool
         Whether the forces depend on time.
+    curved : (n_q,) array of bool
+        Mask of the coordinates in which forces, or what multipliers do, are not linear.
     """
 
     evaluator: ConstraintEvaluator
@@ -113,6 +116,7 @@ class StaticBalance:
     sizes: Floats
     scales: Floats
     timed: bool
+    curved: NDArray[np.bool_]
 
     @property
     def first_inputs(self) -> Floats:
@@ -198,7 +202,7 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     function = bound_function(plan.wider, words, evaluator.parameters, (), given)
     scales = evaluator.mechanism.constraints(eqs)
     sizes = np.concatenate([evaluator.speed_sizes, _light_sizes(evaluator)])
-    return StaticBalance(evaluator, function, plan.unknowns, sizes, scales, plan.timed)
+    return StaticBalance(evaluator, function, plan.unknowns, sizes, scales, plan.timed, plan.curved)
 
 
 def _light_sizes(evaluator: ConstraintEvaluator) -> Floats:
@@ -214,6 +218,7 @@ class _BalancePlan(NamedTuple):
     wider: EquationSet
     unknowns: int
     timed: bool
+    curved: NDArray[np.bool_]
 
 
 def _plan_balance(eqs: EquationSet, unknowns: Sequence[str], laws: Mapping[str, Value]) -> _BalancePlan:
@@ -227,7 +232,9 @@ def _plan_balance(eqs: EquationSet, unknowns: Sequence[str], laws: Mapping[str, 
     ]
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
-    return _BalancePlan(with_outputs(eqs, roots, pulls), len(symbols), timed)
+    slopes = [*roots[1].nodes, *roots[2].nodes, *eqs.roots("jacobian").nodes]
+    curved = curved_places(eqs, forces, slopes)
+    return _BalancePlan(with_outputs(eqs, roots, pulls), len(symbols), timed, curved)
 
 
 def _is_number(law: Value, name: str) -> bool:

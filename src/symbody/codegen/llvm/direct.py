@@ -65,6 +65,16 @@ def text() -> str:
         kind = "i64" if name.startswith("size_") else "ptr"
         lines.append(f"%{name}.at = getelementptr i8, ptr %settings, i64 {8 * k}")
         lines.append(f"%{name} = load {kind}, ptr %{name}.at")
+    # The result is made first: that may let other threads run, which change what this call shares with theirs
+    # and the arrays it was called with. From here to the end none does.
+    lines += [
+        "%result = call ptr %call(ptr %make_result)",
+        "%lost = icmp eq ptr %result, null",
+        "br i1 %lost, label %failed, label %made",
+        "failed:",
+        "ret ptr null",
+        "made:",
+    ]
     lines += _next("all", f"icmp eq i64 %count, {len(ARGUMENTS)}")
     for k, name in enumerate(ARGUMENTS):
         lines += _field(name, "given", 8 * k)
@@ -73,12 +83,6 @@ def text() -> str:
         lines += _is_array(name)
     lines += _constants_of_parameters()
     lines += [
-        "%result = call ptr %call(ptr %make_result)",
-        "%lost = icmp eq ptr %result, null",
-        "br i1 %lost, label %failed, label %compute",
-        "failed:",
-        "ret ptr null",
-        "compute:",
         *_field("out", "result", _DATA),
         f"%t.value.at = getelementptr i8, ptr %t, i64 {_VALUE}",
         "%t.value = load double, ptr %t.value.at",
@@ -90,13 +94,11 @@ def text() -> str:
     lines += [
         f"%status = call i32 %code(ptr %time.at, {data}, ptr %constants, ptr %out, ptr %work)",
         "%solved = icmp eq i32 %status, 0",
-        "br i1 %solved, label %done, label %unsolved",
+        "br i1 %solved, label %done, label %otherwise",
         "done:",
         "ret ptr %result",
-        "unsolved:",
-        "call void %drop(ptr %result)",
-        "br label %otherwise",
         "otherwise:",
+        "call void %drop(ptr %result)",
         "call void %take(ptr %none)",
         "ret ptr %none",
         "}",

@@ -10,7 +10,6 @@ from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.expr.expression import number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Distance
-from symbody.single_flight import SingleFlight
 
 
 def ropes(formed: EquationsOfMotion) -> tuple[str, ...]:
@@ -57,7 +56,7 @@ def with_words(formed: EquationsOfMotion, words: Mapping[str, str]) -> Equations
     for row in formed.rows:
         if row.element in words:
             values[words[row.element]] = symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))
-    return replace(formed, names=formed.names.with_values(values), _names=SingleFlight())
+    return formed.with_names(values)
 
 
 def rope_rows(formed: EquationsOfMotion, names: Collection[str]) -> list[int]:

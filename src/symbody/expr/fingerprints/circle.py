@@ -2,13 +2,15 @@
 
 An angle is read as a linear form in atoms: ``theta + 2*beta - pi/2``. Each atom has a random rational
 point; multiples and sums of angles are powers and products of the complex numbers c + i s. So the angle of a
-link at the end of a chain takes one product, however many joints it is the sum of.
+link at the end of a chain takes one product, however many joints it is the sum of. Multiples of pi/12 have
+their own points, written in the roots of 2 and 3, which are numbers of the field.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import cache
 from typing import Final, NamedTuple
 
 from symbody.expr.graph import Graph
@@ -135,8 +137,8 @@ class Circle:
     def _multiple(self, atom: tuple[int, ...], factor: Fraction) -> Complex:
         key = (atom, factor)
         if key not in self._points:
-            if atom == () and (2 * factor).denominator == 1:
-                self._points[key] = self._quarter_turns(int(2 * factor))
+            if atom == () and (12 * factor).denominator == 1:
+                self._points[key] = self._power(self._twelfth_of_pi(), int(12 * factor) % 24)
             else:
                 self._points[key] = self._power_of_atom(atom, factor)
         return self._points[key]
@@ -160,9 +162,12 @@ class Circle:
         cosine, sine = result
         return (cosine, (-sine[0] % self._prime, -sine[1] % self._prime)) if exponent < 0 else result
 
-    def _quarter_turns(self, count: int) -> Complex:
-        c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[count % 4]
-        return ((c % self._prime,) * 2, (s % self._prime,) * 2)
+    def _twelfth_of_pi(self) -> Complex:
+        """Return the point ((sqrt 3 + 1), (sqrt 3 - 1)) sqrt 2 / 4; its sixth power is a quarter turn."""
+        p = self._prime
+        two, three = root_in_field(2, p), root_in_field(3, p)
+        scale = two * pow(4, -1, p)
+        return (((three + 1) * scale % p,) * 2, ((three - 1) * scale % p,) * 2)
 
     def _random_point(self, *words: int) -> Complex:
         """Return (1 - w^2, 2 w) / (1 + w^2); the prime is 3 mod 4, so 1 + w^2 never vanishes."""
@@ -183,3 +188,12 @@ class Circle:
             ((c1 * d1 - s1 * t1) % p, (c2 * d2 - s2 * t2) % p),
             ((s1 * d1 + c1 * t1) % p, (s2 * d2 + c2 * t2) % p),
         )
+
+
+@cache
+def root_in_field(number: int, prime: int) -> int:
+    """Return a square root; there is one of 2 and of 3 where the prime is 23 mod 24.
+
+    Either root will do: the two belong to conjugate fields, in which the same identities hold.
+    """
+    return pow(number, (prime + 1) // 4, prime)

@@ -3,18 +3,20 @@
 Equal fingerprints mean equal functions, whatever identity makes them equal, because a nonzero
 rational function vanishes at a random point with probability of about degree / 2**61, and two
 points are used (Schwartz 1980). Sines and cosines are points of the circle, turned by the addition
-formulas; every other function is a random function of its argument's fingerprint, which can
-miss an equality but never invent one.
+formulas. Roots of rational numbers are products of those of 2 and 3, of whole numbers, and of random ones;
+every other function is a random function of its argument's fingerprint, which can miss an equality but never
+invent one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from math import isqrt
 from typing import Final
 
 from symbody.expr.deadline import TICK, check
-from symbody.expr.fingerprints.circle import Circle, Pair
+from symbody.expr.fingerprints.circle import Circle, Pair, root_in_field
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import (
     ABS,
@@ -32,13 +34,17 @@ from symbody.expr.opcodes import (
     POW,
     RATIONAL,
     SIN,
+    SQRT,
     SUB,
     TAN,
 )  # fmt: skip
 
 # (PRIME - 1) / 2 is prime too, so no power of 2 below 2**(10**18) is 1: floats, which are whole numbers times
-# powers of 2, stay distinct. (In the field of 2**61 - 1 the float 2**-60 is 2.) It is 3 modulo 4, see Circle.
-PRIME: Final = 2**61 - 2373
+# powers of 2, stay distinct. (In the field of 2**61 - 1 the float 2**-60 is 2.) It is 23 modulo 24, so that
+# 2 and 3 have roots and -1 has none, see Circle.
+PRIME: Final = 2**61 - 3153
+# A residue is read as a rational number up to this over this: of random ones 1 in 10,000 has such a reading.
+_LARGEST: Final = 10**7
 _HALF: Final = PRIME // 2
 _WORD: Final = 2**64 - 1
 
@@ -116,6 +122,8 @@ class _Fingerprinter:
         if op == FMA:
             a, b, c = pairs
             return ((a[0] * b[0] + c[0]) % PRIME, (a[1] * b[1] + c[1]) % PRIME)
+        if op == SQRT:
+            return _root(pairs[0])
         if op in ODD_FUNCTIONS or op == ABS:
             pair, flipped = drop_sign(pairs[0])
             value = hash_words(op, *pair)
@@ -131,6 +139,29 @@ class _Fingerprinter:
         if op == COS:
             return (c1, c2)
         return (s1, s2) if op == SIN else self._quotient(node, (s1, s2), (c1, c2))
+
+
+def _root(square: Pair) -> Pair:
+    """Return the root of a fingerprint: in the field for rational numbers, as far as it lies there."""
+    value = _rational(square[0]) if square[0] == square[1] else None
+    if value is None or value <= 0:
+        return hash_words(SQRT, 0, *square)
+    rest, scale = value.numerator * value.denominator, pow(value.denominator, -1, PRIME)
+    for factor in (2, 3):
+        while rest % factor == 0:
+            rest, scale = rest // factor, scale * root_in_field(factor, PRIME) % PRIME
+    whole = isqrt(rest)
+    first, second = (whole, whole) if whole * whole == rest else hash_words(SQRT, 0, rest, rest)
+    return (first * scale % PRIME, second * scale % PRIME)
+
+
+def _rational(residue: int) -> Fraction | None:
+    """Return the rational number of few digits that has a residue, if there is one (Wang 1981)."""
+    above, below, before, factor = PRIME, residue, 0, 1
+    while below > _LARGEST:
+        count = above // below
+        above, below, before, factor = below, above - count * below, factor, before - count * factor
+    return Fraction(below, factor) if 0 < abs(factor) <= _LARGEST else None
 
 
 def find_zeros(graph: Graph, nodes: Sequence[int]) -> list[bool]:

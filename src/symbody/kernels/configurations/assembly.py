@@ -30,7 +30,8 @@ QUATERNIONS: Final = 13  # how many; their places in q
 QUATERNION_PLACES: Final = 14
 ENOUGH: Final = 21  # the residual from which on nothing is moved
 WEIGHED: Final = 22  # whether the function writes the mass matrix behind J: see `closing`
-HEADER: Final = 23
+LIMITED: Final = 23  # 1 for each coordinate that moves by a size at most in a step, 0 for linear ones
+HEADER: Final = 24
 
 # As in `symbody.manifold.newton`, which says why: residuals over their sizes, moves over those of states.
 MOST_ROUNDS: Final = 80
@@ -119,11 +120,12 @@ def coordinate_move(A: Reals, q: Reals) -> None:
         size = fulfil_row(A, int(A[SPEEDS]), n, size, excess(A, q, number))
 
 
-def largest(n: int, values: Reals) -> float:
-    """Return the largest magnitude of n values."""
+def largest(n: int, values: Reals, counts: Reals) -> float:
+    """Return the largest magnitude of those of n values that count."""
     worst = 0.0
     for i in range(n):
-        worst = max(worst, abs(values[i]))
+        if counts[i] != 0.0:
+            worst = max(worst, abs(values[i]))
     return worst
 
 
@@ -153,7 +155,8 @@ def try_move(h: Function, A: Reals, t: float, x: Reals, norm: float) -> float:
     old = part(A, int(A[OLD]), n)
     for i in range(n):
         old[i] = x[n_u + i]
-    share = min(1.0, 1.0 / max(largest(n, moves), TINY))
+    limited = part(A, int(A[LIMITED]), n)
+    share = min(1.0, 1.0 / max(largest(n, moves, limited), TINY))
     halvings = HALVINGS
     if norm <= POLISHED:
         halvings = POLISHINGS

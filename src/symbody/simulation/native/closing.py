@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from symbody.analysis.curvature import limited_coordinates
 from symbody.analysis.scales import Scales
 from symbody.equations.equation_set import EquationSet
 from symbody.kernels.configurations import assembly as at
@@ -20,18 +21,21 @@ CLOSING: Final = (*POSED, "mass_matrix")
 
 
 class StateShape(NamedTuple):
-    """How many speeds and coordinates there are, and where quaternions lie among these."""
+    """Numbers of speeds and coordinates, places of quaternions, 1 for each coordinate whose steps are limited."""
 
     speeds: int
     coordinates: int
     quaternions: tuple[int, ...]
+    limited: tuple[float, ...]
 
 
 def state_shape(eqs: EquationSet) -> StateShape:
     """Return the shape of the states of equations."""
     names = eqs.coordinate_names
     four = (names.index(name) for group in eqs.quaternions for name in group)
-    return StateShape(len(eqs.speed_names), len(names), tuple(four))
+    return StateShape(
+        len(eqs.speed_names), len(names), tuple(four), tuple(map(float, limited_coordinates(eqs)))
+    )
 
 
 def metric(eqs: EquationSet, scales: Scales) -> Floats:
@@ -57,11 +61,12 @@ def closing_block(
     share : float
         Each residual over its size that counts as closed; states as close as that stay where they are.
     """
-    (n_u, n_q, four), count = shape, outputs[0]
+    (n_u, n_q, four, limited), count = shape, outputs[0]
     parts = {
         at.HELD: np.zeros(n_u + n_q), at.SIZES: sizes[: n_u + n_q], at.SCALES: sizes[n_u + n_q :],
         at.OUT: np.zeros(sum(outputs)), at.MATRICES: np.zeros(closing_size(max(n_q, n_u))),
         at.NUMBERS: numbers, at.OLD: np.zeros(n_q), at.QUATERNION_PLACES: np.array(four, dtype=np.float64),
+        at.LIMITED: np.array(limited, dtype=np.float64),
     }  # fmt: skip
     head = np.zeros(at.HEADER)
     begins = at.HEADER + np.cumsum([0, *(part.size for part in parts.values())])

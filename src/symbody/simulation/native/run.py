@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ import numpy as np
 
 from symbody.errors import Problem, SimulationError
 from symbody.kernels import block as at
+from symbody.memory import memory_size
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Floats, LoopCall, Record
@@ -211,17 +211,14 @@ def check_memory(samples: int, n: int) -> None:
     if 8 * samples * (n + 1) <= memory_limit():
         return
     size = 8e-9 * samples * (n + 1)
-    what = f"{samples} samples of {n} states take {size:.3g} GB, more than half of this computer's memory"
+    what = f"{samples} samples of {n} states take {size:.3g} GB, more than half of the memory here"
     fix = f"ask for at most {memory_limit() // (8 * (n + 1))} times, or run in parts"
     raise SimulationError(Problem("simulation.memory", "times", what, fix=fix))
 
 
 def memory_limit() -> int:
-    """Return how many bytes the samples of a run may take: half of the computer's memory."""
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
-    except (AttributeError, OSError, ValueError):  # no such question on this system
-        return ASSUMED_MEMORY // 2
+    """Return how many bytes the samples of a run may take: half of the memory of computer or container."""
+    return (memory_size() or ASSUMED_MEMORY) // 2
 
 
 def drive(run: CompiledRun, record: Record, progress: Progress | None, watch: Watch | None = None) -> RawRun:

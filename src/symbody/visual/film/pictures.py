@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +14,7 @@ from PIL import Image
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
-from symbody.storage import new_file_mode
+from symbody.storage import create_file
 from symbody.visual.film.drawing import Bytes, Drawing
 from symbody.visual.film.files.animated_images import frame_delays, shared_palette, write_gif
 from symbody.visual.film.files.axes_drawing import draw_on_axes, figure_of
@@ -191,14 +190,13 @@ def _file_replacement(path: Path) -> Iterator[Path]:
         If there can be no file.
     """
     try:
-        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+        handle, name = create_file(path.parent, ".", path.suffix)
         os.close(handle)
     except OSError as error:
         raise _unwritable(path, error) from error
     draft = Path(name)
     try:
         yield draft
-        draft.chmod(new_file_mode())
         draft.replace(path)
     except OSError as error:
         raise _unwritable(path, error) from error
