@@ -97,8 +97,8 @@ class Formula:
                 values.append(step.payload)
         return values[0]
 
-    def rename(self, mapping: Mapping[str, str]) -> Formula:
-        """Return this with names replaced, all at once, in text and program.
+    def rename(self, mapping: Mapping[str, str], outputs: Mapping[str, str] | None = None) -> Formula:
+        """Return this with names replaced, all at once, in text and program; `outputs` are those in quotes.
 
         Raises
         ------
@@ -114,7 +114,12 @@ class Formula:
             if step.kind == "name" and old in mapping and self.text.startswith(old, start):
                 pieces += (self.text[end:start], _name(mapping[old]))
                 end = start + len(old)
-        return type(self).from_value("".join((*pieces, self.text[end:]))) if pieces else self
+            elif step.kind == "output" and outputs:
+                pieces += (self.text[end:start], f"'{outputs.get(old, old)}'")
+                end = start + len(old) + 2
+        if not pieces:
+            return self
+        return type(self).from_value("".join((*pieces, self.text[end:])), has_outputs=bool(self.outputs))
 
     def problem(
         self, code: str, column: int, what: str, why: str = "", fix: str = "", where: str = ""
