@@ -52,9 +52,11 @@ class Piecewise:
 
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
         """Return outputs with time last, by one function a part; see `__call__`."""
-        place = np.maximum(np.searchsorted(self.starts, t, side="right") - 1, 0)
+        way = -1.0 if self.starts[-1] < self.starts[0] else 1.0
+        starts, along = way * self.starts, way * t
+        place = np.maximum(np.searchsorted(starts, along, side="right") - 1, 0)
         before = np.flatnonzero((t[:-1] == t[1:]) & np.isin(t[:-1], self.starts[1:]))
-        place[before] = np.maximum(np.searchsorted(self.starts, t[before], side="left") - 1, 0)
+        place[before] = np.maximum(np.searchsorted(starts, along[before], side="left") - 1, 0)
         whole: dict[str, Floats] = {}
         for k in np.unique(place):
             inside = place == k

@@ -175,7 +175,7 @@ class IntegrationProblem:
 
         key = ("events", self.events, None if closing is None else closing.method, self.atol)
         is_plain = not self.problem.laws.need_python and not any(event.mapping for event in self.events)
-        functions = self.problem.keep(key, make) if is_plain else make()
+        functions = self.problem.keep(key, make).with_problem(self.problem) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides)
 
     def course(
