@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import lru_cache
 from importlib import import_module
 from numbers import Rational, Real
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from symbody.arguments import is_sympy, register_sympy_writer
 from symbody.errors import ExpressionError, Problem
@@ -21,6 +21,8 @@ from symbody.expr.language.instructions import Instruction
 from symbody.expr.language.literals import MAX_DIGITS, fold
 from symbody.expr.language.lowering import applied_node
 from symbody.expr.language.tokens import is_name, normalize
+
+_OF_ANGLES: Final = frozenset({"sin", "cos", "tan"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +74,21 @@ class Formula:
     def outputs(self) -> tuple[str, ...]:
         """Distinct outputs that stand in quotes, in the order of their first appearance."""
         return tuple(dict.fromkeys(str(step.payload) for step in self.program if step.kind == "output"))
+
+    @property
+    def is_in_degrees(self) -> bool:
+        """Whether this is an angle in degrees without a symbol: ``"30 deg"``, ``"pi + 2 deg"``."""
+        if "deg" not in self.text or {*self.names} != {"pi"} or self.outputs:
+            return False
+        angles: list[bool] = []
+        for step in self.program:
+            if step.kind != "apply":
+                angles.append(step.kind == "name" and not self.text.startswith("pi", step.column - 1))
+            else:
+                operands = angles[-step.arity :]
+                del angles[-step.arity :]
+                angles.append(any(operands) and step.payload not in _OF_ANGLES)
+        return angles[0]
 
     @property
     def is_number(self) -> bool:

@@ -40,6 +40,12 @@ class Piecewise:
     work: Floats
     modes: tuple[tuple[int, ...], ...] = ()
 
+    @property
+    def measured_angles(self) -> tuple[str, ...]:
+        """Angles of cut joints, which are given within half a turn."""
+        found: tuple[str, ...] = getattr(self.parts[0], "measured_angles", ()) if self.parts else ()
+        return found
+
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; of two samples at a change the first belongs to the part before.
 
