@@ -156,9 +156,11 @@ def simulate(
     ] = None,
 ) -> None:
     """Form the equations, print them, compute the motion and plot it."""
-    for path in (out, csv, out.with_suffix(".html") if page and out is not None else None):
-        if path is not None:
-            refuse_overwriting(path, force)
+    picture = model.with_suffix(".png") if out is None else out
+    for path in (picture, picture.with_suffix(".html")) if page else (picture,):
+        refuse_overwriting(path, force, is_default=out is None)
+    if csv is not None:
+        refuse_overwriting(csv, force)
     _check_samples(samples)
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     bar = StageBar()
@@ -169,8 +171,6 @@ def simulate(
     _print(told)
     with bar.stage("compiling"):
         motion = _motion(eqs, end, settings, samples, rtol, atol, bar)
-    # Without --out the picture is ours: it bears the model's name and is made anew each time.
-    picture = model.with_suffix(".png") if out is None else out
     with bar.stage("drawing"):
         ax = symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name, panels=True)
         symbody.save_plot(ax, picture)
@@ -216,9 +216,8 @@ def animate(
     force: Force = False,
 ) -> None:
     """Compute the motion and write a page that shows it in any browser, without a network."""
-    if out is not None:
-        refuse_overwriting(out, force)
     target = model.with_suffix(".html") if out is None else out
+    refuse_overwriting(target, force, is_default=out is None)
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     if live or sliders:
         _print(

@@ -8,11 +8,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.analysis.named_values import read_value
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.expr.language.formula import Formula
 
 Floats = NDArray[np.float64]
 LedValues: TypeAlias = ArrayLike | Value | Sequence[Value]
