@@ -140,7 +140,12 @@ def simulate(
     curves: Annotated[
         Pairs, option("--show", "-s", metavar="OUTPUT", text="What to plot; repeatable; all coordinates.")
     ] = None,
-    out: Annotated[Path | None, option("--out", "-o", text="Plot file; by default beside the model.")] = None,
+    out: Annotated[
+        Path | None,
+        option(
+            "--out", "-o", text="Plot file; by default beside the model, replaced if it is symbody's own."
+        ),
+    ] = None,
     csv: Annotated[Path | None, option("--csv", text="Also write states and curves as CSV.")] = None,
     samples: Annotated[
         int | None, option("--samples", text="Evenly spaced samples; default: every step.")
@@ -202,7 +207,10 @@ def animate(
     traces: Annotated[
         Pairs, option("--trace", metavar="POINT", text="Body.frame whose way is drawn; repeatable.")
     ] = None,
-    out: Annotated[Path | None, option("--out", "-o", text="Page; by default beside the model.")] = None,
+    out: Annotated[
+        Path | None,
+        option("--out", "-o", text="Page; by default beside the model, replaced if it is symbody's own."),
+    ] = None,
     show: Annotated[bool, option("--open", text="Open the page in the browser.")] = False,
     live: Annotated[
         bool, option("--live", text="The page simulates itself; bodies can be pulled in it.")
