@@ -284,6 +284,27 @@ def test_code_goes_to_a_file_that_is_not_overwritten(model: Path, capsys: pytest
     assert target.read_text(encoding="utf-8") == before
 
 
+def test_a_picture_beside_the_model_is_replaced_only_where_it_is_ours(
+    model: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The README's command runs twice; a user's picture or page of the same name stays."""
+    command = ["simulate", str(model), "-t", "0.1", "--animate"]
+    assert run(command) == 0 and run(command) == 0
+    capsys.readouterr()
+    for suffix, content in ((".png", b"a photograph"), (".html", b"<!doctype html><p>notes on symbody</p>")):
+        own = model.with_suffix(suffix)
+        written = own.read_bytes()
+        own.write_bytes(content)
+        assert run(command) == 2
+        message = capsys.readouterr().err
+        assert "cli.file_exists" in message and "--force" in message and "--out" in message
+        assert own.read_bytes() == content
+        if suffix == ".html":
+            assert run(["animate", str(model), "-t", "0.1"]) == 2 and own.read_bytes() == content
+            capsys.readouterr()
+        assert run([*command, "--force"]) == 0 and own.read_bytes()[:8] == written[:8]
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "word"),
     [

@@ -38,3 +38,12 @@ def test_generated_code_names_the_factor_that_vanishes() -> None:
     with pytest.raises(sb.FormulationError) as caught:
         sb.generate_code(eqs, "udot", parameters={"r": 0.0})
     assert caught.value.problems[0].code == "equations.vanishing_factor"
+
+
+def test_a_parameter_may_not_have_the_name_of_a_multiplier() -> None:
+    """Outputs read the multiplier, formulas the parameter."""
+    model = wheels(1.0, "tie")
+    values = {**model.parameters, "lambda_tie_1": 7}
+    with pytest.raises(sb.FormulationError, match="lambda_tie_1 stands for two things") as caught:
+        sb.form_equations(sb.Model("m", model.elements, parameters=values))
+    assert caught.value.problems[0].code == "equations.name_clash"

@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.graph import Constant
-from symbody.expr.language.formula import Formula
 from symbody.expr.language.instructions import FUNCTIONS
 from symbody.expr.language.tokens import MAX_LENGTH, is_name, normalize
-from symbody.expr.parser import parse, parse_angle
+from symbody.expr.parser import parse
 from symbody.model.numbers import formula_value
 from tests.effort import limited
 
@@ -181,17 +180,17 @@ def test_letters_that_look_different_stay_different_names() -> None:
 
 @pytest.mark.parametrize("text", ["30 deg", "-22.5deg", "+ 1e1 deg", " .5 deg ", "３０ deg"])
 def test_degrees_are_exact(text: str) -> None:
-    angle = parse_angle(text)
-    number = angle.program[:-4]
-    assert parse(normalize(text).replace("deg", "")).program == number
-    assert [step.payload for step in angle.program[-4:]] == ["pi", "mul", 180, "div"]
-    assert angle.text == normalize(text)
+    angle, number = parse(text), parse(f"({normalize(text).replace('deg', '')})*pi/180")
+    assert formula_value(angle, {}) == formula_value(number, {})
+    assert angle.text == normalize(text) and angle.is_in_degrees
     assert angle.rename({"pi": "p"}) is angle
 
 
-@pytest.mark.parametrize("value", ["pi/6", "deg", "2*deg", "deg*3", 0.5, 3, parse("phi")])
-def test_other_angles_are_plain_expressions(value: str | float | Formula) -> None:
-    assert parse_angle(value) == Formula.from_value(value)
+@pytest.mark.parametrize(
+    "text", ["30 deg*x", "pi/6", "deg", "sin(30 deg)", "2*cos(30 deg) + tan(1 deg)", "0.5", "deg*30 deg"]
+)
+def test_what_else_is_no_angle_in_degrees(text: str) -> None:
+    assert not parse(text).is_in_degrees
 
 
 @pytest.mark.parametrize(
@@ -199,15 +198,13 @@ def test_other_angles_are_plain_expressions(value: str | float | Formula) -> Non
 )
 def test_angles_that_are_none(text: str) -> None:
     with pytest.raises(ExpressionError) as caught:
-        parse_angle(text, where="body B, rotate")
+        parse(text, where="body B, rotate")
     assert all(p.where.startswith("body B, rotate, column") and p.fix for p in caught.value.problems)
 
 
-@pytest.mark.parametrize("text", ["2 deg", "-2deg", "2*30 deg", "pi + 2 deg", "2 deg + cos(1)"])
-def test_degrees_alone_are_angles_only(text: str) -> None:
-    (problem,) = faults(text)
-    assert problem.code == "expression.implicit_multiplication" and "*pi/180" in problem.fix
-    parse_angle(text)
+@pytest.mark.parametrize("text", ["2 deg", "-2deg", "2*30 deg", "pi + 2 deg", "2 deg + cos(1)", "(2 deg)"])
+def test_degrees_alone_are_formulas_as_others(text: str) -> None:
+    assert parse(text).is_in_degrees
 
 
 @pytest.mark.parametrize(
@@ -226,7 +223,6 @@ def test_degrees_stand_behind_a_number_in_any_formula(text: str, same: str) -> N
     formula, other = parse(text), parse(same)
     values: dict[str, Constant] = {"t": 0.3, "k": 2.0, "theta": 1.1, "x": 1.7, "deg": 5.0}
     assert formula_value(formula, values) == pytest.approx(formula_value(other, values), rel=1e-15)
-    assert parse_angle(text).program == formula.program
     assert formula.rename({"t": "s", "pi": "p"}).text == text.replace("t)", "s)").replace("+ t", "+ s")
 
 
@@ -562,17 +558,16 @@ PIECES = [
 
 
 def check_only_expression_errors(text: str) -> None:
-    for read in (parse, parse_angle):
-        try:
-            formula = read(text)
-        except ExpressionError as error:
-            assert error.problems
-            for problem in error.problems:
-                assert problem.code.startswith("expression.")
-                assert "column" in problem.where
-                assert problem.what.endswith("^") and problem.why and problem.fix
-            continue
-        assert read(formula.text) == formula
+    try:
+        formula = parse(text)
+    except ExpressionError as error:
+        assert error.problems
+        for problem in error.problems:
+            assert problem.code.startswith("expression.")
+            assert "column" in problem.where
+            assert problem.what.endswith("^") and problem.why and problem.fix
+        return
+    assert parse(formula.text) == formula
 
 
 @settings(max_examples=500)  # under a second

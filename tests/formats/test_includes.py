@@ -334,3 +334,35 @@ def test_a_free_body_of_a_part_that_stands_on_a_frame_needs_a_joint() -> None:
     assert sb.Model("whole", [sb.Include(part, "P")], ground=ground).free_joints[0].name == "P_C"
     weld, loose = sb.Weld("w", "ground.m", "P_C"), sb.Model("part", part.elements)
     assert not sb.Model("whole", [weld, sb.Include(loose, "P", at="ground.m")], ground=ground).free_joints
+
+
+def test_outputs_of_a_part_follow_its_names() -> None:
+    """Each is one that the grammar of outputs, not a look at its words, says how to rename."""
+    parts = [
+        sb.Body("Block", mass="d", frames={"eye": sb.Frame(at=(0, 1, 0))}),
+        sb.Prismatic("slider", "ground", "Block", axis="x", friction=sb.Friction(mu=0.2, v0=0.1)),
+        sb.Distance("line", "ground", "Block.eye", 3, rope=True),
+        sb.Signal("slow", rate="slider - slow"),
+    ]
+    texts = {
+        "friction_normal slider": "friction_normal P_slider",
+        "rope_length line": "rope_length P_line",
+        "2*lambda_line_1": "2*lambda_P_line_1",
+        "d energy/d slider_dot": "d energy/d P_slider_dot",
+        "energy": "energy",
+        "slow_dot": "lag_dot",
+        "sin(d)": "sin(P_d)",
+        "frame r eye y": "frame r P_Block.eye Base.mount Base.mount y",
+        "frame R eye xy": "frame R P_Block.eye Base.mount xy",
+        "slider": "P_slider",  # a coordinate that is named after its joint
+    }
+    signals = [sb.Signal(f"out_{k}", output=text) for k, text in enumerate(texts)]
+    part = sb.Model("part", [*parts, *signals], parameters={"d": 2, "sin": 3})
+    base = sb.Body("Base", mass=1, frames={"mount": sb.Frame(at=(1, 0, 0))})
+    include = sb.Include(part, "P", at="Base.mount", connect={"slow": "lag"})
+    whole = sb.Model("whole", [base, sb.Prismatic("rail", "ground", base, axis="x", coordinate="x"), include])
+    outputs = {signal.name: signal.output for signal in whole.signals if signal.output}
+    assert outputs == {f"P_out_{k}": text for k, text in enumerate(texts.values())}
+    formed = sb.form_equations(whole)
+    for text in texts.values():
+        assert formed.roots(text).nodes

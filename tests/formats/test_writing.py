@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from symbody.errors import FormatError
+import symbody as sb
+from symbody.errors import FormatError, ModelError
 from symbody.formats.writing import write_text
 
 
@@ -114,3 +115,42 @@ def test_text_that_no_encoding_holds(tmp_path: Path) -> None:
     with pytest.raises(FormatError):
         write_text(tmp_path / "a.toml", "\ud800")
     assert not content(tmp_path)
+
+
+def test_a_file_that_cannot_be_read_is_not_replaced(tmp_path: Path) -> None:
+    """Its comments would be lost, which saving promises to keep."""
+    model = sb.Model("m", [sb.Body("B", mass=1)])
+    for name, old in (
+        ("latin.toml", "# Länge\n".encode("latin-1")),
+        ("wide.toml", "# note\n".encode("utf-16")),
+    ):
+        path = tmp_path / name
+        path.write_bytes(old)
+        with pytest.raises(FormatError, match=r"file\.(encoding|binary)"):
+            sb.save_model(model, path)
+        assert path.read_bytes() == old
+    (tmp_path / "empty.toml").touch()
+    sb.save_model(model, tmp_path / "empty.toml")
+    assert sb.load_model(tmp_path / "empty.toml") == model
+
+
+def test_a_urdf_in_capitals_is_named_as_one(tmp_path: Path) -> None:
+    (tmp_path / "robot.URDF").write_text("<robot name='r'><link name='a'/></robot>")
+    with pytest.raises(FormatError, match="load_urdf") as caught:
+        sb.load_model(tmp_path / "robot.URDF")
+    assert caught.value.problems[0].code == "file.urdf"
+
+
+def test_names_with_a_semicolon_keep_their_lines(tmp_path: Path) -> None:
+    """Two places of one message stand behind each other with the same mark."""
+    path = tmp_path / "m.toml"
+    path.write_text(
+        'name = "m"\n[[body]]\nname = "a; b"\nmass = -1\n[[body]]\nname = "a"\nmass = 1\n'
+        '[[body]]\nname = "a"\nmass = 1\n'
+    )
+    with pytest.raises(ModelError) as caught:
+        sb.load_model(path)
+    places = {problem.code: problem.where for problem in caught.value.problems}
+    assert places.pop("model.negative_mass") == f"{path}:4, body a; b, mass"
+    (twice,) = places.values()
+    assert twice.count("; ") == 1 and f"{path}:6" in twice and f"{path}:9" in twice

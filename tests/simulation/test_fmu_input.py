@@ -409,3 +409,19 @@ def test_numbers_that_are_none(controller: Maker, monkeypatch: pytest.MonkeyPatc
     law = sb.FmuInput(controller("2.0"), "F", {"x": "sqrt(0.05 - t)"}, STEP)
     assert problem_of(lambda: balance(law)).code == "fmu_input.not_finite"
     assert calls[-1] == "freeInstance"
+
+
+def test_events_see_each_sample_of_an_fmu(controller: Maker) -> None:
+    """F is held from sample to sample, rises from -6 through -3 at t = 0.12 and through 0 at t = 0.39.
+
+    F (t - 0.455) falls through zero where F becomes positive, and rises where t passes 0.455.
+    """
+    law = sb.FmuInput(controller("3.0"), "F", READS, STEP)
+    events = [sb.Event("F + 3", name="up"), sb.Event("F*(t - 0.455)", -1, name="falls")]
+    events += [sb.Event("F*(t - 0.455)", 1, name="rises")]
+    run = balance(law, 0.6, events=events)
+    F = run["F"]
+    crossed = [run.t[1:][np.diff(np.sign(F - level)) > 0][0] for level in (-3.0, 0.0)]
+    seen = [(event.name, event.t) for event in run.events]
+    assert [name for name, _ in seen] == ["up", "falls", "rises"]
+    np.testing.assert_allclose([t for _, t in seen], [*crossed, 0.455], atol=1e-9)

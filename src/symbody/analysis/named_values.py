@@ -9,7 +9,7 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, UsageError, nearest
-from symbody.expr.parser import parse_angle
+from symbody.expr.language.formula import Formula
 
 
 def check_mappings(**given: object) -> None:
@@ -141,13 +141,27 @@ def named_values(
         return {}
     refuse_unknown(eqs, [name for name in formulas if name in strict])
     names = positions_and_rates(eqs)
-    angles = angle_names(eqs)
-    read = {
-        name: parse_angle(value, where=name) if name in angles and isinstance(value, str) else value
-        for name, value in formulas.items()
-        if name in names
-    }
+    read = {name: read_value(eqs, name, value) for name, value in formulas.items() if name in names}
     return constant_values(eqs, read, parameters)
+
+
+def read_value(eqs: EquationSet, name: str, value: Value, where: str = "") -> Value:
+    """Return the value of a coordinate or rate, a text as a formula.
+
+    Raises
+    ------
+    UsageError
+        If it is in degrees, and the name is none of an angle.
+    """
+    if not isinstance(value, str):
+        return value
+    formula = Formula.from_value(value, where=where or name)
+    if formula.is_in_degrees and name not in angle_names(eqs):
+        raise UsageError(
+            Problem("model.not_an_angle", where or name, f"{value} belongs to {name}, which is not an angle",
+                    "deg is understood for angles alone", "write the value in SI units")
+        )  # fmt: skip
+    return formula
 
 
 def unit_quaternions(

@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import Any, Final
 
 from symbody.builder.formulas import formula_texts
-from symbody.equations.outputs.output_words import output_words
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.formats.entries import read_element
@@ -23,6 +22,7 @@ from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.model import KINDS
 from symbody.model.naming import GROUND
+from symbody.model.output_names import output_words
 from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 

@@ -140,7 +140,12 @@ def simulate(
     curves: Annotated[
         Pairs, option("--show", "-s", metavar="OUTPUT", text="What to plot; repeatable; all coordinates.")
     ] = None,
-    out: Annotated[Path | None, option("--out", "-o", text="Plot file; by default beside the model.")] = None,
+    out: Annotated[
+        Path | None,
+        option(
+            "--out", "-o", text="Plot file; by default beside the model, replaced if it is symbody's own."
+        ),
+    ] = None,
     csv: Annotated[Path | None, option("--csv", text="Also write states and curves as CSV.")] = None,
     samples: Annotated[
         int | None, option("--samples", text="Evenly spaced samples; default: every step.")
@@ -156,9 +161,11 @@ def simulate(
     ] = None,
 ) -> None:
     """Form the equations, print them, compute the motion and plot it."""
-    for path in (out, csv, out.with_suffix(".html") if page and out is not None else None):
-        if path is not None:
-            refuse_overwriting(path, force)
+    picture = model.with_suffix(".png") if out is None else out
+    for path in (picture, picture.with_suffix(".html")) if page else (picture,):
+        refuse_overwriting(path, force, is_default=out is None)
+    if csv is not None:
+        refuse_overwriting(csv, force)
     _check_samples(samples)
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     bar = StageBar()
@@ -169,8 +176,6 @@ def simulate(
     _print(told)
     with bar.stage("compiling"):
         motion = _motion(eqs, end, settings, samples, rtol, atol, bar)
-    # Without --out the picture is ours: it bears the model's name and is made anew each time.
-    picture = model.with_suffix(".png") if out is None else out
     with bar.stage("drawing"):
         ax = symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name, panels=True)
         symbody.save_plot(ax, picture)
@@ -202,7 +207,10 @@ def animate(
     traces: Annotated[
         Pairs, option("--trace", metavar="POINT", text="Body.frame whose way is drawn; repeatable.")
     ] = None,
-    out: Annotated[Path | None, option("--out", "-o", text="Page; by default beside the model.")] = None,
+    out: Annotated[
+        Path | None,
+        option("--out", "-o", text="Page; by default beside the model, replaced if it is symbody's own."),
+    ] = None,
     show: Annotated[bool, option("--open", text="Open the page in the browser.")] = False,
     live: Annotated[
         bool, option("--live", text="The page simulates itself; bodies can be pulled in it.")
@@ -216,9 +224,8 @@ def animate(
     force: Force = False,
 ) -> None:
     """Compute the motion and write a page that shows it in any browser, without a network."""
-    if out is not None:
-        refuse_overwriting(out, force)
     target = model.with_suffix(".html") if out is None else out
+    refuse_overwriting(target, force, is_default=out is None)
     given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     if live or sliders:
         _print(

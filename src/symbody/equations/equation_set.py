@@ -15,7 +15,6 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.names import NamedEquations, OrderedNames, names_of
-from symbody.equations.outputs.derivative_outputs import parse_derivative
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
 from symbody.equations.outputs.printed_equations import PrintedEquations
 from symbody.equations.outputs.units import Units, output_units
@@ -27,6 +26,7 @@ from symbody.expr.rewrite import operation_count
 from symbody.expr.sequences.sequence import Roots, Sequence
 from symbody.expr.sympy.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
+from symbody.model.output_names import parse_derivative
 from symbody.single_flight import SingleFlight
 
 if TYPE_CHECKING:

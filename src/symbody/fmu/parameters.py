@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
-from symbody.expr.parser import parse_angle
+from symbody.expr.language.formula import Formula
 from symbody.expr.sequences.sequence import Sequence
 from symbody.fmu.functions import dependencies
 from symbody.model.declarations.arguments import plain_value
@@ -66,7 +66,7 @@ def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable
     """
     values = resolve_parameters(eqs.model, given)
     formulas = dict(eqs.model.parameters) | {
-        name: parse_angle(plain_value(value), where=name) for name, value in given.items()
+        name: Formula.from_value(plain_value(value), where=name) for name, value in given.items()
     }
     calculated = tuple(
         name for name in eqs.parameter_names

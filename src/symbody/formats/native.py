@@ -48,7 +48,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         If the mechanism it describes contradicts itself. Both tell all problems, with their lines.
     """
     where = os.fsdecode(path)
-    if where.endswith(".urdf"):
+    if where.lower().endswith(".urdf"):
         raise FormatError(Problem("file.urdf", where, "it is not TOML", fix=f"write load_urdf({where!r})"))
     return model_from_toml(read_text(path), where=where)
 
@@ -63,14 +63,11 @@ def save_model(model: Model, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     FormatError
-        If the file cannot be written, or holds elements of classes that are not symbody's; the one that was
-        there is unchanged.
+        If the file cannot be written, or the one that is there cannot be read and kept from; or if elements
+        are of classes that are not symbody's. The file that was there is unchanged.
     """
     _refuse_own_classes(model)
-    try:
-        old = read_text(path)
-    except FormatError:  # missing, or no text: nothing to keep
-        old = ""
+    old = "" if not os.path.lexists(path) or os.path.getsize(path) == 0 else read_text(path)
     folder = os.path.dirname(os.path.abspath(os.fsdecode(path)))
     write_text(path, _toml_text(_content(model, folder), old, folder))
 

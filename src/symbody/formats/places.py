@@ -40,10 +40,21 @@ def relocate(problems: Iterable[Problem], bases: Mapping[str, Path], locate: Loc
     """
     return [
         replace(
-            problem, where="; ".join(_add_location(part, bases, locate) for part in problem.where.split("; "))
+            problem,
+            where="; ".join(_add_location(part, bases, locate) for part in _places(problem.where, bases)),
         )
         for problem in problems
     ]
+
+
+def _places(where: str, labels: Iterable[str]) -> list[str]:
+    """Return the places that a message names: each begins with a label, in which ``"; "`` may stand."""
+    pieces = where.split("; ")
+    found = pieces[:1]
+    for piece in pieces[1:]:
+        is_inside = any(label.startswith(f"{found[-1]}; {piece.partition(', ')[0]}") for label in labels)
+        found = [*found[:-1], f"{found[-1]}; {piece}"] if is_inside else [*found, piece]
+    return found
 
 
 def words(path: Path) -> str:

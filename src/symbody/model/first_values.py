@@ -70,6 +70,6 @@ def read_initial(arguments: Arguments, values: Mapping[str, Value | Initial]) ->
             if value.priority == "hold":
                 held.append(path.removeprefix("initial."))
             value = value.value
-        return arguments.angle(value, path)
+        return arguments.formula(value, path)
 
     return FirstValues(arguments.table(values, "initial", read), held)

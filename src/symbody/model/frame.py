@@ -112,7 +112,7 @@ def _turn(arguments: Arguments, turn: object, path: str) -> tuple[Axis, Formula]
             'write for instance ["z", "pi/2"]; several turns form a list of such pairs',
         )
         return "x", ZERO
-    return read_axis(arguments, pair[0], f"{path}[0]"), arguments.angle(pair[1], f"{path}[1]")
+    return read_axis(arguments, pair[0], f"{path}[0]"), arguments.formula(pair[1], f"{path}[1]")
 
 
 def _matrix(arguments: Arguments, rows: object) -> Matrix | None:

@@ -10,7 +10,6 @@ from symbody.arguments import checked_arguments
 from symbody.errors import ModelError, Problem, nearest, number_in_words
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
-from symbody.expr.parser import parse_angle
 from symbody.model.body import Body, frame_table
 from symbody.model.checks import physics
 from symbody.model.checks.signals import collect_signals
@@ -155,7 +154,7 @@ class Model(Displayed):
             parameters=arguments.table(
                 parameters or {},
                 "parameters",
-                lambda value, path: None if value is None else arguments.angle(value, path),
+                lambda value, path: None if value is None else arguments.formula(value, path),
             ),
             inputs=tuple(
                 arguments.symbol_name(item, f"inputs[{k}]")
@@ -259,7 +258,9 @@ def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str]
     """
     changed: dict[str, Formula | None] = dict(model.parameters)
     changed |= {
-        name: parse_angle(plain_value(value), where=name) for name, value in given.items() if name in changed
+        name: Formula.from_value(plain_value(value), where=name)
+        for name, value in given.items()
+        if name in changed
     }
     changed |= dict.fromkeys(free)
     own = set(given)

@@ -82,7 +82,7 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
     changed: dict[str, Formula | None] = dict(parameters)
     for name, value in overrides.items():
         if name in parameters:
-            changed[name] = arguments.angle(value, name)
+            changed[name] = arguments.formula(value, name)
         else:
             arguments.add(
                 "parameters.unknown",

@@ -137,6 +137,11 @@ class Evaluator:
     problem: SimulationProblem
     work: DenseOutput | None
 
+    @property
+    def measured_angles(self) -> tuple[str, ...]:
+        """Angles of cut joints, which are given within half a turn."""
+        return self.problem.eqs.measured_angles
+
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
         return self.together((name,), t, q, u)[0]
@@ -150,10 +155,8 @@ class Evaluator:
             outputs = plain[0] if len(plain) == 1 else plain
             values = self.problem.evaluate(self.problem.compile_outputs(outputs, quick=True), t, q, u)
             made = dict(zip(plain, (values,) if len(plain) == 1 else values, strict=True))
-        angles = self.problem.eqs.measured_angles
         return [
-            _in_time(name, made[name], angles) if (array := special[name]) is None else array
-            for name in names
+            np.moveaxis(made[name], 0, -1) if (array := special[name]) is None else array for name in names
         ]
 
     def _special(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats | None:
@@ -180,9 +183,3 @@ class Evaluator:
         scales = problem.scales.constraints(problem.eqs)[: values.shape[-1]]
         largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest
-
-
-def _in_time(name: str, values: Floats, angles: Sequence[str]) -> Floats:
-    """Return values with time last; angles measured within half a turn go on."""
-    symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
-    return np.unwrap(values) if values.ndim == 1 and symbol in angles else np.moveaxis(values, 0, -1)

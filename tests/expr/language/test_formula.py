@@ -20,7 +20,7 @@ from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.language.formula import Formula, build
-from symbody.expr.parser import parse, parse_angle
+from symbody.expr.parser import parse
 from symbody.expr.rewrite import substitute
 
 # --- values -----------------------------------------------------------------------------------
@@ -237,7 +237,7 @@ SYMBOLS = {"x": Fraction(3, 2), "y": Fraction(-2, 3), "z": Fraction(5), "t": Fra
 def evaluated(text: str, symbols: dict[str, Fraction] | None = None) -> Fraction | float:
     graph = Graph()
     root = build(
-        parse_angle(text), graph, lambda name, _: graph.pi() if name == "pi" else graph.symbol(Symbol(name))
+        parse(text), graph, lambda name, _: graph.pi() if name == "pi" else graph.symbol(Symbol(name))
     )
     return value_of(graph, root, SYMBOLS if symbols is None else symbols)
 

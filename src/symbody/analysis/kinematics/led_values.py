@@ -8,12 +8,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.analysis.named_values import angle_names
+from symbody.analysis.named_values import read_value
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.expr.parser import parse_angle
 
 Floats = NDArray[np.float64]
 LedValues: TypeAlias = ArrayLike | Value | Sequence[Value]
@@ -29,22 +28,16 @@ def led_numbers(
     CompileError, ExpressionError
         If a formula cannot be read, or has no value.
     """
-    angles = angle_names(eqs)
-    return {name: _numbers(eqs, name, value, name in angles, parameters) for name, value in over.items()}
+    return {name: _numbers(eqs, name, value, parameters) for name, value in over.items()}
 
 
-def _numbers(
-    eqs: EquationSet, name: str, value: Any, is_angle: bool, parameters: Mapping[str, Value] | None
-) -> Any:
+def _numbers(eqs: EquationSet, name: str, value: Any, parameters: Mapping[str, Value] | None) -> Any:
     several = isinstance(value, list | tuple)
     entries = list(value) if several else [value]
     if all(isinstance(entry, int | float | np.ndarray | np.generic | list | tuple) for entry in entries):
         return value
     where = f"over {name}"
-    read = {
-        f"{where}[{k}]": parse_angle(entry, where=where) if is_angle and isinstance(entry, str) else entry
-        for k, entry in enumerate(entries)
-    }
+    read = {f"{where}[{k}]": read_value(eqs, name, entry, where) for k, entry in enumerate(entries)}
     numbers = list(constant_values(eqs, read, parameters).values())
     return (tuple(numbers) if isinstance(value, tuple) else numbers) if several else numbers[0]
 

@@ -62,7 +62,9 @@ def changed_parameters(model: Model, given: Mapping[str, Any]) -> dict[str, Form
     """
     arguments = Arguments("parameters")
     written = own_content(model).parameters if model.includes else model.parameters
-    values = {name: arguments.angle(value, name) for name, value in given.items() if value not in ("", None)}
+    values = {
+        name: arguments.formula(value, name) for name, value in given.items() if value not in ("", None)
+    }
     usable = {*given, *model.parameters, "pi"}
     if arguments.problems or values.keys() != written.keys():
         return None

@@ -24,7 +24,6 @@ from symbody.errors import CompileError, ExpressionError, Problem
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import read_number
-from symbody.expr.parser import parse_angle
 from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import Model, value_problems
 from symbody.model.numbers import as_float, formula_value
@@ -269,7 +268,7 @@ def _entry(name: str, value: Value) -> Constant | Formula:
     if type(plain) is float and math.isfinite(plain):
         size = read_number(str(abs(plain)))
         return -size if plain < 0.0 else size
-    formula = parse_angle(plain, where=name)
+    formula = Formula.from_value(plain, where=name)
     number = formula.constant()
     if number is not None:
         return number

@@ -20,7 +20,7 @@ from symbody.equations.outputs.input_formulas import input_law_nodes
 from symbody.errors import CompileError, ExpressionError
 from symbody.expr.deadline import begin
 from symbody.expr.graph import TIME, Graph
-from symbody.expr.parser import parse_angle
+from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute, substitute_into, symbols_of
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.sequence import Input, Roots, Sequence, build_sequence
@@ -221,7 +221,7 @@ def parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[st
     nodes = {symbol_nodes[name]: symbol_nodes[name] for name in free}
     missing = []
     asked = {
-        name: parse_angle(plain_value(value), where=name)
+        name: Formula.from_value(plain_value(value), where=name)
         for name, value in given.items()
         if name in symbol_nodes
     }

@@ -60,7 +60,7 @@ def form_constraints(
     ------
     FormulationError
         If a row is a constant other than zero, so that the loop can never close; if it depends on time
-        alone; if an equation is not of first degree in the speeds.
+        alone; if an equation is not of first degree in the speeds; if a symbol has a multiplier's name.
     """
     rows = [
         row
@@ -81,6 +81,11 @@ def form_constraints(
     ]
     kept = [row for row, zero in zip(rows, gone, strict=True) if not zero]
     problems = list(_impossible_problems(topology, kinematics.graph, kept, roles))
+    problems += [
+        Problem("equations.name_clash", f"element {row.element}", f"{row.name} stands for two things",
+                "it is a symbol of the model, and the multiplier of a constraint", "rename the symbol")
+        for row in rows if row.name in names.symbols
+    ]  # fmt: skip
     if problems:
         raise FormulationError(*problems)
     lost = [row for row, zero in zip(rows, gone, strict=True) if zero]

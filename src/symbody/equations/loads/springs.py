@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.equations.dynamics.load import Law, PointToPointForce, couple, is_constant
+from symbody.equations.dynamics.load import Law, PointForce, PointToPointForce, couple, is_constant
 from symbody.equations.kinematics.joint_axes import perpendiculars
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole, joint_steps
 from symbody.equations.loads.bushing import bushing_law
 from symbody.equations.loads.curves import curve_value
+from symbody.expr import canonical
 from symbody.expr.expression import Expr, atan2, cos, number, sin, sqrt
+from symbody.expr.opcodes import LE
 from symbody.model.loads.curve import Curve
 from symbody.model.loads.curve import Law as LawValue
 from symbody.model.loads.forces import SpringDamper
@@ -28,7 +30,41 @@ def spring_law(names: Names, kinematics: Kinematics, roles: Sequence[JointRole],
         return bushing_law(names, kinematics, spring)
     if isinstance(spring, TorsionSpring):
         return _torsion_law(names, kinematics, roles, spring)
-    return _point_spring_law(names, kinematics, spring)
+    law = _isotropic_law if spring.isotropic else _point_spring_law
+    return law(names, kinematics, spring)
+
+
+def _isotropic_law(names: Names, kinematics: Kinematics, spring: SpringDamper) -> Law:
+    """Return the law of a spring and damper in all directions alike; its effort is the share along the line.
+
+    Velocities are differences of those seen from ground, so that its power is never positive: the forces act
+    in the two points, and what they turn is a couple.
+    """
+    tree, where = kinematics.tree, f"spring {spring.name}"
+    start, end = spring.start.full_name, spring.end.full_name
+    arm = kinematics.position(start, end)
+    velocity = kinematics.velocities[end].value - kinematics.velocities[start].value
+    stiffness, damping = (names.expression(x, where) for x in (spring.stiffness, spring.damping))
+    square, closing = dot(tree, arm, arm), dot(tree, arm, velocity)
+    length = sqrt(square)
+    friction = velocity * -damping
+    dampers = () if friction.is_zero else (PointForce(end, friction), PointForce(start, -friction))
+    loads = (PointToPointForce(start, end, arm, -stiffness), *dampers)
+    # At length 0 the line has no direction: the rate along it counts as 0 there.
+    rate = closing / _positive(length)
+    efforts = {spring.name: -(stiffness * length) - damping * rate}
+    measures = {f"length {spring.name}": length}
+    lost = -(damping * dot(tree, velocity, velocity))
+    if is_constant(stiffness):
+        return Law(loads, stiffness * square / 2, lost, dampers, efforts, measures)
+    return Law(loads, number(names.graph, 0), lost - stiffness * closing, None, efforts, measures)
+
+
+def _positive(length: Expr) -> Expr:
+    """Return a length, 1 in the place of 0."""
+    graph = length.graph
+    is_zero = canonical.apply(graph, LE, length.index, graph.constant(0))
+    return Expr(graph, canonical.select(graph, is_zero, graph.constant(1), length.index))
 
 
 def law_value(names: Names, law: LawValue, x: Expr, where: str) -> Expr:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from itertools import chain
-from typing import Final, NamedTuple
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.recursive.udot_derivatives import columns_of_slopes
@@ -16,28 +14,7 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.sequences.sequence import Roots
-
-_ASKED: Final = re.compile(r"d\s+(?P<output>.+?)\s*/\s*d\s*(?:\((?P<list>[^/]*)\)|(?P<one>[^/()]+))\s*", re.S)
-_GROUPS: Final = ("q", "u", "r", "s")
-
-
-class DerivativeRequest(NamedTuple):
-    """An output, the words it is differentiated by, and whether that is one symbol, which adds no axis."""
-
-    output: str
-    by: tuple[str, ...]
-    alone: bool
-
-
-def parse_derivative(name: str) -> DerivativeRequest | None:
-    """Return the request that a name like ``d udot/d q`` contains; None if it is not a derivative."""
-    found = _ASKED.fullmatch(name.strip())
-    if found is None:
-        return None
-    if found["one"] is not None:
-        word = found["one"].strip()
-        return DerivativeRequest(found["output"], (word,), word not in _GROUPS)
-    return DerivativeRequest(found["output"], tuple(word.strip() for word in found["list"].split(",")), False)
+from symbody.model.output_names import DERIVATIVE_GROUPS, DerivativeRequest
 
 
 def derivative_roots(
@@ -98,7 +75,7 @@ def _symbols(formed: EquationsOfMotion, name: str, word: str) -> tuple[Symbol, .
     node = formed.names.node(inner)
     if node is not None and graph.ops[node] == SYMBOL:
         return (graph.symbols[graph.left[node]],)
-    known = [*_GROUPS, *formed.names.symbols]
+    known = [*DERIVATIVE_GROUPS, *formed.names.symbols]
     raise FormulationError(
         Problem("equations.derivative_by", name, f"{word!r} is nothing to differentiate by",
                 "it is not a symbol of these equations, or stands for an expression", nearest(inner, known))

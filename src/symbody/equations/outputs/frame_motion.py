@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.outputs.output_words import output_words
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
+from symbody.model.output_names import FRAME_KINDS, parse_frame
 from symbody.spatial.vector import Vector, components, cross
-
-KINDS: Final = ("r", "v", "vdot", "R", "w", "wdot")
 
 
 def motion_vector(formed: EquationsOfMotion, kind: str, end: str, reference: str) -> Vector:
@@ -45,10 +41,10 @@ def frame_motion_entries(
     FormulationError
         If the kind or a frame is unknown.
     """
-    if kind not in KINDS:
+    if kind not in FRAME_KINDS:
         raise FormulationError(
             Problem("equations.unknown_motion", f"frame {kind}", f"{kind!r} is not a kind of motion", "",
-                    f"write one of {', '.join(KINDS)}")
+                    f"write one of {', '.join(FRAME_KINDS)}")
         )  # fmt: skip
     end, reference, resolved_in = (formed.frame(name) for name in (end, reference, resolved_in))
     tree = formed.kinematics.tree
@@ -59,17 +55,15 @@ def frame_motion_entries(
 
 def frame_output(formed: EquationsOfMotion, text: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "frame KIND END REF IN" or "frame R END IN"; with " x" or " xy" behind, one entry."""
-    frames = formed.kinematics.velocities
-    words = output_words(text, frames)
-    is_entry = len(words) > 2 and set(words[-1]) <= set("xyz") and words[-1] not in frames
-    entry = words.pop() if is_entry else ""
-    if not 2 <= len(words) <= (3 if words[0] == "R" else 4):
+    asked = parse_frame(text, formed.kinematics.velocities)
+    if asked is None:
         raise FormulationError(
             Problem("equations.frame_words", f"frame {text}", f"{text!r} does not name a motion",
                     "a motion is named by its kind and its frames",
                     'write "frame r END REFERENCE RESOLVED_IN" or "frame R END REFERENCE"')
         )  # fmt: skip
-    shape, values = frame_motion_entries(formed, *words)
+    shape, values = frame_motion_entries(formed, asked.kind, *asked.frames)
+    entry = asked.entry
     if not entry:
         return shape, values
     places = ["xyz".index(letter) for letter in entry]

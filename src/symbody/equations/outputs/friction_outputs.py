@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import FrictionLaw
-from symbody.equations.outputs.output_words import output_words
 from symbody.equations.solving.solution import resistance, substitute_solution
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS
+from symbody.model.output_names import output_words
 
 
 def friction_effort(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:

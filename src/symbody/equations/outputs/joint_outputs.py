@@ -10,11 +10,11 @@ from symbody.equations.dynamics.reactions import effort_on_coordinate, reaction
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.loads.loads import effort_name
-from symbody.equations.outputs.output_words import output_words
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Rolling
+from symbody.model.output_names import output_words
 from symbody.spatial.vector import components, cross
 
 ENTRIES: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")

@@ -11,7 +11,6 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.derivative_outputs import (
     derivative_roots,
     differentiate_output,
-    parse_derivative,
 )
 from symbody.equations.outputs.frame_cures import frame_cure
 from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
@@ -49,6 +48,7 @@ from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequences.sequence import Roots
+from symbody.model.output_names import parse_derivative
 
 # What the loop of a motion evaluates: the work is one more state.
 OF_STEPS: Final = ("xdot", "power")

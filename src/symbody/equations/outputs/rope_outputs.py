@@ -8,12 +8,12 @@ from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
-from symbody.equations.outputs.output_words import output_words
 from symbody.equations.solving.ropes import rope_row, ropes
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS
+from symbody.model.output_names import output_words
 
 Output = tuple[tuple[int, ...], list[Expr]]
 

@@ -24,14 +24,11 @@ class Source:
         Object path or file, for instance ``"joint slider, motion"``; may be empty.
     has_outputs : bool
         Whether names in single quotes are outputs, ``'reaction A Fx'``; otherwise quotes are a fault.
-    is_angle : bool
-        Whether degrees alone are a value, ``"30 deg"``; otherwise they need a formula around them.
     """
 
     text: str
     where: str = ""
     has_outputs: bool = False
-    is_angle: bool = False
 
     def problem(self, code: str, column: int, what: str, why: str = "", fix: str = "") -> Problem:
         """Return a problem whose text shows the line and a caret.

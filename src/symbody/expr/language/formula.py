@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import lru_cache
 from importlib import import_module
 from numbers import Rational, Real
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from symbody.arguments import is_sympy, register_sympy_writer
 from symbody.errors import ExpressionError, Problem
@@ -21,6 +21,8 @@ from symbody.expr.language.instructions import Instruction
 from symbody.expr.language.literals import MAX_DIGITS, fold
 from symbody.expr.language.lowering import applied_node
 from symbody.expr.language.tokens import is_name, normalize
+
+_OF_ANGLES: Final = frozenset({"sin", "cos", "tan"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +76,21 @@ class Formula:
         return tuple(dict.fromkeys(str(step.payload) for step in self.program if step.kind == "output"))
 
     @property
+    def is_in_degrees(self) -> bool:
+        """Whether this is an angle in degrees without a symbol: ``"30 deg"``, ``"pi + 2 deg"``."""
+        if "deg" not in self.text or {*self.names} != {"pi"} or self.outputs:
+            return False
+        angles: list[bool] = []
+        for step in self.program:
+            if step.kind != "apply":
+                angles.append(step.kind == "name" and not self.text.startswith("pi", step.column - 1))
+            else:
+                operands = angles[-step.arity :]
+                del angles[-step.arity :]
+                angles.append(any(operands) and step.payload not in _OF_ANGLES)
+        return angles[0]
+
+    @property
     def is_number(self) -> bool:
         """Whether this is a plain number, a sign or a quotient of two included."""
         return self.constant() is not None
@@ -97,8 +114,8 @@ class Formula:
                 values.append(step.payload)
         return values[0]
 
-    def rename(self, mapping: Mapping[str, str]) -> Formula:
-        """Return this with names replaced, all at once, in text and program.
+    def rename(self, mapping: Mapping[str, str], outputs: Mapping[str, str] | None = None) -> Formula:
+        """Return this with names replaced, all at once, in text and program; `outputs` are those in quotes.
 
         Raises
         ------
@@ -114,7 +131,12 @@ class Formula:
             if step.kind == "name" and old in mapping and self.text.startswith(old, start):
                 pieces += (self.text[end:start], _name(mapping[old]))
                 end = start + len(old)
-        return type(self).from_value("".join((*pieces, self.text[end:]))) if pieces else self
+            elif step.kind == "output" and outputs:
+                pieces += (self.text[end:start], f"'{outputs.get(old, old)}'")
+                end = start + len(old) + 2
+        if not pieces:
+            return self
+        return type(self).from_value("".join((*pieces, self.text[end:])), has_outputs=bool(self.outputs))
 
     def problem(
         self, code: str, column: int, what: str, why: str = "", fix: str = "", where: str = ""

@@ -36,7 +36,6 @@ _BINARY: Final = MappingProxyType(
 )  # fmt: skip
 _PREFIX: Final = MappingProxyType({"not": ("not", 3), "-": ("neg", 7), "+": ("pos", 7)})
 _UNARY: Final = frozenset({"not", "neg", "pos"})
-_OF_ANGLES: Final = frozenset({"sin", "cos", "tan"})
 _LOWEST: Final = 1
 _BRACKET: Final = 0
 
@@ -68,7 +67,6 @@ class _TokenReader:
     __slots__ = (
         "_brackets",
         "_callee",
-        "_degrees",
         "_foreign",
         "_pending",
         "_problems",
@@ -87,7 +85,6 @@ class _TokenReader:
         self._pending: list[_Pending] = []
         self._brackets: list[int] = []  # places of the open brackets in _pending
         self._callee: Token | None = None  # a function whose bracket comes next
-        self._degrees: Problem | None = None  # of degrees where no angle is expected
 
     def read_tokens(self) -> tuple[Instruction, ...]:
         tokens = self._tokens
@@ -102,8 +99,6 @@ class _TokenReader:
                 wants_operand = self._operator(tokens[k - 1], token, following)
         for fault in self._values[-1].faults:
             self._report(fault)
-        if self._degrees is not None and not self._has_symbols():
-            self._report(self._degrees)
         if self._problems:
             self._stop()
         if self._values[-1].is_condition:
@@ -146,7 +141,7 @@ class _TokenReader:
             self._end()
             return False
         if token.text == "deg" and previous.kind == "number":
-            self._convert_degrees(previous, token, following)
+            self._convert_degrees(token)
             return False
         self._report(adjacent_problem(self._source, previous, token, following))
         if token.kind == "operator" and token.text != "(":
@@ -168,21 +163,13 @@ class _TokenReader:
             value = 1
         self._push(Instruction("number", value, column), Value(column, False, value))
 
-    def _convert_degrees(self, number: Token, token: Token, following: Token) -> None:
+    def _convert_degrees(self, token: Token) -> None:
         """Multiply the number before ``deg`` by pi/180."""
         column = token.start + 1
-        in_function = any(self._pending[place].name in _OF_ANGLES for place in self._brackets)
-        if not self._source.is_angle and not in_function and self._degrees is None:
-            self._degrees = adjacent_problem(self._source, number, token, following)
         self._push(Instruction("name", "pi", column), Value(column))
         self._apply("mul", column, 2)
         self._push(Instruction("number", 180, column), Value(column, False, 180))
         self._apply("div", column, 2)
-
-    def _has_symbols(self) -> bool:
-        return any(
-            step.kind == "output" or (step.kind == "name" and step.payload != "pi") for step in self._program
-        )
 
     def _open(self, token: Token) -> None:
         name, column = "", token.start + 1

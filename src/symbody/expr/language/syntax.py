@@ -74,7 +74,7 @@ def adjacent_problem(source: Source, previous: Token, token: Token, following: T
     elif previous.text in (")", "deg") and token.text in ("deg", "degree", "degrees"):
         fix = "degrees follow a number, as in 30 deg; multiply anything else by pi/180"
     elif token.text in ("deg", "degree", "degrees"):
-        fix = f'write {previous.text}*pi/180; "30 deg" alone is understood where the value is an angle'
+        fix = f"write {previous.text}*pi/180: degrees follow a number, as in 30 deg"
     elif previous.kind == "number" and token.text in _UNITS:
         fix = f"leave the unit out and give the value in SI units; with a symbol {token.text}, write "
         fix += f"{printable(previous.text)}*{token.text}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from symbody.errors import ExpressionError, ModelError, Problem
+from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checks.initial import check_initial, initial_problems
@@ -174,15 +174,16 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     angles: set[str] = set()
     others: set[str] = set()
     values = [(f"model, initial.{name}", name, formula) for name, formula in draft.initial.items()]
-    for label, joint in zip(labels, draft.elements, strict=True):
-        if isinstance(joint, Joint):
-            angles.update(joint.angle_coordinates)
-            others.update(joint.coordinates, joint.quasi_speed_names)
-            others.update(f"{name}_dot" for name in joint.coordinates)
-            for path, name, drive in joint.drives_with_paths():
+    for label, element in zip(labels, draft.elements, strict=True):
+        values += _lengths_and_masses(element, label)
+        if isinstance(element, Joint):
+            angles.update(element.angle_coordinates)
+            others.update(element.coordinates, element.quasi_speed_names)
+            others.update(f"{name}_dot" for name in element.coordinates)
+            for path, name, drive in element.drives_with_paths():
                 values.append((f"{label}, {path}", name, drive.free))
-            for name, formula in joint.motion.items():
-                values.append((f"{label}, {joint.coordinate_path('motion', name)}", name, formula))
+            for name, formula in element.motion.items():
+                values.append((f"{label}, {element.coordinate_path('motion', name)}", name, formula))
     return [
         Problem(
             "model.not_an_angle",
@@ -192,19 +193,16 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
             "write the value in SI units",
         )
         for where, name, formula in values
-        if name in others - angles and _is_angle_alone(formula)
+        if (name in others - angles or where.endswith(f", {name}")) and formula.is_in_degrees
     ]
 
 
-def _is_angle_alone(formula: Formula) -> bool:
-    """Return whether degrees stand in a formula where no length could have them."""
-    if "deg" not in formula.text:
-        return False
-    try:
-        Formula.from_value(formula.text)
-    except ExpressionError:
-        return True
-    return False
+def _lengths_and_masses(element: Element, label: str) -> Iterator[tuple[str, str, Formula]]:
+    """Yield place, name and value of the arguments whose unit says that they are no angles."""
+    for name, field in element.fields.items():
+        value = getattr(element, name)
+        if field.unit and "rad" not in field.unit and isinstance(value, Formula):
+            yield f"{label}, {name}", name, value
 
 
 def _check_numbers(draft: Draft, labels: Iterable[str]) -> NumericChecks:

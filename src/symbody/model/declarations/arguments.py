@@ -16,7 +16,6 @@ from symbody.arguments import is_sympy
 from symbody.errors import ExpressionError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula, FormulaLike
 from symbody.expr.language.tokens import normalize
-from symbody.expr.parser import parse_angle
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.naming import element_problem, symbol_problem
@@ -61,10 +60,6 @@ class Arguments:
     def formula(self, value: object, path: str) -> Formula:
         """Return a formula from text, a real number or a formula."""
         return self._parse(lambda where: Formula.from_value(plain_value(value), where=where), path)
-
-    def angle(self, value: object, path: str) -> Formula:
-        """Return a formula [rad]; a text such as ``"30 deg"`` is understood too."""
-        return self._parse(lambda where: parse_angle(plain_value(value), where=where), path)
 
     def optional_formula(self, value: object, path: str) -> Formula | None:
         """Return a formula, or None for None."""

@@ -128,7 +128,7 @@ class AngleQuantity(Quantity):
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Formula:
         """Return the formula [rad]."""
-        return arguments.angle(value, path)
+        return arguments.formula(value, path)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

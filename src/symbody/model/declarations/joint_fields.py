@@ -140,7 +140,7 @@ class _Motions(Field[Given, FrozenMapping[Formula]]):
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
         """Return the motions by coordinate."""
-        return _read_by_coordinate(owner, arguments, value, path, arguments.angle)
+        return _read_by_coordinate(owner, arguments, value, path, arguments.formula)
 
     def formula_sites(self, owner: Joint, value: FrozenMapping[Formula], path: str) -> Iterator[FormulaSite]:
         """Return where the motions stand."""

@@ -7,7 +7,7 @@ from typing import ClassVar, Final, final
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.declaration import ElementPart
 from symbody.model.declarations.element_fields import AttachedFrame, Connection, element
-from symbody.model.declarations.fields import AngleQuantity, Quantity, VectorQuantity, part
+from symbody.model.declarations.fields import AngleQuantity, Flag, Quantity, VectorQuantity, part
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.element import Element
 from symbody.model.loads.curve import Curve, SpringLaw
@@ -91,9 +91,18 @@ class Torque(Element):
 @final
 @element
 class SpringDamper(Connection):
-    """A spring and damper on the line between two points; a free length of exactly 0 is a vector law."""
+    """A spring and damper between two points: on their line, or in all directions alike.
 
-    equation: ClassVar[str] = "applied + law - stiffness (length - free) - damping length' along the line"
+    A free length of exactly 0 makes the spring a vector law, smooth at length 0; the damper acts on the line,
+    which has no direction there. With `isotropic` both are vector laws: ``-stiffness r - damping v`` on end,
+    the opposite on start, with r the position of end relative to start and v the difference of their
+    velocities as seen from ground, so that a turn of both bodies together is damped too.
+    """
+
+    equation: ClassVar[str] = (
+        "applied + law - stiffness (length - free) - damping length' along the line; "
+        "`isotropic`: the vector -stiffness r - damping r' on end, r' as seen from ground"
+    )
     sign: ClassVar[str] = "positive pushes the ends apart; `free` exactly 0: vector law, smooth at length 0"
     outputs: ClassVar[str] = "`length S`, `effort S`"
     kind: ClassVar[str] = "spring"
@@ -110,3 +119,20 @@ class SpringDamper(Connection):
         default=0,
         own=LENGTH,
     )
+    isotropic: Flag = Flag(
+        "Whether spring and damper act in all directions alike, not on the line alone.",
+        default=False,
+    )
+
+    def check(self, arguments: Arguments) -> None:
+        """Note what an isotropic spring, which has no line, cannot have."""
+        given = {"free": self.free, "applied": self.applied, "law": self.law}
+        lost = [
+            name for name, value in given.items() if isinstance(value, Curve) or value.constant() != 0
+        ] if self.isotropic else []  # fmt: skip
+        for name in lost:
+            arguments.add(
+                "model.isotropic", name, f"an isotropic spring has no {name}",
+                "its force is -stiffness r - damping v, whatever the direction of r",
+                f"leave {name} out, or isotropic, or put a second spring beside it",
+            )  # fmt: skip

@@ -61,7 +61,7 @@ class Six(Field[Iterable[Value], Row]):
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Row:
         """Return six formulas."""
-        return _row(arguments, value, path, arguments.angle)
+        return _row(arguments, value, path, arguments.formula)
 
     def formula_sites(self, owner: object, value: Row, path: str) -> Iterator[FormulaSite]:
         """Return where the values stand."""

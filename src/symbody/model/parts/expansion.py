@@ -51,8 +51,11 @@ class PartContent:
 def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]) -> Draft:
     """Return the parts of a model with what is included; faults are added to `problems`."""
     placed: list[tuple[Include, AbstractSet[str]]] = []
+    includes = tuple(includes)
+    taken = {element.name for element in draft.elements}
+    taken |= {f"{each.prefix}_{element.name}" for each in includes for element in each.part.elements}
     for include in includes:
-        content = part_content(include, draft.bodies, draft.ground, problems)
+        content = part_content(include, draft.bodies, draft.ground, taken, problems)
         if content is None:
             continue
         clashes = _clashes(draft, content, include)
@@ -101,15 +104,25 @@ def _extend_initial(values: FirstValues, further: FirstValues) -> FirstValues:
 
 
 def part_content(
-    include: Include, bodies: Sequence[Body], ground: Mapping[str, Frame], problems: list[Problem]
+    include: Include,
+    bodies: Sequence[Body],
+    ground: Mapping[str, Frame],
+    taken: Iterable[str],
+    problems: list[Problem],
 ) -> PartContent | None:
-    """Return what a part brings, under its new names; None, with a fault, where it has no place."""
+    """Return what a part brings, under its new names; None, with a fault, where it has no place.
+
+    Parameters
+    ----------
+    taken : iterable of str
+        The elements of the whole, those of its parts among them.
+    """
     part, label = include.part, f"include {include.prefix}"
     at = frame_index(bodies, ground).find(include.at)
     if not isinstance(at, FrameRef):
         problems.append(Problem("model.unknown_place", f"{label}, at", at[0], "", at[1]))
         return None
-    renaming = _make_renaming(include, at)
+    renaming = _make_renaming(include, at, frozenset(taken))
     base = _frame_of(at, bodies, ground)
     elements = [rename_element(element, renaming) for element in part.elements]
     new = {renaming.symbol(name): formula for name, formula in part.parameters.items()}
@@ -145,21 +158,20 @@ def part_content(
     )
 
 
-def _make_renaming(include: Include, at: FrameRef) -> Renaming:
+def _make_renaming(include: Include, at: FrameRef, taken: frozenset[str]) -> Renaming:
     part = include.part
     joints = (*part.joints, *part.free_joints)
     speeds = [name for joint in joints for name in joint.quasi_speed_names]
     coordinates = [*part.coordinates, *(name for joint in part.free_joints for name in joint.coordinates)]
-    named = (*part.signals, *part.held_signals, *part.tables)
-    names = [*part.parameters, *part.inputs, *(element.name for element in named)]
-    symbols = {
-        f"{name}{suffix}": f"{include.prefix}_{name}{suffix}"
-        for name in (*names, *coordinates, *speeds)
-        for suffix in ("", "_dot", "_ddot")
-    }
+    constant = [*part.parameters, *part.inputs, *(table.name for table in part.tables)]
+    moving = [*coordinates, *speeds, *(signal.name for signal in (*part.signals, *part.held_signals))]
+    symbols = {name: f"{include.prefix}_{name}" for name in (*constant, *moving)}
     symbols |= {name: name for name in include.share}
     symbols |= {name: outer.text for name, outer in include.connect.items() if is_name(outer.text)}
-    return Renaming(include.prefix, symbols, tuple(element.name for element in part.elements), at)
+    rates = {f"{name}{suffix}": f"{symbols[name]}{suffix}" for name in moving for suffix in ("_dot", "_ddot")}
+    elements = (*part.elements, *part.free_joints)
+    frames = frame_index(part.bodies, part.ground)
+    return Renaming(include.prefix, rates | symbols, elements, frames, at, taken)
 
 
 def _frame_of(at: FrameRef, bodies: Iterable[Body], ground: Mapping[str, Frame]) -> Frame:

@@ -77,7 +77,7 @@ class Include:
             "at": FrameRef(at_frame.body, at_frame.frame),
             "connect": arguments.table(connect or {}, "connect", arguments.formula),
             "share": tuple(map(str, arguments.items(share, "share"))),
-            "parameters": arguments.table(parameters or {}, "parameters", arguments.angle),
+            "parameters": arguments.table(parameters or {}, "parameters", arguments.formula),
             "file": file,
             "folder": folder,
         }

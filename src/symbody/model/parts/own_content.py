@@ -43,8 +43,9 @@ def whole_content(model: Model) -> OwnContent:
 def own_content(model: Model) -> OwnContent:
     """Return the content of a model's file: parts from files that are unchanged stay includes."""
     own = whole_content(model)
+    names = [element.name for element in model.elements]
     for include in reversed(model.includes):
-        content = part_content(include, model.bodies, model.ground, [])
+        content = part_content(include, model.bodies, model.ground, names, [])
         if include.file and content is not None and _is_unchanged(own, content, {*include.share}):
             own = _remove_part(own, content, include)
     return own

@@ -150,9 +150,10 @@ class _Run:
     def _part(self, x: Floats, span: tuple[float, float], width: float) -> Trajectory:
         integration = self._plan.integration
         part = integration.part(x, span, self._times(span, width), self._steps)
-        part = replace(part, problem=self._problem)
+        sides = self._parts[-1].sides[: len(part.events)] if self._parts else part.sides
+        part = replace(part, problem=self._problem, sides=sides)
         plan = replace(self._plan, integration=part)
-        run = _run_part(plan)
+        run = _run_part(plan, goes_on=span[1] != integration.span[1])
         self._parts.append(run)
         self._stored += run.t.size
         self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
@@ -199,8 +200,10 @@ def _is_switched(problem: SimulationProblem) -> bool:
     return switches_there > 0 and any(group == "r" for group, _ in functions.names)
 
 
-def _run_part(plan: MotionPlan) -> Trajectory:
-    return run_switching(plan) if switches(plan.integration.eqs.formed) else run_with_jumps(plan)
+def _run_part(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
+    if switches(plan.integration.eqs.formed):
+        return run_switching(plan)
+    return run_with_jumps(plan, goes_on=goes_on)
 
 
 def _steps(times: list[float], values: list[float]) -> Table:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -67,6 +68,15 @@ class EventFunctions:
         ]
         addresses = [function.address for function in self._callbacks or functions]
         self.addresses = (*addresses, 0)[:2] + (0 if self._closing is None else self._closing.address,)
+
+    def with_problem(self, problem: SimulationProblem) -> EventFunctions:
+        """Return the same functions with the inputs of a problem of the same equations."""
+        if problem is self._problem:
+            return self
+        other = copy(self)
+        other._problem = problem
+        vars(other).pop("_first_block", None)
+        return other
 
     def make_block(self, span: float) -> Floats:
         """Return the block of a watch over a run of some length [s]."""
@@ -160,9 +170,17 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
 
 def event_numbers(eqs: EquationSet, event: Event) -> WatchedEvent:
     """Return an event as numbers."""
-    text = str(event.expression)
     action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
-    wraps = any(name in text for name in eqs.measured_angles)
+    wraps = _reads_measured_angle(eqs, str(event.expression))
     targets = tuple(eqs.state_names.index(name) for name in event.mapping)
     level = event.level if isinstance(event, LevelEvent) else 0.0
     return WatchedEvent(event.direction, action, wraps, targets, level)
+
+
+def _reads_measured_angle(eqs: EquationSet, expression: str) -> bool:
+    """Return whether the angle of a cut joint stands in an expression, which then jumps by a turn."""
+    if not eqs.measured_angles:
+        return False
+    names = eqs.formed.readable_names
+    angles = {names.value(name).index for name in eqs.measured_angles}
+    return not angles.isdisjoint(eqs.formed.graph.reachable(eqs.roots(expression).nodes))

@@ -11,7 +11,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.elimination.coupled_coordinates import NONE_COUPLED
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
-from symbody.expr.parser import parse_angle
+from symbody.expr.language.formula import Formula
 from symbody.expr.printing.text import to_text
 from symbody.model.declarations.arguments import plain_value
 
@@ -167,7 +167,7 @@ def _in_states(eqs: EquationSet, event: Event) -> Event:
             continue
         leader, factor, rest = coupled.leaders[coordinate]
         less = "" if name.endswith("_dot") else f" - ({to_text(rest.graph, rest.index)})"
-        text = parse_angle(plain_value(value), where=name).text
+        text = Formula.from_value(plain_value(value), where=name).text
         target = leader + name.removeprefix(coordinate)
         action[target] = f"(({text}){less})/({to_text(factor.graph, factor.index)})"
     return replace(event, action=action) if event.mapping and coupled.leaders else event

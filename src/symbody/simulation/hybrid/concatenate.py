@@ -40,6 +40,12 @@ class Piecewise:
     work: Floats
     modes: tuple[tuple[int, ...], ...] = ()
 
+    @property
+    def measured_angles(self) -> tuple[str, ...]:
+        """Angles of cut joints, which are given within half a turn."""
+        found: tuple[str, ...] = getattr(self.parts[0], "measured_angles", ()) if self.parts else ()
+        return found
+
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; of two samples at a change the first belongs to the part before.
 
@@ -52,9 +58,11 @@ class Piecewise:
 
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
         """Return outputs with time last, by one function a part; see `__call__`."""
-        place = np.maximum(np.searchsorted(self.starts, t, side="right") - 1, 0)
+        way = -1.0 if self.starts[-1] < self.starts[0] else 1.0
+        starts, along = way * self.starts, way * t
+        place = np.maximum(np.searchsorted(starts, along, side="right") - 1, 0)
         before = np.flatnonzero((t[:-1] == t[1:]) & np.isin(t[:-1], self.starts[1:]))
-        place[before] = np.maximum(np.searchsorted(self.starts, t[before], side="left") - 1, 0)
+        place[before] = np.maximum(np.searchsorted(starts, along[before], side="left") - 1, 0)
         whole: dict[str, Floats] = {}
         for k in np.unique(place):
             inside = place == k

@@ -62,8 +62,13 @@ def may_jump(eqs: EquationSet) -> bool:
     return False
 
 
-def run_with_jumps(plan: MotionPlan) -> Trajectory:
+def run_with_jumps(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
     """Return a motion in parts, between the times at which prescribed rates jump.
+
+    Parameters
+    ----------
+    goes_on : bool
+        Whether another motion goes on at the end, so that a jump there happens; it is none of the next.
 
     Raises
     ------
@@ -72,32 +77,45 @@ def run_with_jumps(plan: MotionPlan) -> Trajectory:
     """
     integration = plan.integration
     problem, span = integration.problem, integration.span
-    times, margin = jump_times(problem, integration.state, span)
+    times, margin = jump_times(problem, integration.state, span, at_end=goes_on)
     if not times:
         return execute(plan)
     step = float(np.copysign(margin, span[1] - span[0]))
-    spans = zip([span[0], *(t + step for t in times)], [*(t - step for t in times), span[1]], strict=True)
+    is_last = abs(times[-1] - span[1]) <= margin  # the part behind it takes no time
+    ends = [*(t - step for t in times), times[-1] + step if is_last else span[1]]
+    spans = zip([span[0], *(t + step for t in times)], ends, strict=True)
     parts: list[Trajectory] = []
     jumps: dict[int, float] = {}
     struck: list[int] = []  # of the jumps, those that change a speed
     x = integration.state
-    for k, (start, end) in enumerate(spans):
-        part = execute(replace(plan, integration=_part(integration, x, parts, (start, end))))
+    for k, (start, stop) in enumerate(spans):
+        asked = None if k == len(times) else step
+        part = execute(replace(plan, integration=_part(integration, x, parts, (start, stop), asked)))
         parts.append(part)
         if part.status is not Status.SUCCESS or k == len(times):
             break
-        _check_positions(problem, part, (end, end + 2.0 * step))
         before = _end_of(part)
-        x, jumps[k + 1] = _jump(problem, before, end, end + 2.0 * step)
+        _check_positions(problem, before, (stop, stop + 2.0 * step))
+        x, jumps[k + 1] = _jump(problem, before, stop, stop + 2.0 * step)
         if (
             np.abs(x - before).max(initial=0.0)
             > _TORN * min(1.0, problem.scales.length) / problem.scales.time
         ):
             struck.append(k + 1)
     run = concatenate(parts, [event for part in parts for event in part.events], jumps)
-    if integration.times is not None:  # one at a jump was computed behind it
-        run = replace(run, t=np.asarray(integration.times)[: run.t.size].copy())
+    if is_last and run.status is Status.SUCCESS:
+        run = replace(run, sides=parts[-2].sides)  # the motion that goes on sees what passed zero
+    if integration.times is not None:  # one at a jump was computed beside it
+        run = replace(run, t=_as_asked(run.t, np.asarray(integration.times), 2.0 * margin))
     return replace(run, notes=(*run.notes, *_jump_notes(times, {k: jumps[k] for k in struck})))
+
+
+def _as_asked(t: Floats, times: Floats, width: float) -> Floats:
+    """Return samples at the times that were asked for, where these are as near as `width`."""
+    found, count = t.copy(), min(t.size, times.size)
+    near = np.abs(t[:count] - times[:count]) <= width
+    found[:count][near] = times[:count][near]
+    return found
 
 
 def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
@@ -112,14 +130,29 @@ def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
         yield f"{len(jumps) - _MOST_NOTES} more jumps of prescribed rates until t = {last:.9g} s"
 
 
-def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
-    """Return the times at which prescribed rates jump, in the order of the motion, and how exact they are.
+def jump_times(
+    problem: SimulationProblem, x: Floats, span: tuple[float, float], *, at_end: bool = False
+) -> tuple[list[float], float]:
+    """Return the times inside a span at which prescribed rates jump, in its order, and how exact they are.
+
+    Parameters
+    ----------
+    at_end : bool
+        Whether a jump at the end, within what is exact, is one of them; one at the start is none.
 
     Raises
     ------
     UsageError
         If a prescribed position jumps.
     """
+    (start, end), way = span, 1.0 if span[1] >= span[0] else -1.0
+    times, margin = _jumps(problem, x, (start, end + (end - start)) if at_end else span)
+    last = way * end + (margin if at_end else -margin)
+    return [t for t in times if way * start + margin < way * t <= last], margin
+
+
+def _jumps(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
+    """Return the jumps up to the ends of a span; see `jump_times`."""
     eqs = problem.eqs
     if not eqs.plans.get("may jump", lambda: may_jump(eqs)) or span[0] == span[1]:
         return [], 0.0
@@ -166,7 +199,7 @@ def _row_name(eqs: EquationSet, names: tuple[str, ...], row: int) -> str:
     return [*names, *(each.coordinate or each.name for each in eqs.formed.rows)][row]
 
 
-def _check_positions(problem: SimulationProblem, part: Trajectory, times: tuple[float, float]) -> None:
+def _check_positions(problem: SimulationProblem, x: Floats, times: tuple[float, float]) -> None:
     """Refuse a constraint that the state before a jump does not fulfil behind it.
 
     Raises
@@ -174,7 +207,7 @@ def _check_positions(problem: SimulationProblem, part: Trajectory, times: tuple[
     UsageError
         See above.
     """
-    eqs, x = problem.eqs, _end_of(part)
+    eqs = problem.eqs
     if not eqs.multiplier_names or not x.size:
         return
     before, behind = (np.ravel(evaluate_outputs(problem, ("constraints",), t, x)[0]) for t in times)
@@ -239,20 +272,31 @@ def _jump_problem(name: str, t: float) -> Problem:
 
 
 def _part(
-    integration: IntegrationProblem, x: Floats, before: list[Trajectory], span: tuple[float, float]
+    integration: IntegrationProblem,
+    x: Floats,
+    before: list[Trajectory],
+    span: tuple[float, float],
+    step: float | None,
 ) -> IntegrationProblem:
-    """Return one part of a motion; a sample at a jump belongs to the part behind."""
-    start, end = integration.span
+    """Return one part of a motion; a sample at a jump belongs to the part at later times, as formulas do.
+
+    Parameters
+    ----------
+    step : float or None
+        How far behind its end the jump is; None of the last part.
+    """
     steps = sum(part.statistics.accepted + (part.statistics.rejected or 0) for part in before)
-    direction, times = float(np.sign(end - start)), None
+    direction, times = float(np.sign(integration.span[1] - integration.span[0])), None
     if integration.times is not None:
         samples = np.asarray(integration.times)
         first, last = sum(part.t.size for part in before), samples.size
-        if span[1] != end:
-            last = int(np.searchsorted(direction * samples, direction * span[1], side="right"))
-        times = samples[first:last]
-        times = np.where(direction * (times - span[0]) < 0.0, span[0], times) if before else times
-    return integration.part(x, span, times, steps)
+        if step is not None:
+            stop = span[1] + (step if direction < 0.0 else 0.0)
+            last = int(np.searchsorted(direction * samples, direction * stop, side="right"))
+        times = np.clip(samples[first:last], min(span), max(span))
+    part = integration.part(x, span, times, steps)
+    # An event that passes zero inside the jump happens behind it.
+    return replace(part, sides=before[-1].sides[: len(part.events)]) if before else part
 
 
 def _end_of(part: Trajectory) -> Floats:

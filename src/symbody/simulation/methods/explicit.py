@@ -25,6 +25,8 @@ from symbody.simulation.native.segments import HeldValues, Watch
 Floats = NDArray[np.float64]
 
 _NOTHING: Final = np.zeros(0)
+# Shares of an end within which a time is that end: what sums and products of a few decimals are off by.
+_ROUNDED: Final = 8 * float(np.finfo(np.float64).eps)
 NO_FUNCTION: Final = RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0)
 NOTHING_TO_PROJECT: Final = Projector(
     0, 0, _NOTHING, _NOTHING, _NOTHING, 0, 0, _NOTHING, math.inf, _NOTHING, 0.0, 0
@@ -200,7 +202,7 @@ def check_single_atol(atol: float | None) -> float | None:
 
 
 def check_times(times: ArrayLike | None, start: float, end: float) -> Floats | None:
-    """Return the times to store as a new array, or None for every step."""
+    """Return the times to store as a new array, or None for every step; those at an end are that end."""
     if times is None:
         return None
     samples = np.array(times, dtype=np.float64)
@@ -209,6 +211,8 @@ def check_times(times: ArrayLike | None, start: float, end: float) -> Floats | N
             "times", "times is not a list of finite numbers", "give for instance np.linspace(0, 10, 501)"
         )
     direction = 1.0 if end >= start else -1.0
+    for bound in (start, end):  # 3*0.1 is 0.3 but for the last bit
+        samples[np.abs(samples - bound) <= _ROUNDED * abs(bound)] = bound
     if not (direction * np.diff(samples) > 0.0).all():
         word = "rise" if direction > 0.0 else "fall"
         raise _usage(

@@ -176,7 +176,7 @@ class IntegrationProblem:
         share = residual_share(projection, self.atol)
         key = ("events", self.events, share)
         is_plain = not self.problem.laws.need_python and not any(event.mapping for event in self.events)
-        functions = self.problem.keep(key, make) if is_plain else make()
+        functions = self.problem.keep(key, make).with_problem(self.problem) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides)
 
     def course(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from symbody.arguments import fits
 from symbody.codegen.formation.names import Value
 from symbody.equations.outputs.input_formulas import input_formula
-from symbody.expr.parser import parse_angle
+from symbody.expr.language.formula import Formula
 from symbody.formats.native import model_from_toml, model_to_toml
 from symbody.graph.trees import Trees
 from symbody.model.declarations.arguments import plain_value
@@ -97,8 +97,8 @@ def _held_record(names: list[str], arrays: Mapping[str, Floats]) -> HeldRecord |
 
 
 def _texts(values: Mapping[str, Value]) -> dict[str, str]:
-    return {name: parse_angle(plain_value(value), where=name).text for name, value in values.items()}
+    return {name: Formula.from_value(plain_value(value), where=name).text for name, value in values.items()}
 
 
 def _formulas(texts: Mapping[str, str], where: str) -> dict[str, Value]:
-    return {name: parse_angle(text, where=f"{where}, {name}") for name, text in texts.items()}
+    return {name: Formula.from_value(text, where=f"{where}, {name}") for name, text in texts.items()}

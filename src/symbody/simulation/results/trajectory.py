@@ -18,6 +18,7 @@ from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.archive import Path, motion_fields, not_ours, write_archive
 from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
+from symbody.simulation.results.measured_angles import count_turns
 from symbody.simulation.results.model_record import record_of
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
@@ -147,8 +148,9 @@ class Trajectory(SampleTable):
             return evaluate_samples(formula, self.__getitem__, self.t, self.t.shape)
         if self.evaluate is None:
             raise self._unknown(name)
-        values = self.evaluate(name, np.atleast_1d(self.t), *self.state_arrays())
-        return values if self.t.ndim else values[..., 0]
+        samples = np.atleast_1d(self.t), *self.state_arrays()
+        values = count_turns(self.evaluate, name, self.evaluate(name, *samples), *samples, self.dense_output)
+        return values if self.t.ndim else values[..., 0][()]
 
     @checked_arguments
     def outputs(self, *names: str) -> dict[str, Floats]:
@@ -164,14 +166,12 @@ class Trajectory(SampleTable):
         missing = [name for name, array in values.items() if array is None and name not in of_samples]
         if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
             return {name: self[name] for name in names}
-        made = dict(
-            zip(
-                missing,
-                self.evaluate.together(missing, np.atleast_1d(self.t), *self.state_arrays()),
-                strict=True,
-            )
-        )
-        shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
+        samples, evaluate = (np.atleast_1d(self.t), *self.state_arrays()), self.evaluate
+        computed = zip(missing, evaluate.together(missing, *samples), strict=True)
+        made = {
+            name: count_turns(evaluate, name, array, *samples, self.dense_output) for name, array in computed
+        }
+        shaped = {name: array if self.t.ndim else array[..., 0][()] for name, array in made.items()}
         shaped |= {name: self[name] for name in of_samples}
         return {name: shaped[name] if array is None else array for name, array in values.items()}
 

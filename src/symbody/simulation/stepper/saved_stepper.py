@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from symbody.codegen.formation.names import Value
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Occurrence
+from symbody.simulation.motion_identity import NoIdentityError, content_hash
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.settings import StepperSettings
 
@@ -86,15 +87,22 @@ def read_saved(saved: object) -> SavedStepper:
 
 def kind_of(settings: StepperSettings) -> str:
     """Return a hash of what stays the same while a stepper moves."""
-    eqs = settings.eqs
-    laws = {name: "function" if callable(law) else repr(law) for name, law in settings.laws.items()}
     fixed = (
-        eqs.model.name, eqs.state_names, eqs.input_names, eqs.parameter_names, eqs.multiplier_names,
-        eqs.identity, settings.held, sorted(laws.items()), settings.integrator, settings.constraints,
-        settings.events, settings.rtol, settings.atol, settings.scales, settings.max_steps,
-        *sorted(settings.fmus.items()),
+        settings.held, settings.integrator, settings.constraints, settings.events, settings.rtol,
+        settings.atol, settings.scales, settings.max_steps, settings.fmus,
     )  # fmt: skip
-    return sha256(repr(fixed).encode()).hexdigest()
+    laws = {name: _law_content(law) for name, law in settings.laws.items()}
+    return content_hash(settings.eqs, laws, fixed)
+
+
+def _law_content(law: object) -> object:
+    """Return a law, or its name and place where it has no content that could be compared."""
+    try:
+        content_hash(law)
+    except NoIdentityError:
+        kind = type(law)
+        return getattr(law, "__module__", kind.__module__), getattr(law, "__qualname__", kind.__qualname__)
+    return law
 
 
 def _read_content(header: Mapping[str, Any], values: Floats) -> SavedStepper:

@@ -86,7 +86,8 @@ class SeparateMotions:
         integration = self._problem.integration(x, (start, end), self._pose())
         integration = replace(integration, sides=self._sides)
         plan = MotionPlan(integration, settings.integrator, settings.constraints)
-        run = run_switching(plan) if switches(settings.moving.formed) else run_with_jumps(plan)
+        is_switching = switches(settings.moving.formed)
+        run = run_switching(plan) if is_switching else run_with_jumps(plan, goes_on=True)
         self._last, self.occurrences = run, run.events
         self._sides = run.sides[: len(settings.events)] or no_sides(self._problem)
         self._show_samples()

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from numbers import Rational
-from typing import Final, Literal
+from decimal import Decimal
+from numbers import Rational, Real
+from typing import Final, Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from symbody.arguments import checked_fields, is_sympy
 from symbody.codegen.formation.names import Value
 from symbody.errors import ExpressionError, Problem, UsageError
 from symbody.expr.language.formula import Formula
-from symbody.expr.parser import parse_angle
 from symbody.model.declarations.arguments import plain_value
 from symbody.model.numbers import as_float, formula_value
 
@@ -132,6 +132,11 @@ def case_table(
     UsageError
         Listing every sequence that is empty, not finite, or of another length than the others in a list.
     """
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise UsageError(
+            Problem("sweep.seed", "seed", f"seed = {seed!r} is not a whole number from 0 on",
+                    "random numbers follow from it", "give such a number, or leave it out")
+        )  # fmt: skip
     given = [("parameters", name, value) for name, value in parameters.items()]
     given += [("initial", name, value) for name, value in initial.items()]
     lists = {(kind, name): value for kind, name, value in given if _varies(value)}
@@ -161,15 +166,15 @@ def case_table(
 
 
 def _varies(value: Varied) -> bool:
-    return not isinstance(value, int | float | str | Formula | Samples | np.number)
+    return not (isinstance(value, Samples) or _is_constant(value))
+
+
+def _is_constant(value: Varied) -> TypeGuard[Value]:
+    return isinstance(value, Real | str | Formula | Decimal) or is_sympy(value)
 
 
 def _constants(given: Mapping[str, Varied]) -> dict[str, Value]:
-    return {
-        name: value
-        for name, value in given.items()
-        if isinstance(value, int | float | str | Formula | np.number)
-    }
+    return {name: value for name, value in given.items() if _is_constant(value)}
 
 
 def _check_columns(
@@ -223,7 +228,7 @@ def _column(value: Varied) -> Floats | None:
 def _number(entry: object) -> object:
     """Return the number that a text, a fraction or an expression of SymPy stands for, ``"30 deg"`` too."""
     if isinstance(entry, str | Rational) or is_sympy(entry):
-        number = formula_value(parse_angle(plain_value(entry)))
+        number = formula_value(Formula.from_value(plain_value(entry)))
         return math.nan if number is None else as_float(number)
     return entry
 

@@ -17,6 +17,7 @@ from symbody.simulation.hybrid.modes import HybridMechanism, Modes
 from symbody.simulation.hybrid.switching import hybrid_mechanism, switches
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.results.measured_angles import count_turns
 from symbody.simulation.results.provenance import Provenance, provenance_of
 from symbody.simulation.simulation_problem import VIOLATIONS, Evaluator, SimulationProblem
 from symbody.simulation.sweeps.case_table import CaseTable
@@ -63,8 +64,9 @@ class Evaluation:
         values = self._values(name, case, t[sample], rows[:, n_u:], rows[:, :n_u])
         whole: Floats = np.full((*is_known.shape, *values.shape[1:]), np.nan)
         whole[case, sample] = values
-        if name in self.eqs.measured_angles:
-            return np.unwrap(whole, axis=1)
+        for k, known in enumerate(is_known if name in self.eqs.measured_angles else ()):
+            own, at_k, states = CaseEvaluator(self, k), whole[k, known], x[k][:, known]
+            whole[k, known] = count_turns(own, name, at_k, t[known], states[n_u:], states[:n_u])
         return np.moveaxis(whole, 1, -1)
 
     def evaluate_case(self, case: int, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
@@ -77,11 +79,7 @@ class Evaluation:
             function = self._function((), plain)
             arrays = function(t, q.T, u.T, self._inputs(cases, t, q, u), self.table.parameters[case])
             computed = {name: _repeat_constant(array, t) for name, array in zip(plain, arrays, strict=True)}
-        angles = self.eqs.measured_angles
-        shown = {
-            name: np.unwrap(values) if name in angles else np.moveaxis(values, 0, -1)
-            for name, values in computed.items()
-        }
+        shown = {name: np.moveaxis(values, 0, -1) for name, values in computed.items()}
         return [shown[name] if name in shown else self._violation(case, name, t, q, u) for name in names]
 
     def provenance(self, case: int) -> Provenance | None:
@@ -193,6 +191,11 @@ class CaseEvaluator:
 
     evaluation: Evaluation
     case: int
+
+    @property
+    def measured_angles(self) -> tuple[str, ...]:
+        """Angles of cut joints, which are given within half a turn."""
+        return self.evaluation.eqs.measured_angles
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N)."""

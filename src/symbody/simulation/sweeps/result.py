@@ -141,7 +141,8 @@ class Sweep(Displayed):
         t = self.t[:samples].copy()
         if samples and self.status[case] in (Status.STOPPED, Status.CHATTERING):
             # the sample behind the last time before an event that ends the motion is the state there
-            t[-1] = min(t[-1], self.reached[case])
+            ends_before = min if self.t[-1] >= self.t[0] else max
+            t[-1] = ends_before(t[-1], self.reached[case])
         return Trajectory(
             t,
             self.x[case, n_u:n, :samples],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import re
@@ -17,9 +16,9 @@ from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.results.archive import read_arrays
-from symbody.simulation.sweeps.records import CaseDetails, Chunk, LoopJob, Records
+from symbody.simulation.sweeps.records import CaseDetails, Records
 
-_FORMAT: Final = "symbody sweep 3"
+_FORMAT: Final = "symbody sweep 4"
 _ABOUT: Final = "sweep.json"
 _NAME: Final = re.compile(r"cases_(\d+)_(\d+)\.npz")
 
@@ -139,23 +138,6 @@ def _held_record(about: Mapping[str, Any] | None) -> HeldRecord | None:
         return None
     values = np.array(about["values"], dtype=np.float64)
     return HeldRecord(tuple(about["names"]), np.array(about["t"], dtype=np.float64), values)
-
-
-def digest(job: LoopJob, chunk: Chunk) -> str:
-    """Return what stands for all that results depend on: code, first states, values, times, method."""
-    about = hashlib.sha256()
-    watched = () if job.watch is None else (job.watch.values, job.watch.actions, job.watch.closing)
-    for function in (job.function, job.closing, *watched):
-        about.update(b"" if function is None else function.source("c").encode())
-    own = (chunk.states, chunk.parameters, chunk.scales, chunk.sizes, chunk.atol, chunk.metric, job.times)
-    for array in own:
-        about.update(f"{array.shape}".encode())
-        about.update(np.ascontiguousarray(array).tobytes())
-    choices = (job.span, job.method, job.rtol, job.max_steps, job.stop_when_stiff, job.limit)
-    about.update(repr((*choices, job.rounding)).encode())
-    if job.watch is not None:
-        about.update(repr((job.watch.labels, job.watch.events)).encode())
-    return about.hexdigest()
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from typing import Final
@@ -35,7 +35,7 @@ from symbody.simulation.sweeps.first_states import check_names
 from symbody.simulation.sweeps.loop_job import cases_apart, prepare_loop
 from symbody.simulation.sweeps.records import NOT_ENDED, CaseDetails, Chunk, LoopJob, Records
 from symbody.simulation.sweeps.result import Sweep, sweep_result
-from symbody.simulation.sweeps.store import Store, digest
+from symbody.simulation.sweeps.store import Store
 from symbody.simulation.sweeps.sweep_job import MotionOptions, SweepJob, check_memory
 from symbody.simulation.sweeps.workers import (
     PATIENCE,
@@ -132,10 +132,41 @@ def _run_sweep(
     records.details.update({case: CaseDetails(note) for case, note in first_notes.items()})
     apart = cases_apart(eqs, table)
     chunk.states[apart] = np.nan
-    if not _compute_in_loop(loop, chunk, records, workers, store, progress):
-        again = sorted({*apart, *_worth_another_try(job, records)})
-        _compute_by_simulate(job, again, records, workers, Listener(None, _ignore))
-    return sweep_result(job, records, _notes(job, apart))
+    kept = None if store is None else Store(store, job.digest())
+
+    def again() -> list[int]:
+        return sorted({*apart, *_worth_another_try(job, records)})
+
+    listener = Listener(_with_more(progress, records, again), _ignore if kept is None else kept.keep)
+    if not _compute_in_loop(loop, chunk, records, workers, kept, listener):
+        cases = again()
+        done = table.count / (table.count + len(cases))
+        second = Listener(_part_of(progress, done, 1.0), _ignore, listener.notes)
+        _compute_by_simulate(job, cases, records, workers, second)
+        if progress is not None:
+            progress(1.0)
+    return sweep_result(job, records, (*_notes(job, apart), *listener.notes))
+
+
+def _with_more(
+    progress: Progress | None, records: Records, again: Callable[[], Sequence[int]]
+) -> Progress | None:
+    """Return what reports shares of the work with the cases that are computed `again` behind it."""
+    if progress is None:
+        return None
+
+    def report(share: float) -> bool | None:
+        more = len(again())
+        if share >= 1.0 and (records.codes == NOT_ENDED).any():
+            more = max(more, 1)  # how the last one ended shows at the next look
+        return progress(share * records.count / (records.count + more))
+
+    return report
+
+
+def _part_of(progress: Progress | None, first: float, last: float) -> Progress | None:
+    """Return what reports the shares of a part of the work as shares of all."""
+    return None if progress is None else lambda share: progress(first + share * (last - first))
 
 
 def _run_by_simulate(
@@ -154,7 +185,7 @@ def _run_by_simulate(
     listener = Listener(progress, _ignore if kept is None else kept.keep)
     where = _compute_by_simulate(job, cases, records, workers, listener)
     note = f"cases are computed one after the other {where}: {reason}"
-    return sweep_result(job, records, (note, *job.laws.notes))
+    return sweep_result(job, records, (note, *job.laws.notes, *listener.notes))
 
 
 def _compute_by_simulate(
@@ -192,16 +223,14 @@ def _compute_in_loop(
     chunk: Chunk,
     records: Records,
     workers: Workers,
-    store: str | os.PathLike[str] | None,
-    progress: Progress | None,
+    kept: Store | None,
+    listener: Listener,
 ) -> bool:
     """Compute all cases that are not kept already; return whether it was interrupted."""
-    kept = None if store is None else Store(store, digest(loop, chunk))
     for finished in () if kept is None else kept.read_finished(records):
         records.put(finished)
     missing = _runs(np.flatnonzero(records.codes == NOT_ENDED).tolist())
     chunks = cut_chunks(chunk, missing, workers.part, _LEAST_IN_LANES if loop.lanes else 1)
-    listener = Listener(progress, _ignore if kept is None else kept.keep)
     if workers.executor is None:
         outcome = compute_here(loop, chunks, records, workers.threads, listener)
     else:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
@@ -11,17 +10,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import symbody
 from symbody.codegen.formation.names import Value
-from symbody.codegen.formation.sequences import form_sequence
-from symbody.codegen.signature import source_text
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels.block import COUNTS
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.input_laws import InputLaws, Law
-from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.methods.explicit import check_rtol, check_single_atol, check_times
 from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.motion_identity import NoIdentityError, content_hash
 from symbody.simulation.native.run import memory_limit
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
@@ -143,27 +141,38 @@ class SweepJob:
         )
 
     def digest(self) -> str:
-        """Return what stands for all that results depend on."""
-        table, options = self.table, self.options
-        sequence = form_sequence(self.eqs, "xdot", table.fixed_parameters, table.parameter_names)
-        about = hashlib.sha256(source_text(sequence[0], "c", sequence[1]).encode())
-        for array in (table.parameters, table.initial, options.times):
-            about.update(array.tobytes())
+        """Return what stands for all that results depend on.
+
+        Raises
+        ------
+        UsageError
+            If a law has no content that could be compared with that of another call.
+        """
+        problems = [
+            Problem("sweep.store_function", f"input {name}", f"no store can tell this law: {fault}",
+                    "results would be served to a sweep with another law",
+                    "let it read numbers, texts, arrays and functions alone, or leave store out")
+            for name, law in self.inputs.items() if (fault := _missing_content(law))
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+        options = self.options
         choices = (
-            options.span,
-            options.integrator,
-            options.constraints,
-            options.rtol,
-            options.atol,
-            sorted(options.scales.items()),
+            options.span, options.times, options.integrator, options.constraints, options.rtol, options.atol,
+            options.max_steps, options.scales,
+        )  # fmt: skip
+        return content_hash(
+            symbody.__version__, self.eqs, self.table, self.guess, self.inputs, self.events, choices
         )
-        fixed = (table.fixed_initial, self.guess, self.events, options.max_steps)
-        about.update(repr((table.parameter_names, table.initial_names, *choices, *fixed)).encode())
-        about.update(repr(sorted(self.laws.formulas.items())).encode())
-        about.update(repr(sorted(self.laws.callbacks)).encode())
-        about.update(repr(self.eqs.model.held_signals if self.laws.held_laws else ()).encode())
-        about.update(table_numbers(self.laws.tables).tobytes())
-        return about.hexdigest()
+
+
+def _missing_content(law: Law) -> str:
+    """Return what in a law cannot be compared, empty if all can."""
+    try:
+        content_hash(law)
+    except NoIdentityError as error:
+        return f"{error} has no content that can be compared"
+    return ""
 
 
 def check_memory(cases: int, varied: int, samples: int, states: int) -> None:

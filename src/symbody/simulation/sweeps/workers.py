@@ -16,7 +16,7 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing import get_context
 from typing import Final, NamedTuple
 
@@ -83,10 +83,13 @@ class Listener:
         With the share that is done; False ends the sweep.
     on_chunk : callable
         With the records of each chunk that is complete.
+    notes : list of str
+        What the caller should know of the workers; they add to it.
     """
 
     progress: Progress | None
     on_chunk: Callable[[Records], None]
+    notes: list[str] = field(default_factory=list)
 
 
 class SweepOutcome(NamedTuple):
@@ -230,11 +233,15 @@ class _Probe:
                     "math.inf, or leave executor out")
         )  # fmt: skip
 
+    def forget(self) -> None:
+        """Look at the call no more: a worker has begun, and the call is over in no time."""
+        self._task = None
+
     def cancel(self) -> None:
-        """Withdraw the call."""
-        if self._task is not None:
+        """Withdraw the call, unless it is over: some executors report what is cancelled as a failure."""
+        if self._task is not None and not self._task.done():
             self._task.cancel()
-            self._task = None
+        self._task = None
 
 
 class _Dispatch:
@@ -274,7 +281,7 @@ class _Dispatch:
         while self._left or self._waiting:
             self._submit()
             for task in wait(self._waiting, _TICK, FIRST_COMPLETED).done:
-                self._probe.cancel()
+                self._probe.forget()
                 self._take_back(task, self._waiting.pop(task))
             self._probe.check()
             progress = self._listener.progress
@@ -303,16 +310,16 @@ class _Dispatch:
                 if self._executor is None:
                     raise BrokenExecutor
                 task = self._executor.submit(compute_chunk, self._payload, chunk, self._threads)
-            except (AssertionError, BrokenExecutor, RuntimeError):  # the first: processes that may start none
+            except (AssertionError, BrokenExecutor, RuntimeError) as error:  # the first: may start no process
                 self._left.append(chunk)
-                self._replace_executor()
+                self._replace_executor(error)
                 continue
             self._waiting[task] = chunk
 
     def _is_alone(self) -> bool:
         return any(self._failures[chunk.first] >= _SUSPECT for chunk in self._waiting.values())
 
-    def _replace_executor(self) -> None:
+    def _replace_executor(self, error: BaseException) -> None:
         """Go on with processes of this machine where an executor has broken for good.
 
         Raises
@@ -320,6 +327,10 @@ class _Dispatch:
         EnvironmentFault
             If these break, too, again and again.
         """
+        if self._own is None:
+            self._listener.notes.append(
+                f"the executor broke ({type(error).__name__}: {error}): processes of this machine go on"
+            )
         self._broken += 1
         if self._broken > _BROKEN_POOLS:
             raise _no_worker("processes end as soon as they are started")

@@ -8,6 +8,7 @@ from os import PathLike
 
 from matplotlib.axes import Axes
 
+import symbody
 from symbody.analysis.linear.linearization import Linearization
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
@@ -219,7 +220,8 @@ def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
         fix = f"end the name with one of {', '.join(sorted(known))}"
         raise UsageError(Problem("plot.format", str(path), what, fix=fix))
     try:
-        canvas.figure.savefig(path, format=suffix)
+        metadata = {"Software": f"symbody {symbody.__version__}"} if suffix == "png" else None
+        canvas.figure.savefig(path, format=suffix, metadata=metadata)
     except OSError as error:
         what = f"the picture cannot be written: {error.strerror}"
         fix = "choose a folder that exists and is yours"

@@ -114,7 +114,7 @@ def model_numbers(model: Model, parameters: Mapping[str, Value]) -> ModelNumbers
     changed: dict[str, Formula | None] = dict(model.parameters)
     for name, value in parameters.items():
         if name in changed:
-            changed[name] = arguments.angle(value, name)
+            changed[name] = arguments.formula(value, name)
         else:
             arguments.add(
                 "parameters.unknown", name, f"the model has no parameter {name!r}", "",

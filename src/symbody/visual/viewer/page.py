@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
+import symbody
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.formats.writing import replace_content, writing_cure
 from symbody.visual.scene import motion_to_json, scene_to_json
@@ -56,7 +57,8 @@ def fill_page(name: str, data: PageData, further: Mapping[str, str]) -> str:
         If a length is not finite.
     """
     parts = {
-        _TITLE: f"<title>{html.escape(str(data['title']))}</title>",
+        _TITLE: f"<title>{html.escape(str(data['title']))}</title>\n"
+        f'<meta name="generator" content="symbody {symbody.__version__}">',
         _EMPTY: _EMPTY.replace("null", _json_text(data)),
         **further,
     }
