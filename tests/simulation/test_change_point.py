@@ -12,8 +12,8 @@ import symbody as sb
 from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
-from symbody.simulation.methods.closed_loops.passages import Passages
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
+from symbody.simulation.methods.closed_loops.passages import Passages
 from symbody.simulation.methods.integration import Integration, end_run
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import RawRun, Statistics

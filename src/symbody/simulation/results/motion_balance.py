@@ -1,8 +1,8 @@
-"""`passage_balance`: whether T + V - W goes on across an instant at which a method decided how a motion goes on.
+"""`passage_balance`: whether T + V - W goes on where a method decided how a motion goes on.
 
-Every step leaves an error in the balance of kinetic and potential energy and work. Where a motion went on along
-another branch, or in another mode, than its equations allow, the balance jumps by far more than the steps
-beside the passage make. It is asked there alone: other motions are judged by their errors, step by step.
+Every step leaves an error in the balance of kinetic and potential energy and work. Where a motion went on
+along another branch, or in another mode, than its equations allow, the balance jumps by far more than the
+steps beside the passage make. It is asked there alone: other motions are judged by the errors of their steps.
 """
 
 from __future__ import annotations

@@ -37,6 +37,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
+from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.results.motion_balance import passage_balance
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -63,8 +64,8 @@ _LEAPT: Final = (
     "{:.2g} of its size from these would let them), and {} goes over to another one: ask for a smaller rtol"
 )
 _UNBALANCED: Final = (
-    "at t = {:.6g} s energy and work change by {:.3g} J across a change point, and by {:.3g} J in a step "
-    "beside it: the motion ends before; ask for a smaller rtol, or change lengths or start"
+    "near t = {:.6g} s branches of the mechanism meet or come close, and energy less work changes there by "
+    "{:.3g} J with {}, but by {:.3g} J in a step beside it: ask for a smaller rtol, or leave constraints out"
 )
 _ENDS: Final = (
     "the motion breaks off near a change point, where constraints become dependent and {} finds no way on: "
@@ -118,9 +119,9 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
         return run
     passages = find_passages(problem, run.raw)
     at = _first_change_point(passages, run.raw) if passages and plan.constraints is None else None
-    is_plain = run.raw.status.success and (passages is None or (plan.constraints is None and at is not None))
     is_locked = follows and isinstance(constraints, GGL)
-    end = None if is_plain else _end_of_branch(problem, run, passages, (t, x), is_locked=is_locked)
+    is_plain = run.raw.status.success and passages is None
+    end = None if is_plain else _end_of_branch(plan, run, passages, is_locked=is_locked)
     if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
         second = integrate_plan(by_partition)
         if second.raw.status.success:
@@ -134,18 +135,21 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
 
 def _judge_passages(plan: MotionPlan, run: Integration) -> Integration:
     """Return a run by `Partition` that ends before a passage that its energies or its branch do not allow."""
-    problem = plan.integration.problem
-    passages = find_passages(problem, run.raw)
-    if passages is None:
-        return run
+    passages = find_passages(plan.integration.problem, run.raw)
+    end = None if passages is None else _untaken_passage(plan.integration, passages)
+    return run if end is None else end_run(run, end.t, end.note.format("sb.Partition()"))
+
+
+def _untaken_passage(integration: IntegrationProblem, passages: Passages) -> _BranchEnd | None:
+    """Return where a motion goes over to a branch that does not meet its own, or gains or loses energy."""
     leap = passages.leap()
     if leap is not None:
-        return end_run(run, leap.before, _LEAPT.format(leap.at, leap.opening, "sb.Partition()"))
+        return _BranchEnd(leap.before, _LEAPT.format(leap.at, leap.opening, "{}"))
     for at, before, after in passages.sides():
-        balance = passage_balance(problem, passages.dense, before, after, plan.integration.rtol)
+        balance = passage_balance(integration.problem, passages.dense, before, after, integration.rtol)
         if not balance.holds:
-            return end_run(run, before, _UNBALANCED.format(at, balance.change, balance.usual))
-    return run
+            return _BranchEnd(before, _UNBALANCED.format(at, balance.change, "{}", balance.usual))
+    return None
 
 
 def has_constant_rows(eqs: EquationSet) -> bool:
@@ -218,21 +222,19 @@ class _BranchEnd:
 
 
 def _end_of_branch(
-    problem: SimulationProblem, run: Integration, passages: Passages | None, state: tuple[float, Floats],
-    *, is_locked: bool,
-) -> _BranchEnd | None:  # fmt: skip
+    plan: MotionPlan, run: Integration, passages: Passages | None, *, is_locked: bool
+) -> _BranchEnd | None:
     """Return where a motion leaves its branch, or breaks off; `is_locked` if for constraints that follow."""
-    raw, _, watch = run
-    t, x = state
+    (raw, _, watch), integration = run, plan.integration
+    problem, t, x = integration.problem, integration.span[0], integration.state
     if passages is not None:
-        leap = passages.leap()
-        if leap is not None:
-            return _BranchEnd(leap.before, _LEAPT.format(leap.at, leap.opening, "{}"))
         happened = [] if watch is None else [event.t for event in watch.occurrences]
         for at in passages.times():
             before = passages.jump(at, happened)
             if before is not None:
                 return _BranchEnd(before, _LEFT.format(at, "{}"))
+        if (end := _untaken_passage(integration, passages)) is not None:
+            return end
     if raw.status.success:
         return None
     if raw.reached == t and is_change_point(problem, t, x):

@@ -28,7 +28,7 @@ Places = NDArray[np.intp]
 
 # Two configurations on either branch are closed to a tolerance each.
 _SIDES: Final = 2.0
-# Slopes by central differences are for Newton's method alone: what they are off by costs it steps, not digits.
+# Slopes by central differences are for Newton's method alone: their errors cost it steps, not digits.
 _DIFFERENCE: Final = SAME_POSITION
 # What is farther than this from where it is looked for, in radians or sizes, is passed at another time.
 _NEARBY: Final = 0.3
@@ -134,7 +134,7 @@ def find_crossing(
 
 
 def crossing_of_motion(loops: LoopConstraints, branch: MotionBranch, t: float, x: Floats) -> Crossing | None:
-    """Return the singular configuration that a motion comes near to in a state x = (u, q); None if to none."""
+    """Return the singular configuration that a motion comes near to in a state x; None if there is none."""
     speed = float(np.abs(loops.rates(t, x)).max(initial=0.0))
     return find_crossing(loops, branch, t, x[loops.places], 1.0 / (speed or 1.0))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -63,6 +63,9 @@ class Passages:
     rank: int
     largest: float
     least: Floats
+    _found: dict[int, tuple[float, Crossing | None] | None] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     def shares(self, t: Floats) -> Floats:
         """Return that value at any times."""
@@ -71,15 +74,14 @@ class Passages:
 
     def times(self) -> Iterator[float]:
         """Yield the times of change points: where branches meet."""
-        for at in self._dips():
-            if self._meets(at, self._crossing(at)):
+        for at, crossing in self._dips():
+            if self._meets(at, crossing):
                 yield at
 
     def leap(self) -> Leap | None:
         """Return where a motion first goes over to a branch that its own does not meet, if it does."""
         first, last = self.dense.breaks[[0, -1]].tolist()
-        for at in self._dips():
-            crossing = self._crossing(at)
+        for at, crossing in self._dips():
             if crossing is None or crossing.meets:
                 continue
             before, after = self._time_beside(at, first), self._time_beside(at, last)
@@ -94,9 +96,9 @@ class Passages:
         return None
 
     def sides(self) -> Iterator[tuple[float, float, float]]:
-        """Yield the time of each change point, with times on both sides where constraints are independent."""
+        """Yield times at which branches meet or come close, and on both sides times well beside them."""
         first, last = self.dense.breaks[[0, -1]].tolist()
-        for at in self.times():
+        for at, _ in self._dips():
             before, after = self._time_beside(at, first), self._time_beside(at, last)
             if before is not None and after is not None:
                 yield at, before, after
@@ -106,13 +108,17 @@ class Passages:
         end = float(self.dense.breaks[-1])
         return bool(self.least[-1] < STUCK) and self._meets(end, self._crossing(end))
 
-    def _dips(self) -> Iterator[float]:
-        """Yield times at which constraints are close to dependent."""
+    def _dips(self) -> Iterator[tuple[float, Crossing | None]]:
+        """Yield times at which constraints are close to dependent, and the singular configuration there."""
         breaks = self.dense.breaks
         for k in _minima(self.least):
-            at = _dip(self.shares, float(breaks[max(k - 1, 0)]), float(breaks[min(k + 1, breaks.size - 1)]))
-            if at is not None:
-                yield at
+            if k not in self._found:
+                start, stop = float(breaks[max(k - 1, 0)]), float(breaks[min(k + 1, breaks.size - 1)])
+                at = _dip(self.shares, start, stop)
+                self._found[k] = None if at is None else (at, self._crossing(at))
+            found = self._found[k]
+            if found is not None:
+                yield found
 
     def _crossing(self, at: float) -> Crossing | None:
         return crossing_of_motion(self.loops, self.branch, at, self.dense(at))
