@@ -12,8 +12,8 @@ import symbody as sb
 from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
-from symbody.simulation.methods.closed_loops.change_point import _Passages
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
+from symbody.simulation.methods.closed_loops.passages import Passages
 from symbody.simulation.methods.integration import Integration, end_run
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import RawRun, Statistics
@@ -68,10 +68,11 @@ def test_a_limit_on_steps_is_neither_a_lock_nor_a_change_point() -> None:
 
 def test_times_beside_a_change_point_stay_within_the_motion() -> None:
     """The sum at + (end - at) is rounded to beyond the end for one in ten of these."""
+    branch: Any = None
     loops: Any = SimpleNamespace(places=slice(0, 1), singular_values=lambda t, q: np.zeros((t.size, 1)))
     for at, end in np.sort(np.random.default_rng(0).uniform(0.1, 1.0, (100, 2))).tolist():
         dense = DenseOutput(np.array([0.0, end]), np.zeros((1, 4, 1)))
-        assert _Passages(loops, dense, 1, 1.0, np.zeros(2)).jump(at, []) is None
+        assert Passages(loops, dense, branch, 1, 1.0, np.zeros(2)).jump(at, []) is None
 
 
 def test_explicit_choices_stand() -> None:

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.manifold import count_significant
 from symbody.model.loads.forces import SpringDamper
+from symbody.simulation.methods.closed_loops.crossing import crossing_of_motion
+from symbody.simulation.methods.closed_loops.loop_constraints import LoopConstraints, motion_branch
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.results.start_notes import TAKES_PART, nearly_redundant
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -75,6 +77,8 @@ class _SingularPosition:
         Degrees of freedom elsewhere, and constraints that are lost here.
     is_locked : bool
         Whether the prescribed motions need what the constraints do not allow.
+    opening : float
+        By what share of the mechanism's size lengths would have to be others for branches to meet near it.
     """
 
     joints: tuple[str, ...]
@@ -82,6 +86,7 @@ class _SingularPosition:
     freedoms: int
     lost: int
     is_locked: bool
+    opening: float
 
     @property
     def note(self) -> str:
@@ -93,6 +98,12 @@ class _SingularPosition:
                 f"there the mechanism locks: the prescribed motions go on only with infinite {speeds} if "
                 f"{joints} stays closed, and {_freedoms(self.freedoms)} left beside them; end the motion "
                 "before, or change the lengths or the prescribed motion"
+            )
+        if self.opening:
+            return (
+                f"there the constraints of {joints} are nearly dependent: branches of the mechanism pass "
+                f"each other without meeting (lengths that differ by {self.opening:.2g} of its size from "
+                "these would let them), and speeds turn sharply; sb.Projection() passes it"
             )
         return (
             f"there the constraints of {joints} become dependent, a singular position (change point or dead "
@@ -121,14 +132,24 @@ def _singular_position(problem: SimulationProblem, raw: RawRun) -> _SingularPosi
     by_row = np.linalg.norm(left[:, lost], axis=1)
     by_speed = np.linalg.norm(right[lost], axis=0)
     demand = drift[-1] / scales
+    is_locked = bool(np.linalg.norm(left[:, lost].T @ demand) > _DEMANDED * np.linalg.norm(demand))
     elements = [row.element for row, share in zip(eqs.formed.rows, by_row, strict=True) if share > TAKES_PART]
     return _SingularPosition(
         tuple(dict.fromkeys(elements)),
         tuple(name for name, share in zip(eqs.speed_names, by_speed, strict=True) if share > TAKES_PART),
         n_u - rank,
         len(lost),
-        bool(np.linalg.norm(left[:, lost].T @ demand) > _DEMANDED * np.linalg.norm(demand)),
+        is_locked,
+        0.0 if is_locked else _opening(problem, raw),
     )
+
+
+def _opening(problem: SimulationProblem, raw: RawRun) -> float:
+    """Return how far from meeting branches are at the end of a motion; 0 where they meet or are none."""
+    (t, x), loops = _samples(raw), LoopConstraints(problem)
+    branch = motion_branch(loops, float(t[0]), x[:, 0])
+    crossing = crossing_of_motion(loops, branch, float(t[-1]), x[:, -1])
+    return 0.0 if crossing is None or crossing.meets else abs(crossing.opening)
 
 
 def _constraint_rows(problem: SimulationProblem, raw: RawRun) -> tuple[Floats, Floats]:

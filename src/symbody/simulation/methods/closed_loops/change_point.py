@@ -8,7 +8,7 @@ constraints are judged by what they computed: velocities are continuous on the b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
@@ -20,6 +20,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.expr.graph import SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.manifold import count_significant
+from symbody.simulation.methods.closed_loops.crossing import crossing_of_motion
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.closed_loops.overconstrained import (
     end_where_rows_change,
@@ -28,6 +29,7 @@ from symbody.simulation.methods.closed_loops.overconstrained import (
     is_overconstrained,
 )
 from symbody.simulation.methods.closed_loops.partition import Partition
+from symbody.simulation.methods.closed_loops.passages import LOW, Passages, locks_up
 from symbody.simulation.methods.closed_loops.unresolved_poses import unresolved_pose_notes
 from symbody.simulation.methods.constraints import Projection
 from symbody.simulation.methods.explicit import Explicit
@@ -35,34 +37,20 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
-from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.native.run import RawRun
+from symbody.simulation.results.motion_balance import passage_balance
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
 
 _BESIDE: Final = 1e-2  # rad, or share of the mechanism's size
-# A change point is passed where the smallest singular value falls to this share of its largest, or a motion
-# breaks off below the larger one. A minimum worth a closer look is below the third.
-_PASSED: Final = 3e-3
-_STUCK: Final = 5e-2
-_LOW: Final = 0.5
 # Share of a motion below which the last of too many steps is one that became ever smaller.
 _SHORT: Final = 1e-3
 _TWO: Final = 2
 _PROJECTION: Final = Projection()
 _PARTITION: Final = Partition()
-# Share of the prescribed velocities that counts.
-_DEMANDED: Final = 1e-2
-_REFINEMENTS: Final = 12
-_PER_REFINEMENT: Final = 9
-# Velocities on both sides of a change point are compared where the singular value is this share: some tenths
-# of a radian apart. Extrapolated from one side, with what a parabola leaves, they agree to the cube of that;
-# those of two branches differ by their angle, of order one.
-_BESIDE_IT: Final = 0.03
-_SAME_BRANCH: Final = 0.1
-_DOUBLINGS: Final = 48
 _CHANGED: Final = (
     "at t = {:.6g} s constraints become dependent (change point), where sb.Projection() may take another "
     "branch: sb.Partition() integrates the motion"
@@ -70,6 +58,14 @@ _CHANGED: Final = (
 _LEFT: Final = (
     "at t = {:.6g} s constraints become dependent (change point), where {} leaves the branch of the motion: "
     "leave constraints out, or use sb.Partition()"
+)
+_LEAPT: Final = (
+    "near t = {:.6g} s branches of the mechanism pass each other without meeting (lengths that differ by "
+    "{:.2g} of its size from these would let them), and {} goes over to another one: ask for a smaller rtol"
+)
+_UNBALANCED: Final = (
+    "near t = {:.6g} s branches of the mechanism meet or come close, and energy less work changes there by "
+    "{:.3g} J with {}, but by {:.3g} J in a step beside it: ask for a smaller rtol, or leave constraints out"
 )
 _ENDS: Final = (
     "the motion breaks off near a change point, where constraints become dependent and {} finds no way on: "
@@ -121,22 +117,39 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
     run = _with_step_notes(run, plan)
     if run.raw.status not in _JUDGED:
         return run
-    at = change_point(problem, run.raw) if plan.constraints is None else None
-    is_plain = plan.constraints is None and at is None and run.raw.status.success
-    end = (
-        None
-        if is_plain
-        else _end_of_branch(problem, t, x, run, is_locked=follows and isinstance(constraints, GGL))
-    )
+    passages = find_passages(problem, run.raw)
+    at = _first_change_point(passages, run.raw) if passages and plan.constraints is None else None
+    is_locked = follows and isinstance(constraints, GGL)
+    is_plain = run.raw.status.success and passages is None
+    end = None if is_plain else _end_of_branch(plan, run, passages, is_locked=is_locked)
     if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
         second = integrate_plan(by_partition)
         if second.raw.status.success:
-            return second._replace(notes=(reason, *second.notes))
+            return _judge_passages(plan, second._replace(notes=(reason, *second.notes)))
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
             run = run._replace(notes=(*run.notes, _SEVERAL))
     if end is None:
         return end_where_rows_change(plan, run)
     return end_run(run, end.t, end.note.format(f"sb.{type(constraints).__name__}()"))
+
+
+def _judge_passages(plan: MotionPlan, run: Integration) -> Integration:
+    """Return a run by `Partition` that ends before a passage that its energies or its branch do not allow."""
+    passages = find_passages(plan.integration.problem, run.raw)
+    end = None if passages is None else _untaken_passage(plan.integration, passages)
+    return run if end is None else end_run(run, end.t, end.note.format("sb.Partition()"))
+
+
+def _untaken_passage(integration: IntegrationProblem, passages: Passages) -> _BranchEnd | None:
+    """Return where a motion goes over to a branch that does not meet its own, or gains or loses energy."""
+    leap = passages.leap()
+    if leap is not None:
+        return _BranchEnd(leap.before, _LEAPT.format(leap.at, leap.opening, "{}"))
+    for at, before, after in passages.sides():
+        balance = passage_balance(integration.problem, passages.dense, before, after, integration.rtol)
+        if not balance.holds:
+            return _BranchEnd(before, _UNBALANCED.format(at, balance.change, "{}", balance.usual))
+    return None
 
 
 def has_constant_rows(eqs: EquationSet) -> bool:
@@ -157,13 +170,15 @@ def _with_step_notes(run: Integration, plan: MotionPlan) -> Integration:
 
 
 def is_change_point(problem: SimulationProblem, t: float, x: Floats) -> bool:
-    """Return whether constraints are dependent at a state that are not so elsewhere on its branch."""
+    """Return whether branches meet at a state, where constraints are dependent that are not so elsewhere."""
     loops = LoopConstraints(problem)
     branch = motion_branch(loops, t, x)
-    return (
-        branch.speeds > 0
-        and loops.singular_values(t, x[loops.places])[branch.speeds - 1] < NEAR * branch.reference
-    )
+    if not branch.speeds:
+        return False
+    if not loops.singular_values(t, x[loops.places])[branch.speeds - 1] < NEAR * branch.reference:
+        return False
+    crossing = crossing_of_motion(loops, branch, t, x)
+    return crossing is None or crossing.meets
 
 
 def _reason_to_replace(
@@ -187,8 +202,15 @@ def _breaks_off_dependent(problem: SimulationProblem, raw: RawRun) -> bool:
 
 def change_point(problem: SimulationProblem, raw: RawRun) -> float | None:
     """Return the time of the first change point of a motion, or None."""
-    passages = _passages(problem, raw)
-    return None if passages is None else next(passages.times(), passages.end(raw))
+    passages = find_passages(problem, raw)
+    return None if passages is None else _first_change_point(passages, raw)
+
+
+def _first_change_point(passages: Passages, raw: RawRun) -> float | None:
+    at = next(passages.times(), None)
+    if at is None and _is_collapse(raw.status, passages.dense.breaks) and passages.ends_at_crossing():
+        return float(passages.dense.breaks[-1])
+    return at
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,17 +222,19 @@ class _BranchEnd:
 
 
 def _end_of_branch(
-    problem: SimulationProblem, t: float, x: Floats, run: Integration, *, is_locked: bool
+    plan: MotionPlan, run: Integration, passages: Passages | None, *, is_locked: bool
 ) -> _BranchEnd | None:
     """Return where a motion leaves its branch, or breaks off; `is_locked` if for constraints that follow."""
-    raw, _, watch = run
-    passages = _passages(problem, raw, motion_branch(LoopConstraints(problem), t, x).speeds)
+    (raw, _, watch), integration = run, plan.integration
+    problem, t, x = integration.problem, integration.span[0], integration.state
     if passages is not None:
         happened = [] if watch is None else [event.t for event in watch.occurrences]
         for at in passages.times():
             before = passages.jump(at, happened)
             if before is not None:
                 return _BranchEnd(before, _LEFT.format(at, "{}"))
+        if (end := _untaken_passage(integration, passages)) is not None:
+            return end
     if raw.status.success:
         return None
     if raw.reached == t and is_change_point(problem, t, x):
@@ -223,48 +247,26 @@ def _end_of_branch(
 
 
 def _end_beside_change_point(
-    problem: SimulationProblem, t: float, x: Floats, raw: RawRun, passages: _Passages | None
+    problem: SimulationProblem, t: float, x: Floats, raw: RawRun, passages: Passages | None
 ) -> _BranchEnd | None:
     """Return where a motion breaks off beside a change point, if it does: there steps become ever smaller.
 
     One that reached the change point and never came away from it may be on any branch since then.
     """
-    if raw.dense_output is None:
+    if raw.dense_output is None or passages is None or not passages.ends_at_crossing():
         return None
-    loops = LoopConstraints(problem)
-    branch = motion_branch(loops, t, x)
+    loops, branch = passages.loops, passages.branch
     q = raw.dense_output(raw.reached)[loops.places]
-    if (
-        not branch.speeds
-        or not loops.singular_values(raw.reached, q)[branch.speeds - 1] < _STUCK * branch.reference
-    ):
-        return None
-    if _locks_up(loops, raw.reached, q, branch.speeds, branch.reference):
+    if locks_up(loops, raw.reached, q, branch.speeds, branch.reference):
         return None
     apart = np.abs((q - x[loops.places]) / loops.sizes).max()
     if apart < _BESIDE and is_change_point(problem, t, x):
         return _BranchEnd(None, _STARTS)
-    return _BranchEnd(None if passages is None else passages.last_clear(), _ENDS)
+    return _BranchEnd(passages.last_clear(), _ENDS)
 
 
-def _locks_up(loops: LoopConstraints, t: float, q: Floats, rank: int, reference: float) -> bool:
-    """Return whether prescribed motions ask for what is lost at a configuration: there their branch ends."""
-    rows, drift = loops.speeds(t, q)
-    if not loops.is_driven or not np.isfinite(rows).all():
-        return False
-    left, sizes, _ = np.linalg.svd(rows)
-    lost = left[:, :rank][:, sizes[:rank] < _STUCK * reference]
-    return bool(np.linalg.norm(lost.T @ drift) > _DEMANDED * np.linalg.norm(drift))
-
-
-def _passages(problem: SimulationProblem, raw: RawRun, most: int | None = None) -> _Passages | None:
-    """Return what finds the change points of a motion; None if it has no constraints that count.
-
-    Parameters
-    ----------
-    most : int, optional
-        How many constraints are independent on the branch of the start, above which a motion has left it.
-    """
+def find_passages(problem: SimulationProblem, raw: RawRun) -> Passages | None:
+    """Return the passages of a motion past singular configurations; None without constraints that count."""
     eqs, dense = problem.eqs, raw.dense_output
     if not eqs.multiplier_names or not eqs.speed_names or dense is None:
         return None
@@ -273,87 +275,15 @@ def _passages(problem: SimulationProblem, raw: RawRun, most: int | None = None) 
     if not np.isfinite(sizes).all():
         return None
     rank = count_significant(sizes)
-    rank = min(rank, most or rank)
     if rank == 0:
         return None
-    largest = float(sizes[:, rank - 1].max())
-    return _Passages(loops, dense, rank, largest, sizes[:, rank - 1] / largest)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Passages:
-    """A motion with the least singular value that counts, over its largest, at the ends of all steps."""
-
-    loops: LoopConstraints
-    dense: DenseOutput
-    rank: int
-    largest: float
-    least: Floats
-
-    def shares(self, t: Floats) -> Floats:
-        """Return that value at any times."""
-        found: Floats = self.loops.singular_values(t, self.dense(t)[self.loops.places].T)[:, self.rank - 1]
-        return found / self.largest
-
-    def times(self) -> Iterator[float]:
-        """Yield the times of change points."""
-        breaks = self.dense.breaks
-        for k in _minima(self.least):
-            at = _dip(self.shares, float(breaks[max(k - 1, 0)]), float(breaks[min(k + 1, breaks.size - 1)]))
-            if at is not None:
-                yield at
-
-    def end(self, raw: RawRun) -> float | None:
-        """Return the end of the motion if it broke off near a change point."""
-        is_stuck = _is_collapse(raw.status, self.dense.breaks) and self.least[-1] < _STUCK
-        return float(self.dense.breaks[-1]) if is_stuck else None
-
-    def jump(self, at: float, happened: list[float]) -> float | None:
-        """Return a time shortly before a change point if velocities are others after it, not by an event."""
-        breaks = self.dense.breaks
-        before, after = self._time_beside(at, float(breaks[0])), self._time_beside(at, float(breaks[-1]))
-        if before is None and after is not None:  # the motion starts there
-            return float(breaks[0]) if self._differs(after, float(breaks[0]), happened) else None
-        if before is None:
-            return None
-        if after is None:  # it never came away
-            end = float(breaks[-1])
-            if _locks_up(self.loops, end, self.dense(end)[self.loops.places], self.rank, self.largest):
-                return None
-            after = min(2.0 * at - before, end, key=lambda t: abs(t - at))
-        # Too short a motion before the change point is compared with where velocities beyond it come from.
-        sides = (before, after) if self._reaches(before, after) else (after, before)
-        return before if self._differs(*sides, happened) else None
-
-    def last_clear(self) -> float | None:
-        """Return the last time before the change point at which a motion ends; None if it came to none."""
-        start, end = self.dense.breaks[[0, -1]].tolist()
-        for at in self.times():
-            if self._time_beside(at, end) is None:
-                return self._time_beside(at, start)
+    if not (sizes[:, :rank].min(axis=0) < LOW * sizes[:, :rank].max(axis=0)).any():
         return None
-
-    def _differs(self, near: float, far: float, happened: list[float]) -> bool:
-        """Return whether velocities at one time are not those to which they lead from beyond another one."""
-        if not self._reaches(near, far) or any(min(near, far) <= t <= max(near, far) for t in happened):
-            return False
-        times = near + (near - far) * np.array([0.5, 0.25, 0.0])
-        u = self.dense(np.array([*times, far])).T[:, : self.loops.speed_sizes.size] / self.loops.speed_sizes
-        # The parabola through velocities at 0, 1 and 2, at 6.
-        apart = np.abs(np.array([10.0, -24.0, 15.0]) @ u[:3] - u[3]).max()
-        return bool(apart > _SAME_BRANCH * np.abs(u).max())
-
-    def _reaches(self, near: float, far: float) -> bool:
-        """Return whether there is enough motion on the far side of a time to lead to another one."""
-        first, last = sorted(map(float, self.dense.breaks[[0, -1]]))
-        return first <= near + 0.5 * (near - far) <= last
-
-    def _time_beside(self, at: float, limit: float) -> float | None:
-        """Return the nearest time towards a limit at which constraints are independent again."""
-        times = at + (limit - at) * np.exp2(-np.arange(_DOUBLINGS - 1.0, -1.0, -1.0))
-        times[-1] = limit  # the sum may be rounded to beyond it, where there is no motion
-        clear = np.flatnonzero(self.shares(times) > _BESIDE_IT)
-        return float(times[clear[0]]) if clear.size else None
+    start = float(dense.breaks[0])
+    branch = motion_branch(loops, start, dense(start))
+    rank = min(rank, branch.speeds) or rank
+    largest = float(sizes[:, rank - 1].max())
+    return Passages(loops, dense, branch, rank, largest, sizes[:, rank - 1] / largest)
 
 
 def _is_collapse(status: Status, breaks: Floats) -> bool:
@@ -361,22 +291,3 @@ def _is_collapse(status: Status, breaks: Floats) -> bool:
     if status is not Status.TOO_MANY_STEPS or breaks.size < _TWO:
         return status in _COLLAPSES
     return bool(abs(breaks[-1] - breaks[-2]) < _SHORT * abs(breaks[-1] - breaks[0]))
-
-
-def _minima(values: Floats) -> list[int]:
-    """Return where low values are no larger than their neighbours."""
-    padded = np.concatenate([[np.inf], values, [np.inf]])
-    low = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:]) & (values < _LOW)
-    return [int(k) for k in np.flatnonzero(low)]
-
-
-def _dip(shares: Callable[[Floats], Floats], start: float, stop: float) -> float | None:
-    """Return where shares fall to `_PASSED` between two times, by ever closer samples about the least."""
-    for _ in range(_REFINEMENTS):
-        inside = np.linspace(start, stop, _PER_REFINEMENT)
-        found = shares(inside)
-        best = int(found.argmin())
-        if found[best] < _PASSED:
-            return float(inside[best])
-        start, stop = float(inside[max(best - 1, 0)]), float(inside[min(best + 1, inside.size - 1)])
-    return None

@@ -61,7 +61,7 @@ class LoopConstraints:
         n_u = len(eqs.speed_names)
         self.places = slice(n_u, n_u + len(eqs.coordinate_names))  # of the coordinates in a state
         self.is_driven = any(not row.drift.is_zero for row in eqs.formed.rows)
-        self._scales = problem.scales.constraints(eqs)
+        self._scales, self.holonomic = problem.scales.constraints(eqs), len(eqs.formed.holonomic)
         names = eqs.coordinate_names
         self._quaternions = [[names.index(name) for name in four] for four in eqs.quaternions]
 
@@ -105,8 +105,7 @@ class LoopConstraints:
             found = self._values(("constraints", "position_jacobian"), t, q)
             return found[0], found[1]
 
-        scales = self._scales[: len(self.problem.eqs.formed.holonomic)]
-        return ConstraintManifold(evaluate, self.sizes, scales, self._quaternions)
+        return ConstraintManifold(evaluate, self.sizes, self._scales[: self.holonomic], self._quaternions)
 
     def project(self, branch: MotionBranch, t: Floats, x: Floats) -> Floats:
         """Return states (N, n) at times (N,) on the constraints, by the least moves.

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
 from symbody.manifold import LinearConstraints, correct, pivot_order, square_step
+from symbody.simulation.methods.closed_loops.crossing import find_crossing
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
 from symbody.tolerances import TRACED
@@ -38,6 +39,9 @@ _DISPLACEMENTS: Final = (0.025, 0.05)
 _ROWS_STAY: Final = 0.3
 # What share of `NEAR` is far enough.
 _FAR_ENOUGH: Final = 1.0
+# What was found about a crossing holds this far about where it was asked, in radians or sizes: far more than
+# `NEAR`, where it is asked, and far less than from one crossing to another.
+_SAME_CROSSING: Final = 0.1
 # How far the velocities of a start may be from those of one branch, relative to the fastest.
 _SAME: Final = 1e-6
 # A mechanism moves in a direction if its rates are larger than this share of the fastest so far.
@@ -114,6 +118,7 @@ class PartitionStates:
         self._reference, self._regular = self.branch.reference, (self.branch.t, self.branch.q)
         self._aside_choice: Choices | None = None
         self._fastest = float(np.abs(self.loops.rates(t, x)).max(initial=0.0))
+        self._crossing: tuple[Floats, bool] | None = None
         self.choose(self.branch.t, self.branch.q)
 
     def choose(self, t: float, q: Floats) -> None:
@@ -145,8 +150,14 @@ class PartitionStates:
         return False
 
     def is_near_change_point(self, t: float, q: Floats) -> bool:
-        """Return whether constraints are about to become dependent that are not so elsewhere."""
-        return self._share(t, q) < NEAR
+        """Return whether a configuration is near one where branches of the mechanism meet."""
+        if not self._share(t, q) < NEAR:
+            return False
+        known = self._crossing
+        if known is None or np.abs((q - known[0]) / self.loops.sizes).max() > _SAME_CROSSING:
+            crossing = find_crossing(self.loops, self.branch, t, q, 1.0 / (self._fastest or 1.0))
+            known = self._crossing = q.copy(), crossing is not None and crossing.meets
+        return known[1]
 
     def accept(self, t: float, x: Floats) -> None:
         """Learn from a state of the motion what is fast, what is regular, and where the branch leads."""
