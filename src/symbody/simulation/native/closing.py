@@ -21,7 +21,7 @@ CLOSING: Final = (*POSED, "mass_matrix")
 
 
 class StateShape(NamedTuple):
-    """Numbers of speeds and coordinates, places of quaternions, 1 where the steps of a coordinate are limited."""
+    """Numbers of speeds and coordinates, places of quaternions, 1 for coordinates whose steps are limited."""
 
     speeds: int
     coordinates: int
