@@ -3,7 +3,8 @@
 The Python blocks of a page are one script, run from top to bottom in a folder with nothing but ``examples``,
 and so are the commands of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what
 it prints. A block in ``toml`` or ``xml`` whose first line is a comment with the name of a file is written to
-that file; all in ``toml`` are read. A picture that the script writes takes the place of the one in
+that file; all in ``toml`` are read. A block in ``math`` right below one in ``python`` holds the LaTeX of the
+equations that it prints, which pages show typeset. A picture that the script writes takes the place of the one in
 ``docs/pictures/tutorial``, those of the course in ``docs/pictures/course``.
 
 What a block needs and the page does not show stands in a comment right above it, ``<!-- before: ... -->``:
@@ -26,6 +27,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sympy.physics.vector import vlatex
+
 from symbody.cli import run as run_command
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -34,7 +37,8 @@ BLOCK = re.compile(
     r"```(?P<language>[a-z]+)\n(?P<text>.*?)^```\n",
     re.MULTILINE | re.DOTALL,
 )
-RUN = ("python", "sh", "toml", "xml", "text")
+RUN = ("python", "sh", "toml", "xml", "text", "math")
+SHOWN = ("text", "math")
 FILE = re.compile(r"(?:#|<!--) (?P<name>\w+\.(?:toml|urdf|csv))\b")
 
 
@@ -108,14 +112,20 @@ def run_page(page: str, folder: Path) -> list[Output]:
             if block.before:
                 _run_before(block.before, names)
             if block.language in ("python", "sh"):
+                shown = below if below and below.language in SHOWN and below.follows else None
+                names["print"] = _print_latex if shown and shown.language == "math" else print
                 printed = io.StringIO()
                 with contextlib.redirect_stdout(printed):
                     _run_block(block, names)
-                shown = below if below and below.language == "text" and below.follows else None
                 outputs.append(Output(block, printed.getvalue(), shown))
             else:
                 _write_file(block)
     return outputs
+
+
+def _print_latex(value: Any) -> None:
+    """Print equations or a SymPy expression as LaTeX, as a page shows them typeset."""
+    print(value.latex() if hasattr(value, "latex") else vlatex(value))
 
 
 def _run_before(text: str, names: dict[str, Any]) -> None:

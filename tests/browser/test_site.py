@@ -15,7 +15,7 @@ pytestmark = pytest.mark.exhaustive  # building the site takes a minute
 # What users ask for, and the page that should be the first or second that is found.
 WORDS = {
     "install": "installation.html",
-    "units": "reference/model_file_entries.html",
+    "units": "how_to/units.html",
     "gravity": "tutorial/1_spring_mass_damper.html",
     "spring": "forces.html",
     "damper": "tutorial/1_spring_mass_damper.html",
