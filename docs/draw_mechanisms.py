@@ -28,6 +28,7 @@ EXAMPLES: Final = HERE.parent / "examples"
 MECHANISMS: Final = sorted(EXAMPLES.glob("gallery/*/*.py"))
 HEADINGS: Final[Mapping[str, str]] = {"linkages": "Linkages", "drives": "Drives", "motions": "Motions"}
 WIDTH: Final = "100"  # of lines of equations, on whatever screen
+LETTERS: Final = 62  # of a typeset row
 MOST_LINES: Final = 17  # of equations that the page shows
 # Why no page simulates these: they are played as they were computed.
 PLAYED: Final[Mapping[str, str]] = {
@@ -112,7 +113,7 @@ def equations_lines(path: Path) -> Iterator[str]:
     lines = len(str(eqs).splitlines())
     yield "## Equations of motion\n"
     if lines <= MOST_LINES:
-        yield from ("```math", eqs.latex(), "```", "")
+        yield from ("```math", eqs.latex(width=LETTERS), "```", "")
         return
     speeds, multipliers = len(eqs.speed_names), len(eqs.multiplier_names)
     yield f"{speeds} equations of motion with {multipliers} multipliers, {lines} lines:"

@@ -39,6 +39,7 @@ BLOCK = re.compile(
 )
 RUN = ("python", "sh", "toml", "xml", "text", "math")
 SHOWN = ("text", "math")
+WIDTH = 62  # letters of a row of equations, as wide as the text of the site
 FILE = re.compile(r"(?:#|<!--) (?P<name>\w+\.(?:toml|urdf|csv))\b")
 
 
@@ -125,7 +126,7 @@ def run_page(page: str, folder: Path) -> list[Output]:
 
 def _print_latex(value: Any) -> None:
     """Print equations or a SymPy expression as LaTeX, as a page shows them typeset."""
-    print(value.latex() if hasattr(value, "latex") else vlatex(value))
+    print(value.latex(width=WIDTH) if hasattr(value, "latex") else vlatex(value))
 
 
 def _run_before(text: str, names: dict[str, Any]) -> None:

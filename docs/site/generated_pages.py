@@ -56,7 +56,7 @@ def group_page(title: str, parts: Mapping[str, list[str]]) -> str:
     for part, names in parts.items():
         heading = part.capitalize()
         lines += [heading, "-" * len(heading), ""] if part else []
-        lines += [".. list-table::", "   :widths: 30 70", ""]
+        lines += [".. list-table::", "   :class: lines", ""]
         for name in names:
             role = "class" if is_class(name) else "func"
             lines += [f"   * - :py:{role}:`~symbody.{name}`", f"     - {first_sentence(name)}"]
@@ -81,9 +81,10 @@ def functions_table() -> str:
     for title, parts in public_names().items():
         functions = [name for names in parts.values() for name in names if not is_class(name)]
         if functions:
-            lines += [f"**[{title}](names/{slug(title)}.rst)**", "", "| function | |", "| --- | --- |"]
-            lines += [f"| {{py:func}}`~symbody.{name}` | {first_sentence(name)} |" for name in functions]
-            lines.append("")
+            lines += [f"**[{title}](names/{slug(title)}.rst)**", "", "```{list-table}", ":class: lines", ""]
+            for name in functions:
+                lines += [f"* - {{py:func}}`~symbody.{name}`", f"  - {first_sentence(name)}"]
+            lines += ["```", ""]
     return "\n".join(lines)
 
 

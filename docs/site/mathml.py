@@ -21,7 +21,9 @@ def _display(writer: Any, node: nodes.math_block) -> None:
 
 
 def _mathml(latex: str, display: str) -> str:
-    body = convert(latex, display=display)
+    # the converter knows align* but not aligned, and no distances between rows
+    rows = latex.replace("{aligned}", "{align*}").replace("\\\\[1ex]", "\\\\")
+    body = convert(rows, display=display)
     return body.replace("<math ", f'<math aria-label="{escape(latex, quote=True)}" ', 1)
 
 

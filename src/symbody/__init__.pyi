@@ -8,11 +8,11 @@ from .model import Body as Body
 from .model import Frame as Frame
 from .model import Model as Model
 from .model import Include as Include
-from .model import without_sampling as without_sampling
 from .formats import load_model as load_model
 from .formats import save_model as save_model
 from .formats import load_urdf as load_urdf
 from .formats import save_urdf as save_urdf
+from .model import without_sampling as without_sampling
 
 # Model and elements: joints
 from .model import Bearing as Bearing
