@@ -22,12 +22,13 @@ import shutil
 import sys
 import tempfile
 import tomllib
+import unittest.mock
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sympy.physics.vector import vlatex
+from sympy.physics.vector import vlatex, vprint
 
 from symbody.cli import run as run_command
 
@@ -114,19 +115,37 @@ def run_page(page: str, folder: Path) -> list[Output]:
                 _run_before(block.before, names)
             if block.language in ("python", "sh"):
                 shown = below if below and below.language in SHOWN and below.follows else None
-                names["print"] = _print_latex if shown and shown.language == "math" else print
-                printed = io.StringIO()
-                with contextlib.redirect_stdout(printed):
-                    _run_block(block, names)
-                outputs.append(Output(block, printed.getvalue(), shown))
+                run = _typeset if shown and shown.language == "math" else _capture
+                outputs.append(Output(block, run(block, names), shown))
             else:
                 _write_file(block)
     return outputs
 
 
-def _print_latex(value: Any) -> None:
-    """Print equations or a SymPy expression as LaTeX, as a page shows them typeset."""
-    print(value.latex(width=WIDTH) if hasattr(value, "latex") else vlatex(value))
+def _capture(block: Block, names: dict[str, Any]) -> str:
+    """Run a block; return what it prints."""
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        _run_block(block, names)
+    return printed.getvalue()
+
+
+def _typeset(block: Block, names: dict[str, Any]) -> str:
+    """Run a block; return the equations and SymPy expressions that it prints as LaTeX, each in its row."""
+    rows: list[str] = []
+
+    def keep(value: Any) -> None:
+        rows.append(value.latex(width=WIDTH) if hasattr(value, "latex") else vlatex(value))
+
+    own = {name: names[name] for name in ("print", "vprint") if name in names}
+    names.update(dict.fromkeys(["print", *own], keep))
+    with unittest.mock.patch("sympy.physics.vector.vprint", keep):
+        _run_block(block, names)
+    names["print"] = print
+    names.update(vprint=vprint)
+    if len(rows) == 1:
+        return rows[0] + "\n"
+    return "\n".join([r"\begin{aligned}", *(f"& {row} \\\\" for row in rows), r"\end{aligned}", ""])
 
 
 def _run_before(text: str, names: dict[str, Any]) -> None:
