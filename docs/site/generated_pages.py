@@ -188,9 +188,7 @@ def _keep_sentence(app: Sphinx, what: str, name: str, obj: object, options: obje
         lines.insert(0, "")
 
 
-def _skip_method(
-    app: Sphinx, what: str, name: str, obj: object, skip: bool, options: object
-) -> bool | None:
+def _skip_method(app: Sphinx, what: str, name: str, obj: object, skip: bool, options: object) -> bool | None:
     """Leave out the methods of elements: these are described by their arguments, and nobody calls them."""
     owner = sys.modules.get(getattr(obj, "__module__", ""))
     outer = getattr(owner, str(getattr(obj, "__qualname__", "")).partition(".")[0], None)
