@@ -3,7 +3,8 @@
 Each script of examples/gallery gives a mechanism, its motion, a comparison with a closed form, and how it
 looks. Its picture is docs/pictures/gallery/NAME.png, its model file lies beside it, and its page
 docs/gallery/NAME.md is made of the docstring of the script. Names of scripts as arguments draw these alone,
-then the pages of all; with `--pages` only these are written. The site shows each motion in place of its picture (docs/site/moving_pictures.py).
+then the pages of all; with `--pages` only these are written. The site shows each motion in place of its
+picture (docs/site/moving_pictures.py).
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ PLAYED: Final[Mapping[str, str]] = {
 }
 HEAD: Final = """# Gallery
 
-{count} mechanisms that move in your browser. Each is a script of one screen that builds the mechanism, computes its motion and
-compares it with a closed form from the literature or derived beside it.
+{count} mechanisms that move in your browser. Each is a script of one screen that builds the mechanism,
+computes its motion and compares it with a closed form, from the literature or derived beside it.
 """
 TAIL: Final = """## On your own machine
 
@@ -73,6 +74,11 @@ COLUMNS: Final = 4
 def script_of(path: Path) -> Mapping[str, Any]:
     """Return the names of a script."""
     return runpy.run_path(str(path))
+
+
+def path_of(name: str) -> Path:
+    """Return the script of a mechanism by its name."""
+    return next(path for path in MECHANISMS if path.stem == name)
 
 
 def draw_mechanism(path: Path) -> None:

@@ -4,8 +4,8 @@ The Python blocks of a page are one script, run from top to bottom in a folder w
 and so are the commands of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what
 it prints. A block in ``toml`` or ``xml`` whose first line is a comment with the name of a file is written to
 that file; all in ``toml`` are read. A block in ``math`` right below one in ``python`` holds the LaTeX of the
-equations that it prints, which pages show typeset. A picture that the script writes takes the place of the one in
-``docs/pictures/tutorial``, those of the course in ``docs/pictures/course``.
+equations that it prints, which pages show typeset. A picture that the script writes takes the place of the
+one in ``docs/pictures/tutorial``, those of the course in ``docs/pictures/course``.
 
 What a block needs and the page does not show stands in a comment right above it, ``<!-- before: ... -->``:
 Python, and lines that begin with ``symbody``. A block below ``<!-- not run: reason -->`` is left out.
