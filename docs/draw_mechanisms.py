@@ -1,21 +1,20 @@
-"""Draw the mechanisms with a check: `python docs/draw_mechanisms.py` renews pictures, files and their page.
+"""Draw the gallery: `python docs/draw_mechanisms.py` renews pictures, model files and pages.
 
 Each script of examples/gallery gives a mechanism, its motion, a comparison with a closed form, and how it
-looks. Its picture is docs/pictures/gallery/NAME.png, its model file lies beside it, and docs/mechanisms.md is
-made of the first lines of all scripts. Names of scripts as arguments draw these alone, then the page of all.
-`--pages DIR` writes a folder instead: a page of each, which simulates or plays, and an index with pictures.
+looks. Its picture is docs/pictures/gallery/NAME.png, its model file lies beside it, and its page
+docs/gallery/NAME.md is made of the docstring of the script. Names of scripts as arguments draw these alone,
+then the pages of all; with `--pages` only these are written. The site shows each motion in place of its
+picture (docs/site/moving_pictures.py).
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
-import html
 import os
 import runpy
-import shutil
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
@@ -30,29 +29,32 @@ EXAMPLES: Final = HERE.parent / "examples"
 MECHANISMS: Final = sorted(EXAMPLES.glob("gallery/*/*.py"))
 HEADINGS: Final[Mapping[str, str]] = {"linkages": "Linkages", "drives": "Drives", "motions": "Motions"}
 WIDTH: Final = "100"  # of lines of equations, on whatever screen
+LETTERS: Final = 62  # of a typeset row
 MOST_LINES: Final = 17  # of equations that the page shows
 # Why no page simulates these: they are played as they were computed.
 PLAYED: Final[Mapping[str, str]] = {
-    "bennett": "its constraints follow from others in closed loops only",
-    "block_and_tackle": "the blocks would meet",
-    "cycloid_drive": "its two pins repeat each other",
+    "bennett": "its redundant constraints depend on the configuration",
+    "block_and_tackle": "the blocks would collide",
+    "cycloid_drive": "its two pins are redundant",
     "geneva": "its constraint changes with the phase",
-    "hill_muscle": "the elbow would turn through",
+    "hill_muscle": "the elbow would turn over",
     "rimless_wheel": "each landing is an event",
     "stick_slip": "its friction sticks",
 }
-HEAD: Final = """# Mechanisms with a check
+HEAD: Final = """# Gallery
 
-{count} mechanisms, each a script of one screen that builds it, moves it, and compares the motion with a
-closed form, from a publication or derived beside it. One command shows each, prints how close the two are,
-and writes its page:
+{count} mechanisms that move in your browser. Each is a script of one screen that builds the mechanism,
+computes its motion and compares it with a closed form, from the literature or derived beside it.
+"""
+TAIL: Final = """## On your own machine
 
 ```sh
-python examples/gallery/show.py watt         # plays the motion
-python examples/gallery/show.py watt --live  # simulates in the page, and bodies can be pulled
+python examples/gallery/show.py watt         # prints the difference from the closed form, plays the motion
+python examples/gallery/show.py watt --live  # simulates in the page, with bodies to pull
 ```
 
-In Python:
+The model file beside each script opens in [the editor](builder.md) and works with all
+[commands](reference/command_line.md), such as `symbody equations watt.toml`. From Python:
 
 ```python
 import runpy
@@ -63,45 +65,20 @@ computed, formula = entry["comparison"](run)
 print(abs(computed - formula).max() < entry["TOLERANCE"])
 ```
 
-The model files beside the scripts go into [the editor](builder.md) and all
-[commands](reference/command_line.md), such as `symbody equations watt.toml`. `pytest -m "" tests/gallery`
-repeats all comparisons, `python docs/draw_mechanisms.py` draws pictures, model files and this page anew, and
-with `--pages DIR` it writes the pages of all motions to a folder that needs no network.
+Larger examples, vehicles and robots among them, are in `examples/`; `symbody examples` lists them.
 """
-CARD: Final = """:::{{grid-item-card}} {title}
-:img-top: pictures/gallery/{name}.png
-:link: gallery-{name}
-:link-type: ref
-:class-title: sd-fs-6
-:::
-"""
-
-
-INDEX: Final = """<!DOCTYPE html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>Mechanisms</title>
-<style>
-body {{ font-family: sans-serif; margin: 2rem auto; max-width: 80rem; padding: 0 1rem; }}
-main {{ display: grid; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); gap: 1rem; }}
-a {{ border: 1px solid #ccc; border-radius: 0.4rem; color: #222; padding: 0.5rem; text-decoration: none; }}
-a:hover, a:focus {{ border-color: #06c; }}
-img {{ width: 100%; }}
-</style>
-<h1>Mechanisms</h1>
-<main>
-{figures}
-</main>
-</html>
-"""
-FIGURE: Final = '<a href="{name}.html"><img src="{name}.png" alt="">{title}</a>'
+COLUMNS: Final = 4
 
 
 @cache
 def script_of(path: Path) -> Mapping[str, Any]:
     """Return the names of a script."""
     return runpy.run_path(str(path))
+
+
+def path_of(name: str) -> Path:
+    """Return the script of a mechanism by its name."""
+    return next(path for path in MECHANISMS if path.stem == name)
 
 
 def draw_mechanism(path: Path) -> None:
@@ -139,41 +116,56 @@ def equations_lines(path: Path) -> Iterator[str]:
     """Yield the equations of motion, or how many there are."""
     os.environ["COLUMNS"] = WIDTH
     eqs = sb.form_equations(script_of(path)["model"]())
-    lines = str(eqs).splitlines()
-    if len(lines) <= MOST_LINES:
-        yield from (":::{dropdown} Equations", "```text", *lines, "```", ":::", "")
+    lines = len(str(eqs).splitlines())
+    yield "## Equations of motion\n"
+    if lines <= MOST_LINES:
+        yield from ("```math", eqs.latex(width=LETTERS), "```", "")
         return
     speeds, multipliers = len(eqs.speed_names), len(eqs.multiplier_names)
-    yield f"Equations: {speeds} of motion with {multipliers} multipliers, {len(lines)} lines.\n"
+    yield f"{speeds} equations of motion with {multipliers} multipliers, {lines} lines:"
+    yield f"`symbody equations {path.stem}.toml` prints them.\n"
 
 
-def mechanism_lines(path: Path) -> Iterator[str]:
-    """Yield what the page says about one mechanism."""
+def mechanism_page(path: Path) -> str:
+    """Return the page of one mechanism as Markdown; on the site its picture moves."""
     title, paragraphs = title_and_text(path)
-    folder = Path("..") / path.parent.relative_to(EXAMPLES.parent)
+    folder = Path("../..") / path.parent.relative_to(EXAMPLES.parent)
     files = " · ".join(f"[{name}]({(folder / name).as_posix()})" for name in (path.name, f"{path.stem}.toml"))
-    page = f"not live: {PLAYED[path.stem]}" if path.stem in PLAYED else "also `--live`"
-    yield f"(gallery-{path.stem})=\n"
-    yield f"### {title}\n"
-    yield f"![{title}](pictures/gallery/{path.stem}.png)\n"
-    yield from (f"{text}\n" for text in paragraphs)
-    yield from equations_lines(path)
-    yield f"`python examples/gallery/show.py {path.stem}` · {page} · {files}\n"
-
-
-def mechanisms_page() -> str:
-    """Return the page of the mechanisms with a check as Markdown: cards, then each mechanism."""
-    lines = [HEAD.format(count=len(MECHANISMS))]
-    groups = {group: [path for path in MECHANISMS if path.parent.name == group] for group in HEADINGS}
-    for group, paths in groups.items():
-        lines += [f"**{HEADINGS[group]}**\n", "::::{grid} 2 3 4 4\n:gutter: 2\n"]
-        lines += [CARD.format(title=title_and_text(path)[0], name=path.stem) for path in paths]
-        lines.append("::::\n")
-    for group, paths in groups.items():
-        lines.append(f"## {HEADINGS[group]}\n")
-        for path in paths:
-            lines += mechanism_lines(path)
+    live = "" if path.stem in PLAYED else "; `--live` simulates it in the page"
+    lines = [f"# {title}\n", f"![{title}](../pictures/gallery/{path.stem}.png)\n"]
+    if path.stem in PLAYED:
+        lines.append(f"The motion is played as it was computed, because {PLAYED[path.stem]}.\n")
+    lines += [f"{text}\n" for text in paragraphs]
+    lines += equations_lines(path)
+    lines.append("## Files\n")
+    lines.append(f"{files}. `python examples/gallery/show.py {path.stem}` compares and plays it{live}.\n")
     return "\n".join(lines)
+
+
+def gallery_page() -> str:
+    """Return the page with the pictures of all mechanisms as Markdown."""
+    lines = [HEAD.format(count=len(MECHANISMS))]
+    for group, heading in HEADINGS.items():
+        cards = [
+            f"[![]({(PICTURES / path.stem).relative_to(HERE).as_posix()}.png) {title_and_text(path)[0]}]"
+            f"(gallery/{path.stem}.md)"
+            for path in MECHANISMS
+            if path.parent.name == group
+        ]
+        lines += [f"## {heading}\n", "| " * COLUMNS + "|", "|---" * COLUMNS + "|"]
+        for row in range(0, len(cards), COLUMNS):
+            lines.append("| " + " | ".join(cards[row : row + COLUMNS]) + " |")
+        names = "\n".join(f"gallery/{path.stem}" for path in MECHANISMS if path.parent.name == group)
+        lines += ["", f"```{{toctree}}\n:hidden:\n\n{names}\n```\n"]
+    return "\n".join([*lines, TAIL])
+
+
+def write_gallery() -> None:
+    """Write the pages of the gallery."""
+    (HERE / "gallery").mkdir(exist_ok=True)
+    for path in MECHANISMS:
+        (HERE / "gallery" / f"{path.stem}.md").write_text(mechanism_page(path), encoding="utf-8")
+    (HERE / "gallery.md").write_text(gallery_page(), encoding="utf-8")
 
 
 def write_motion_page(path: Path, page: Path) -> None:
@@ -187,34 +179,18 @@ def write_motion_page(path: Path, page: Path) -> None:
     sb.animate(shown, page, live=live, title=title, traces=look.get("traces", ()), view=view)
 
 
-def write_pages(paths: Sequence[Path], folder: Path) -> None:
-    """Write a page of each mechanism to a folder, and index.html with their pictures; all work offline."""
-    folder.mkdir(parents=True, exist_ok=True)
-    figures = []
-    for path in paths:
-        write_motion_page(path, folder / f"{path.stem}.html")
-        shutil.copy(PICTURES / f"{path.stem}.png", folder)
-        title = html.escape(title_and_text(path)[0])
-        figures.append(FIGURE.format(name=path.stem, title=title))
-        print(path.stem, flush=True)
-    (folder / "index.html").write_text(INDEX.format(figures="\n".join(figures)), encoding="utf-8")
-
-
 def main() -> None:
     """Draw the mechanisms that are named, or all; then the page."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("names", nargs="*", help="scripts of examples/gallery without .py; none: all")
-    parser.add_argument("--pages", type=Path, metavar="DIR", help="write pages of the motions to a folder")
+    parser.add_argument("--pages", action="store_true", help="write the pages alone")
     words = parser.parse_args()
     paths = [path for path in MECHANISMS if not words.names or path.stem in words.names]
-    if words.pages is not None:
-        write_pages(paths, words.pages)
-        return
-    for path in paths:
+    for path in () if words.pages else paths:
         draw_mechanism(path)
         path.with_suffix(".toml").write_text(model_text(path), encoding="utf-8")
         print(path.stem, flush=True)
-    (HERE / "mechanisms.md").write_text(mechanisms_page(), encoding="utf-8")
+    write_gallery()
 
 
 if __name__ == "__main__":

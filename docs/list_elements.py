@@ -40,7 +40,7 @@ def joints() -> str:
         if issubclass(kind, Joint)
     ]
     rows.sort(key=lambda row: (row[3], row[0]))
-    return _table(("type", "words of its own", "coordinates", "n", "c", "law"), rows)
+    return _table(("type", "arguments", "coordinates", "n", "c", "law"), rows)
 
 
 def constraints() -> str:
@@ -50,7 +50,7 @@ def constraints() -> str:
         kind: Any = each
         unit = kind.multiplier_unit or "as written"
         rows.append((f"`{word}`", _arguments(kind), kind.rows, kind.holds, kind.multiplier, unit))
-    return _table(("type", "words of its own", "c", "holds", "a multiplier is", "unit"), rows)
+    return _table(("type", "arguments", "c", "holds", "a multiplier is", "unit"), rows)
 
 
 def forces() -> str:
@@ -73,7 +73,7 @@ def blocks() -> str:
     for word, each in element_types("block").items():
         kind: Any = each
         rows.append((f"`{word}`, `sb.{kind.__name__}`", kind.equation, kind.states, _arguments(kind)))
-    return _table(("type", "output y", "states", "words of its own"), rows)
+    return _table(("type", "output y", "states", "arguments"), rows)
 
 
 def write(page: str, table: str) -> str:

@@ -3,8 +3,9 @@
 The Python blocks of a page are one script, run from top to bottom in a folder with nothing but ``examples``,
 and so are the commands of symbody in blocks in ``sh``. A block in ``text`` right below one of these is what
 it prints. A block in ``toml`` or ``xml`` whose first line is a comment with the name of a file is written to
-that file; all in ``toml`` are read. A picture that the script writes takes the place of the one in
-``docs/pictures/tutorial``, those of the course in ``docs/pictures/course``.
+that file; all in ``toml`` are read. A block in ``math`` right below one in ``python`` holds the LaTeX of the
+equations that it prints, which pages show typeset. A picture that the script writes takes the place of the
+one in ``docs/pictures/tutorial``, those of the course in ``docs/pictures/course``.
 
 What a block needs and the page does not show stands in a comment right above it, ``<!-- before: ... -->``:
 Python, and lines that begin with ``symbody``. A block below ``<!-- not run: reason -->`` is left out.
@@ -21,10 +22,13 @@ import shutil
 import sys
 import tempfile
 import tomllib
+import unittest.mock
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from sympy.physics.vector import vlatex, vprint
 
 from symbody.cli import run as run_command
 
@@ -34,7 +38,9 @@ BLOCK = re.compile(
     r"```(?P<language>[a-z]+)\n(?P<text>.*?)^```\n",
     re.MULTILINE | re.DOTALL,
 )
-RUN = ("python", "sh", "toml", "xml", "text")
+RUN = ("python", "sh", "toml", "xml", "text", "math")
+SHOWN = ("text", "math")
+WIDTH = 62  # letters of a row of equations, as wide as the text of the site
 FILE = re.compile(r"(?:#|<!--) (?P<name>\w+\.(?:toml|urdf|csv))\b")
 
 
@@ -108,14 +114,38 @@ def run_page(page: str, folder: Path) -> list[Output]:
             if block.before:
                 _run_before(block.before, names)
             if block.language in ("python", "sh"):
-                printed = io.StringIO()
-                with contextlib.redirect_stdout(printed):
-                    _run_block(block, names)
-                shown = below if below and below.language == "text" and below.follows else None
-                outputs.append(Output(block, printed.getvalue(), shown))
+                shown = below if below and below.language in SHOWN and below.follows else None
+                run = _typeset if shown and shown.language == "math" else _capture
+                outputs.append(Output(block, run(block, names), shown))
             else:
                 _write_file(block)
     return outputs
+
+
+def _capture(block: Block, names: dict[str, Any]) -> str:
+    """Run a block; return what it prints."""
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        _run_block(block, names)
+    return printed.getvalue()
+
+
+def _typeset(block: Block, names: dict[str, Any]) -> str:
+    """Run a block; return the equations and SymPy expressions that it prints as LaTeX, each in its row."""
+    rows: list[str] = []
+
+    def keep(value: Any) -> None:
+        rows.append(value.latex(width=WIDTH) if hasattr(value, "latex") else vlatex(value))
+
+    own = {name: names[name] for name in ("print", "vprint") if name in names}
+    names.update(dict.fromkeys(["print", *own], keep))
+    with unittest.mock.patch("sympy.physics.vector.vprint", keep):
+        _run_block(block, names)
+    names["print"] = print
+    names.update(vprint=vprint)
+    if len(rows) == 1:
+        return rows[0] + "\n"
+    return "\n".join([r"\begin{aligned}", *(f"& {row} \\\\" for row in rows), r"\end{aligned}", ""])
 
 
 def _run_before(text: str, names: dict[str, Any]) -> None:

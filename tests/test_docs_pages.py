@@ -27,6 +27,8 @@ WITH_CODE = sorted(
 PAGES = [*FAST, *(pytest.param(page, marks=pytest.mark.exhaustive) for page in WITH_CODE if page not in FAST)]
 # Pages that show motions in browsers, and as films.
 SHOW = ("animation.md", "live_pages.md")
+# Packages that are in no extra, by the page that uses them.
+NEEDED = {"gymnasium_environment.md": "gymnasium"}
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
 
 
@@ -48,12 +50,24 @@ def test_scripts_print_what_the_page_shows(page: Path, tmp_path: Path) -> None:
         pytest.skip("the pages that show motions are not built")
     if page.name == "film.md" and shutil.which("ffmpeg") is None:
         pytest.skip("films are made by ffmpeg")
+    if page.name in NEEDED:
+        pytest.importorskip(NEEDED[page.name])
     outputs = run_page(page.read_text(encoding="utf-8"), tmp_path)
     if not any(output.shown for output in outputs):
         return  # a page that shows nothing that is printed
     for output in outputs:
         shown = output.shown.text if output.shown else ""
         assert agree(output.printed, shown), f"run: python docs/run_pages.py {page.relative_to(DOCS.parent)}"
+
+
+def test_equations_that_a_page_shows_typeset_are_those_printed(tmp_path: Path) -> None:
+    page = (
+        "```python\nimport sympy\nprint(sympy.Symbol('x') / 2)\n```\n```math\n\\frac{x}{2}\n```\n"
+        "```python\nprint('after')\n```\n"
+    )
+    equation, text = run_page(page, tmp_path)
+    assert equation.shown is not None and agree(equation.printed, equation.shown.text)
+    assert text.printed == "after\n"
 
 
 def test_what_is_not_run_says_why(tmp_path: Path) -> None:

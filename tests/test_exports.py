@@ -40,6 +40,14 @@ def test_public_name_exists_and_is_documented(surface: str, name: str) -> None:
     assert text and not text.startswith(f"{name}("), f"{surface}.{name} has no docstring"
 
 
+def test_headings_of_the_public_names_are_those_of_the_reference() -> None:
+    text = (ROOT / "__init__.pyi").read_text(encoding="utf-8").partition("__version__")[2]
+    headings = [line[2:].partition(":")[0] for line in text.splitlines() if line.startswith("# ")]
+    index = (ROOT.parents[1] / "docs" / "reference" / "index.md").read_text(encoding="utf-8")
+    listed = [line[6:] for line in index.splitlines() if line.startswith("names/")]
+    assert list(dict.fromkeys(heading.lower().replace(" ", "_") for heading in headings)) == listed
+
+
 def test_public_names_are_listed_for_completion() -> None:
     assert set(symbody.__all__) <= set(dir(symbody))
 

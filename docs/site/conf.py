@@ -21,6 +21,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "mathml",
+    "moving_pictures",
     "generated_pages",
     "heading_levels",
     "index_words",
@@ -31,6 +32,7 @@ exclude_patterns = ["site", "_build"]
 nitpicky = False
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
+myst_fence_as_directive = ["math"]  # GitHub typesets blocks in math, too
 myst_heading_anchors = 4
 
 napoleon_google_docstring = False
@@ -45,7 +47,7 @@ html_theme = "furo"
 html_title = "symbody"
 html_static_path = ["static"]
 html_css_files = ["symbody.css"]
-html_js_files = ["accessible.js"]
+html_js_files = ["accessible.js", "search_text.js"]
 html_show_sphinx = False
 html_copy_source = False
 html_theme_options = {"navigation_with_keys": True}

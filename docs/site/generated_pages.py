@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,31 +15,76 @@ from sphinx.application import Sphinx
 
 import symbody
 from symbody import cli
+from symbody.model.declarations.declaration import Declared
 
 PACKAGE = Path(symbody.__file__).parent
 HEADING = re.compile(r"^# (?P<title>.+)$")
 NAME = re.compile(r"^from \.\w+ import (\w+) as (?P<name>\w+)$")
 
 
-def public_names() -> dict[str, list[str]]:
-    """Return the public names under the headings of the stub, which stand in the order of their use."""
-    names: dict[str, list[str]] = {}
-    title = ""
+def public_names() -> dict[str, dict[str, list[str]]]:
+    """Return the public names under the headings of the stub, and under what follows a colon in these."""
+    names: dict[str, dict[str, list[str]]] = {}
+    title, part = "", ""
     for line in (PACKAGE / "__init__.pyi").read_text(encoding="utf-8").splitlines():
         if heading := HEADING.match(line):
-            title = heading["title"]
+            title, _, part = heading["title"].partition(": ")
         elif name := NAME.match(line):
-            names.setdefault(title, []).append(name["name"])
+            names.setdefault(title, {}).setdefault(part, []).append(name["name"])
     return names
 
 
-def names_page(title: str, names: list[str]) -> str:
-    """Return the page of some public names as reStructuredText."""
+def first_sentence(name: str) -> str:
+    """Return the first sentence of the docstring of a public name."""
+    text = " ".join((inspect.getdoc(getattr(symbody, name)) or "").split("\n\n")[0].split())
+    return text.partition(". ")[0].rstrip(".")
+
+
+def is_class(name: str) -> bool:
+    """Return whether a public name is a class, which has a page of its own."""
+    return inspect.isclass(getattr(symbody, name))
+
+
+def slug(title: str) -> str:
+    """Return the name of the page of a heading."""
+    return re.sub(r"\W+", "_", title.lower())
+
+
+def group_page(title: str, parts: Mapping[str, list[str]]) -> str:
+    """Return the page of a heading as reStructuredText: tables of its names, then its functions."""
     lines = [title, "=" * len(title), ""]
-    for name in names:
-        kind = "class" if inspect.isclass(getattr(symbody, name)) else "function"
-        members = ["   :members:"] if kind == "class" else []
-        lines += [f".. auto{kind}:: symbody.{name}", *members, ""]
+    for part, names in parts.items():
+        heading = part.capitalize()
+        lines += [heading, "-" * len(heading), ""] if part else []
+        lines += [".. list-table::", "   :class: lines", ""]
+        for name in names:
+            role = "class" if is_class(name) else "func"
+            lines += [f"   * - :py:{role}:`~symbody.{name}`", f"     - {first_sentence(name)}"]
+        lines.append("")
+    every = [name for names in parts.values() for name in names]
+    lines += [".. toctree::", "   :hidden:", "", *(f"   {name}" for name in every if is_class(name)), ""]
+    functions = [name for name in every if not is_class(name)]
+    lines += ["Functions", "-" * len("Functions"), ""] if functions else []
+    for name in functions:
+        lines += [f".. autofunction:: symbody.{name}", ""]
+    return "\n".join(lines)
+
+
+def class_page(name: str) -> str:
+    """Return the page of a class as reStructuredText."""
+    return "\n".join([name, "=" * len(name), "", f".. autoclass:: symbody.{name}", "   :members:", ""])
+
+
+def functions_table() -> str:
+    """Return a table of all public functions, one line each, as Markdown."""
+    lines = []
+    for title, parts in public_names().items():
+        functions = [name for names in parts.values() for name in names if not is_class(name)]
+        if functions:
+            lines += [f"**[{title}](names/{slug(title)}.rst)**", "", "```{list-table}", ":class: lines", ""]
+            for name in functions:
+                lines += [f"* - {{py:func}}`~symbody.{name}`", f"  - {first_sentence(name)}"]
+            lines += ["```", ""]
     return "\n".join(lines)
 
 
@@ -122,9 +168,14 @@ def write_pages(app: Sphinx) -> None:
     """Write the pages beside their neighbours where they changed."""
     folder = Path(app.srcdir) / "reference"
     texts = {folder / "model_file_entries.md": file_page(), folder / "command_line.md": command_page()}
-    for title, names in public_names().items():
-        file = folder / "names" / (re.sub(r"\W+", "_", title.lower()) + ".rst")
-        texts[file] = names_page(title[0].upper() + title[1:], names)
+    names = folder / "names"
+    for title, parts in public_names().items():
+        texts[names / f"{slug(title)}.rst"] = group_page(title, parts)
+        for name in filter(is_class, (each for listed in parts.values() for each in listed)):
+            texts[names / f"{name}.rst"] = class_page(name)
+    texts[names / "functions.inc"] = functions_table()
+    for old in {*names.glob("*.*")} - texts.keys():
+        old.unlink()
     for file, text in texts.items():
         file.parent.mkdir(parents=True, exist_ok=True)
         if not file.exists() or file.read_text(encoding="utf-8") != text:
@@ -137,8 +188,18 @@ def _keep_sentence(app: Sphinx, what: str, name: str, obj: object, options: obje
         lines.insert(0, "")
 
 
+def _skip_method(app: Sphinx, what: str, name: str, obj: object, skip: bool, options: object) -> bool | None:
+    """Leave out the methods of elements: these are described by their arguments, and nobody calls them."""
+    owner = sys.modules.get(getattr(obj, "__module__", ""))
+    outer = getattr(owner, str(getattr(obj, "__qualname__", "")).partition(".")[0], None)
+    if inspect.isfunction(obj) and inspect.isclass(outer) and issubclass(outer, Declared):
+        return True
+    return None
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register the pages with Sphinx."""
     app.connect("builder-inited", write_pages)
     app.connect("autodoc-process-docstring", _keep_sentence, priority=400)  # before napoleon, which has 500
+    app.connect("autodoc-skip-member", _skip_method)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

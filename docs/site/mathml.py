@@ -21,7 +21,11 @@ def _display(writer: Any, node: nodes.math_block) -> None:
 
 
 def _mathml(latex: str, display: str) -> str:
-    body = convert(latex, display=display)
+    # the converter knows align* but not aligned, and no distances between rows
+    rows = latex.replace("{aligned}", "{align*}").replace("\\\\[1ex]", "\\\\")
+    body = convert(rows, display=display)
+    for side in ("left", "right"):  # browsers read the style alone
+        body = body.replace(f'columnalign="{side}"', f'style="text-align: {side}"')
     return body.replace("<math ", f'<math aria-label="{escape(latex, quote=True)}" ', 1)
 
 

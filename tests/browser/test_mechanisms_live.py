@@ -53,15 +53,3 @@ def test_page_plays_the_motion(name: str, surfer: Surfer) -> None:
         page.wait_for_timeout(80)
         pictures.append(page.screenshot(clip={"x": 0, "y": 0, "width": 960, "height": 320}))
     assert len(set(pictures)) == 3
-
-
-@pytest.mark.exhaustive
-def test_index_leads_to_the_pages(surfer: Surfer) -> None:
-    paths = [PATHS["watt"], PATHS["stick_slip"]]
-    draw_mechanisms.write_pages(paths, surfer.folder / "pages")
-    page = surfer.new_page((960, 640))
-    for path in paths:
-        page.goto((surfer.folder / "pages" / "index.html").as_uri())
-        assert page.evaluate("[...document.images].every((each) => each.naturalWidth > 0)")
-        page.get_by_role("link", name=draw_mechanisms.title_and_text(path)[0]).click()
-        wait_until(page, "document.querySelector('.sb-player canvas') !== null", 60.0)

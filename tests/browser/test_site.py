@@ -15,7 +15,7 @@ pytestmark = pytest.mark.exhaustive  # building the site takes a minute
 # What users ask for, and the page that should be the first or second that is found.
 WORDS = {
     "install": "installation.html",
-    "units": "reference/model_file_entries.html",
+    "units": "how_to/units.html",
     "gravity": "tutorial/1_spring_mass_damper.html",
     "spring": "forces.html",
     "damper": "tutorial/1_spring_mass_damper.html",
@@ -55,6 +55,8 @@ WORDS = {
 }
 # Of the checks only that of colours can end otherwise in the dark.
 CHECKS: dict[str, dict[str, Any] | None] = {"light": None, "dark": {"runOnly": ["color-contrast"]}}
+MOVES = """window.symbodyPlayer !== undefined
+    || (window.symbodyLive !== undefined && symbodyLive.simulation.time > 0.1)"""
 # How far the window, and the column of text in it, can be scrolled sideways [pixels].
 SIDEWAYS = """() => [document.documentElement, document.querySelector('.content')].map(
     (element) => element ? element.scrollWidth - element.clientWidth : 0)"""
@@ -121,6 +123,16 @@ def test_all_can_read_it(chromium: Any, site: Path) -> None:
                     html = each["nodes"][0]["html"][:160]
                     faults.append(f"{path.relative_to(site)}, {scheme}, {each['id']}: {html}")
     assert not faults
+
+
+@pytest.mark.parametrize("name", ["index", "live_pages", "gallery/watt", "gallery/stick_slip"])
+def test_pictures_of_mechanisms_move(name: str, chromium: Any, site: Path) -> None:
+    page = chromium.new_page()
+    page.goto((site / f"{name}.html").as_uri())
+    page.locator("iframe.moving").scroll_into_view_if_needed()
+    (frame,) = page.frames[1:]
+    wait_until(frame, MOVES, 60.0)
+    assert frame.evaluate("document.querySelector('canvas').width") > 200
 
 
 def test_no_page_scrolls_sideways(chromium: Any, site: Path) -> None:

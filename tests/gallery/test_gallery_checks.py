@@ -115,15 +115,23 @@ def test_model_file_is_the_mechanism_of_the_script(name: str) -> None:
     assert sb.load_model(path) == module_of(name).model()
 
 
-@pytest.mark.exhaustive
-def test_page_is_what_the_scripts_give() -> None:
-    """Run: python docs/draw_mechanisms.py."""
-    page = (FOLDER.parents[1] / "docs" / "mechanisms.md").read_text(encoding="utf-8")
-    assert page == draw_mechanisms.mechanisms_page()
+DOCS = FOLDER.parents[1] / "docs"
+RENEW = "run: python docs/draw_mechanisms.py --pages"
+
+
+def test_gallery_shows_every_mechanism() -> None:
+    page = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    assert page == draw_mechanisms.gallery_page(), RENEW
+    assert {path.stem for path in (DOCS / "gallery").glob("*.md")} == SIZES.keys()
     for name in SIZES:
-        picture = draw_mechanisms.PICTURES / f"{name}.png"
-        assert page.count(f"pictures/gallery/{name}.png") == 2  # card and section
-        assert 2_000 < picture.stat().st_size < 100_000
+        assert page.count(f"pictures/gallery/{name}.png") == page.count(f"(gallery/{name}.md)") == 1
+        assert 2_000 < (draw_mechanisms.PICTURES / f"{name}.png").stat().st_size < 100_000
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_page_is_what_the_script_gives(name: str) -> None:
+    page = (DOCS / "gallery" / f"{name}.md").read_text(encoding="utf-8")
+    assert page == draw_mechanisms.mechanism_page(draw_mechanisms.path_of(name)), RENEW
 
 
 @pytest.mark.exhaustive

@@ -1,10 +1,10 @@
 """Swash plate with five pistons.
 
-A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners to and fro as it turns: there is
-no crank, and the stroke follows the tilt.
+A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners back and forth as it turns:
+there is no crank, and the tilt sets the stroke.
 
-Check: the shoe at (R cos(p), R sin(p)) is in the plane across (sin(a) cos(phi), sin(a) sin(phi), cos(a)), a
-the tilt, so that the piston is at -R tan(a) cos(phi - p), a pure sine; stroke 2 R tan(a). Derived here.
+Check: the shoe at (R cos(p), R sin(p)) is in the plane across (sin(a) cos(phi), sin(a) sin(phi), cos(a)),
+a the tilt, so that the piston is at -R tan(a) cos(phi - p), a pure sine; stroke 2 R tan(a). Derived here.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Universal joint between two shafts.
 
-Cardan's or Hooke's joint: two forks and a cross. The second shaft turns as often as the first, but unevenly,
-the more so the larger the angle between the shafts.
+Cardan's or Hooke's joint: two forks and a cross. The second shaft makes as many turns as the first, but
+at a varying speed; the variation grows with the angle between the shafts.
 
 Check: the two arms of the cross stay at right angles, which is tan(phi2) = tan(phi1)/cos(beta), with phi1
 from the position where the arm in the first fork lies in the plane of the shafts. Derived here.

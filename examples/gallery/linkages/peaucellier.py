@@ -1,8 +1,8 @@
 """Peaucellier's inversor.
 
 Eight bars and no slide: the first linkage that turned a rotation into an exact straight line (1864). Two long
-arms and a rhombus keep the product of the distances of B and D from O; B goes on a circle through O, so D
-goes on a line.
+arms and a rhombus keep the product of the distances of B and D from O; B moves on a circle through O, so D
+moves on a line.
 
 Check: O, B and D lie on a line by symmetry, and Pythagoras twice gives OB OD = arm^2 - side^2. B goes round
 at 2 crank cos(b) from O in the direction b, so D is at (arm^2 - side^2)/(2 crank cos(b)), whose part along x

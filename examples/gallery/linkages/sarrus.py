@@ -1,12 +1,12 @@
 """Sarrus linkage.
 
-Two chains of three hinges, the hinges of one across those of the other, hold a plate parallel to the ground:
-the first linkage for an exact straight line (1853), and a motion in space. A count of constraints says that
-it cannot move.
+Two chains of three hinges, the hinges of one across those of the other, hold a plate parallel to the
+ground: the first linkage for an exact straight line (1853), and a motion in space. By a count of
+constraints it cannot move.
 
-Check: each chain keeps the plate parallel to its own hinges, so the plate does not turn; each also keeps its
-centre in the plane across them, and both planes meet above the centre of the base: the height is 2 l sin(a).
-P. F. Sarrus told the Academy in Paris of it in 1853 (Comptes rendus, volume 36).
+Check: each chain keeps the plate parallel to its own hinges, so the plate does not turn; each also keeps
+its centre in the plane across them, and both planes meet above the centre of the base: the height is 2 l
+sin(a). P. F. Sarrus presented it to the Academy in Paris in 1853 (Comptes rendus, volume 36).
 """
 
 import numpy as np

@@ -1,12 +1,12 @@
 """Stephenson's six-bar linkage as a walking leg.
 
-A crank drives a coupler, whose far end carries the knee of a leg that a second rocker holds at the hip: the
-chain of six bars that bears Stephenson's name, third kind. The foot stands half of the turn and steps the
-other half; J. Klann's walking machines have such legs (US patent 6,260,862).
+A crank drives a coupler, whose far end carries the knee of a leg that a second rocker holds at the hip:
+the chain of six bars that bears Stephenson's name, third kind. The foot is on the ground for half of a
+turn and steps during the other half; J. Klann's walking machines have such legs (US patent 6,260,862).
 
-Check: the foot's whole way, from the lengths alone: each of the three bodies behind the crank has two points
-on known circles, so its place follows from where two circles meet, p + (a u +- sqrt(r^2 - a^2) v) with u the
-unit vector from p to q, v across it, a = (d^2 + r^2 - s^2)/(2 d). Derived here.
+Check: the whole path of the foot, from the lengths alone: each of the three bodies behind the crank has
+two points on known circles, so its position follows from where two circles meet, p + (a u +- sqrt(r^2 -
+a^2) v) with u the unit vector from p to q, v across it, a = (d^2 + r^2 - s^2)/(2 d). Derived here.
 """
 
 import numpy as np

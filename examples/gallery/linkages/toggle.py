@@ -1,11 +1,12 @@
 """Toggle press.
 
-Two equal bars form a knee; as it is pushed straight, the ram at the end of the second goes ever more slowly
-and presses ever harder. Stone crushers, locking pliers and moulding machines end their strokes so.
+Two equal bars form a knee; as it is pushed straight, the ram at the end of the second moves ever more
+slowly and presses ever harder. Stone crushers, locking pliers and moulding machines use this at the end
+of their stroke.
 
 Check: the ram is at 2 l cos(a) and the knee at l sin(a) from its line, so ram speed over knee speed is 2
-tan(a), and the force ratio, its inverse because power in is power out, has no bound at the dead point a = 0.
-Derived here.
+tan(a), and the force ratio, its inverse because power in is power out, has no bound at the dead point a =
+0. Derived here.
 """
 
 import numpy as np

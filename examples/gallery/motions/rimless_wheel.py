@@ -1,6 +1,6 @@
 """Rimless wheel.
 
-A hub with eight spokes rolls down a slope, spoke after spoke, and comes to one speed whatever it began with:
+A hub with eight spokes rolls down a slope, spoke after spoke, and reaches the same speed from any start:
 the simplest of the passive walkers. A landing is an event, whose loss of speed is that of the angular
 momentum about the new foot.
 
