@@ -19,7 +19,8 @@ Payload = dict[str, Any]
 
 _WAIT: Final = 1.0  # how long a page is kept waiting for news [s]
 _MOST_KEPT: Final = 20  # jobs whose results are remembered
-_MOST_RUNS: Final = 2  # finished runs whose process stays, to compute further outputs
+_MOST_RUNS: Final = 3  # finished jobs whose process stays, to compute further outputs or write further tabs
+_HOLDING: Final = ("simulate", "equations")  # jobs whose process has more to give
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +202,7 @@ class Jobs:
 
     def _holds_run(self, job: str) -> bool:
         state = self._states.get(job)
-        return state is not None and state.kind == "simulate" and state.state == "done"
+        return state is not None and state.kind in _HOLDING and state.state == "done"
 
     def _forget(self) -> None:
         """Drop the oldest results; the lock is held."""
