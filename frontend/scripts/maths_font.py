@@ -1,4 +1,4 @@
-"""Write the font for mathematics that pages hold: ``python frontend/scripts/maths_font.py STIXMath-Regular.otf``.
+"""Write the font for mathematics that pages hold: ``python maths_font.py STIXMath-Regular.otf``.
 
 The source is STIX Math 1.1.1 (SIL Open Font License 1.1; Debian's package fonts-stix has it). What formulas
 of symbody can contain is taken from it, with its MATH table, so that brackets and roots grow and dots stand

@@ -57,8 +57,8 @@ def run_worker(pipe: Connection) -> None:
         except (EOFError, OSError):
             return
 
-        def report(stage: str, percent: int | None, part: Any = None, /) -> None:
-            pipe.send(("stage", stage, percent, part))
+        def report(stage: str, percent: int | None, /) -> None:
+            pipe.send(("stage", stage, percent))
 
         pipe.send(_outcome(name, payload, report))
 

@@ -30,17 +30,19 @@ class Markup(str):
 
 def page(title: str, *parts: Markup) -> str:
     """Return a heading and what stands under it."""
-    return f'<div class="symbody"><b>{escape(title)}</b>{"".join(parts)}</div>'
+    content = "".join(parts)
+    style = f"<style>{maths_style('<mover' in content)}</style>" if "<math" in content else ""
+    return f'<div class="symbody">{style}<b>{escape(title)}</b>{content}</div>'
 
 
 @cache
-def maths_style(with_font: bool = False) -> str:
+def maths_style(with_font: bool) -> str:
     """Return the style sheet of equations.
 
     Parameters
     ----------
     with_font : bool
-        Whether the font for mathematics stands in it, some 70 kB.
+        Whether the font for mathematics stands in it, some 37 kB: dots need it.
     """
     folder = files("symbody.display")
     style = folder.joinpath("maths.css").read_text("utf-8")

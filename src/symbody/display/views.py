@@ -19,7 +19,6 @@ from symbody.display.formulas import show_formula
 from symbody.display.html import (
     Markup,
     complex_number,
-    maths_style,
     notes,
     number,
     page,
@@ -80,8 +79,7 @@ def _symbols(names: tuple[str, ...]) -> Markup:
 
 def _equations(eqs: EquationSet) -> str:
     if _is_short(eqs):
-        style = Markup(f"<style>{maths_style()}</style>")
-        return page(repr(eqs), style, Markup(equations_page(eqs.textbook)), notes(eqs.notes))
+        return page(repr(eqs), Markup(equations_page(eqs.textbook)), notes(eqs.notes))
     rows = [("coordinates", _symbols(eqs.coordinate_names[:12])), ("speeds", _symbols(eqs.speed_names[:12]))]
     hint = (
         "too long to be shown: eqs.text() prints them with names for shared parts, sb.generate_code the code"

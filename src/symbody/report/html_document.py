@@ -188,7 +188,7 @@ def _matrix(block: parts.Matrix) -> str:
 
 
 def _with_source(shown: str, graph: Graph, nodes: Sequence[int]) -> str:
-    """Return formulas with the text that symbody reads back, all digits in it, one a line; none of long ones."""
+    """Return formulas with the text that symbody reads back, one a line; long ones have none."""
     if max(tree_sizes(graph, nodes), default=0) > parts.LONG:
         return shown
     text = escape("\n".join(to_text(graph, node) for node in nodes))

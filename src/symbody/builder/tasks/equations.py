@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.analysis.linear.linearize import linearize
+from symbody.builder.page_problems import page_problem
 from symbody.builder.task_failure import Report, TaskFailure
 from symbody.builder.tasks.formula_blocks import (
     LONG,
@@ -70,7 +71,7 @@ _DERIVED: Final[list[_Derived]] = []
 
 
 def derive_equations(payload: Mapping[str, Any], report: Report) -> Answer:
-    """Return the equations of motion and what belongs to them; the other tabs are written when they are asked for.
+    """Return the equations of motion and what belongs to them; other tabs are written on demand.
 
     Raises
     ------
@@ -101,8 +102,9 @@ def equation_tab(payload: Mapping[str, Any], report: Report) -> Answer:
     """
     name = payload["name"]
     if not _DERIVED or name not in TABS:
-        raise TaskFailure([Problem("builder.no_tab", str(name)[:40], "there is no such tab of equations",
-                                   fix="derive the equations again")])  # fmt: skip
+        what = "there is no such tab of equations"
+        problem = Problem("builder.no_tab", str(name)[:40], what, fix="derive the equations again")
+        raise TaskFailure([page_problem(problem, {})])
     derived = _DERIVED[0]
     tab = _tab(derived.eqs, name)
     if name == TABS[0] and tab["blocks"] and _is_short(derived.eqs):

@@ -1,4 +1,4 @@
-"""The one list of which equations are shown, under which heading, in which order; whatever they are printed as.
+"""The one list of which equations are shown, under which heading, in which order.
 
 Text, LaTeX, notebooks, reports, live pages and the editor print these sections, so that as many equations are
 printed as there are unknowns.
@@ -87,7 +87,7 @@ class EquationSection:
 
 
 def equation_sections(textbook: Textbook, limit: int) -> list[EquationSection]:
-    """Return all equations that belong to the motion; empty sections are left out, that of the motion never is.
+    """Return all equations that belong to the motion, without empty sections other than that of the motion.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def motion_section(textbook: Textbook, limit: int) -> EquationSection:
 
 
 def constraint_sections(textbook: Textbook) -> list[EquationSection]:
-    """Return the constraints on positions, and those that are on velocities alone: one equation a multiplier."""
+    """Return the constraints on positions, and those on velocities alone: one equation a multiplier."""
     positions = textbook.shown("constraints").nodes
     velocities = textbook.shown("velocity_constraints").nodes[len(positions) :]
     return [_constraints("positions", positions), _constraints("velocities", velocities)]

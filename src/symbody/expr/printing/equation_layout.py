@@ -62,7 +62,7 @@ def matrix_html(symbol: str, rows: Sequence[Sequence[str]], names: Sequence[Sequ
         MathML of the entries, and of what they are called.
     """
     if matrix_width(rows) <= _WIDEST:
-        content = f"{symbol}<mo>=</mo>{mathml_matrix(rows)}"
+        content = f"{symbol}<mo>=</mo>{mathml_matrix([[*map(_fitted, row)] for row in rows])}"
         return f'<div class="sb-matrix" tabindex="0">{_with_title(math_element(content, block=True))}</div>'
     is_symmetric = len(rows) == len(rows[0]) and all(
         rows[i][j] == rows[j][i] for i in range(len(rows)) for j in range(i)
@@ -145,10 +145,10 @@ def _pieces(elements: Iterable[Element]) -> list[list[Element]]:
             pieces[-1].append(element)
             continue
         opening, *content, closing = list(element)
-        is_tall = any(child.tag in _TALL for child in element.iter())
+        is_tall = _is_tall(element)
         for bracket in (opening, closing):
             # Its other half may stand in another row, so its height cannot follow what is between them.
-            bracket.attrib |= {"minsize": _HEIGHT, "maxsize": _HEIGHT} if is_tall else {"stretchy": "false"}
+            bracket.attrib |= {"minsize": _HEIGHT, "maxsize": _HEIGHT} if is_tall else {}
             bracket.attrib |= {"form": "prefix" if bracket is opening else "postfix"}
         first, *others = terms_of(content)
         pieces[-1] += [opening, *first]
@@ -180,4 +180,18 @@ def _with_title(math: str) -> str:
 
 
 def _parse(formula: str) -> Element:
-    return ElementTree.fromstring(f"<mrow>{formula}</mrow>")
+    """Return the elements of a formula; brackets grow only around fractions and tables, as in books."""
+    root = ElementTree.fromstring(f"<mrow>{formula}</mrow>")
+    for element in root.iter():
+        if _is_bracket(element) and not _is_tall(element):
+            for bracket in (element[0], element[-1]):
+                bracket.set("stretchy", "false")
+    return root
+
+
+def _fitted(formula: str) -> str:
+    return "".join(ElementTree.tostring(part, encoding="unicode") for part in _parse(formula))
+
+
+def _is_tall(element: Element) -> bool:
+    return any(child.tag in _TALL for child in element.iter())

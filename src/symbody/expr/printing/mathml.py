@@ -29,7 +29,7 @@ from symbody.expr.printing.textbook import Factor, Style, textbook
 
 _APPLY: Final = "<mo>\u2061</mo>"  # what stands, unseen, between a function and its bracket
 _COMMA: Final = "<mo>,</mo>"
-# Over a letter, one to four. Not accents: those touch the letter where there is no mathematical font.
+# Over a letter, one to four; accents, which pages hold a font for.
 _DOTS: Final = ("\u02d9", "\u00a8", "...", "....")
 _NAMES: Final = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "sign": "sgn"}
 _AROUND: Final = {"abs": ("|", "|"), "floor": ("\u230a", "\u230b")}
@@ -104,7 +104,7 @@ def _put_dots(base: str, order: int) -> str:
     if order == 0:
         return base
     if order <= len(_DOTS):
-        return f"<mover>{base}<mo>{_DOTS[order - 1]}</mo></mover>"
+        return f'<mover accent="true">{base}<mo stretchy="false">{_DOTS[order - 1]}</mo></mover>'
     return f"<msup>{base}<mrow><mo>(</mo><mn>{order}</mn><mo>)</mo></mrow></msup>"
 
 
