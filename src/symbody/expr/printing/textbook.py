@@ -17,7 +17,7 @@ from typing import ClassVar, Final, NamedTuple, TypeAlias
 
 from symbody.expr import opcodes as op
 from symbody.expr.graph import Constant, Exact, Graph, Symbol, SymbolKind
-from symbody.expr.printing.flattening import SUMS, linear_terms, power_factors
+from symbody.expr.printing.flattening import SUMS, linear_terms, power_factors, without_square_roots
 from symbody.expr.printing.layout import (
     ATOM,
     BOTH,
@@ -285,6 +285,7 @@ class _Page:
         """Return a product that binds at least as tightly as PRODUCT."""
         graph = self.graph
         above, below = power_factors(graph, node, self.named) if is_open else ({node: 1}, {})
+        above, below = without_square_roots(graph, above, below, self.named)
         for factor in [k for k in above if graph.ops[k] == op.RATIONAL and above[k] <= _MAX_EXPONENT]:
             coefficient *= Fraction(graph.constants[graph.left[factor]]) ** above.pop(factor)
         number = self._with_rounded(coefficient, above, below)
