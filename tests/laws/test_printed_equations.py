@@ -27,6 +27,7 @@ from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 from symbody.expr.written_function import write_out
 from symbody.formats.native import to_data
+from tests.laws.building import build_model
 from tests.laws.mechanisms import random_mechanism
 
 ROOT = Path(__file__).parents[2] / "examples"
@@ -166,9 +167,13 @@ def check_writers(eqs: sb.EquationSet, listed: list[EquationSection]) -> None:
     definitions = sum(len(section.sides) for section in named)
     assert len(lines) == total + definitions
     assert equations_page(eqs.textbook).count('class="sb-equation"') == total + definitions
-    assert len(re.findall(r"(?<!\\\\) ?&?= ", eqs.latex(width=0 or 10**6))) >= total
+    assert len(re.findall(r"(?<!\\\\) ?&?= ", eqs.latex(width=10**6))) >= total
     answer = derive_equations(payload(eqs), lambda *_: None)
-    shown = "".join(str(block["mathml"]) for block in answer["tabs"][0]["blocks"])
+    blocks = answer["tabs"][0]["blocks"]
+    assert len(blocks) == sum(bool(section.sides) for section in listed)
+    if any(block["mathml"] is None for block in blocks):
+        return  # too long for a panel, which says so
+    shown = "".join(block["mathml"] for block in blocks)
     assert shown.count('class="sb-equation"') >= sum(len(section.sides) for section in listed)
 
 
@@ -195,10 +200,10 @@ def test_gallery(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "seed", [*range(4), *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(4, 40))]
+    "seed", [*range(2), *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(2, 40))]
 )
 def test_random_mechanisms(seed: int) -> None:
-    check(random_mechanism(seed).eqs.model)
+    check(build_model(random_mechanism(seed)))
 
 
 def test_the_report_and_the_notebook_have_the_velocity_constraints(tmp_path: Path) -> None:

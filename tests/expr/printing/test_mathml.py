@@ -33,7 +33,7 @@ CHILDREN = {"mfrac": 2, "msup": 2, "msub": 2, "mover": 2}
 CASES: list[tuple[Callable[[Names], Expr], str]] = [
     (lambda n: n.x_dot, '<mover accent="true"><mi>x</mi><mo stretchy="false">\u02d9</mo></mover>'),
     (lambda n: n.m * n.x_ddot,
-     f'<mi>m</mi>{TIMES}<mover><mi>x</mi><mo>\u00a8</mo></mover>'),
+     f'<mi>m</mi>{TIMES}<mover accent="true"><mi>x</mi><mo stretchy="false">\u00a8</mo></mover>'),
     (lambda n: n.beta_1, "<msub><mi>β</mi><mn>1</mn></msub>"),
     (lambda n: -n.k * n.x, f'<mo form="prefix">\u2212</mo><mi>k</mi>{TIMES}<mi>x</mi>'),
     (lambda n: n.x / n.l, "<mfrac><mi>x</mi><mi>l</mi></mfrac>"),

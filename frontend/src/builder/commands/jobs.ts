@@ -61,7 +61,7 @@ export async function writeTab(name: string): Promise<void> {
   const { equations } = useStore.getState();
   if (equations?.job !== asked.job) return;
   const { result } = equations;
-  const tabs = (Array.isArray(result?.["tabs"]) ? result["tabs"] as JsonObject[] : []).filter((each) => each["name"] !== name || tab.blocks === undefined);
+  const tabs = (Array.isArray(result?.["tabs"]) ? result["tabs"] as JsonObject[] : []).filter((each) => each["name"] !== name);
   useStore.setState({ equations: { ...equations, result: { ...result, tabs: [...tabs, tab] } } });
 }
 

@@ -21,13 +21,14 @@ export function equationsFrom(text: string): readonly Element[] {
   return [...parsed.children].map(row);
 }
 
+function isWanted(name: string, value: string): boolean {
+  return ["title", "data-span", "tabindex"].includes(name) || (name === "class" && CLASSES.has(value));
+}
+
 function row(element: Element): Element {
   if (element.localName === "math") return cleaned(element);
   const copy = document.createElement(element.localName === "div" ? "div" : "span");
-  const name = element.getAttribute("class") ?? "";
-  if (CLASSES.has(name)) copy.className = name;
-  if (name === "sb-matrix") copy.tabIndex = 0;
-  for (const each of ["title", "data-span"]) if (element.hasAttribute(each)) copy.setAttribute(each, element.getAttribute(each) ?? "");
+  for (const { name, value } of element.attributes) if (isWanted(name, value)) copy.setAttribute(name, value);
   for (const child of element.childNodes) copy.append(child instanceof Element ? row(child) : child.textContent ?? "");
   return copy;
 }
