@@ -22,7 +22,7 @@ from symbody.expr.printing.mathml_tables import (
 )
 from symbody.expr.printing.names import name_words
 
-_LONG: Final = 30  # letters from which a term may be broken inside its brackets
+_LONG: Final = 20  # letters from which a term may be broken inside its brackets
 _BRACKET: Final = 10  # letters below which brackets are never opened
 _WIDEST: Final = 46  # letters of the rows of a matrix that is drawn as one
 _TALL: Final = frozenset({"mfrac", "mtable"})
