@@ -49,7 +49,7 @@ def test_tracebacks_are_short(name: str, run: sb.Trajectory) -> None:
 
 
 def test_a_fault_of_the_callers_own_function_stays_the_cause() -> None:
-    def law(t: float) -> float:
+    def law(t: float, q: object, u: object) -> float:
         raise ZeroDivisionError("mine")
 
     model = sb.Model(
