@@ -80,12 +80,13 @@ def fingerprint(root: Path) -> str:
     """Return a hash of all that the pages are made from."""
     top = root / SOURCES
     files = [top / name for name in ("package.json", "package-lock.json", "page.html")]
+    files += [root / "src/symbody/display" / name for name in ("maths.css", "maths.woff2")]
     files += [path for folder in ("src", "scripts") for path in (top / folder).rglob("*") if path.is_file()]
     digest = hashlib.sha256()
     for path in sorted(files):
         if path.is_file() and ".test." not in path.name:
             content = path.read_bytes().replace(b"\r\n", b"\n")
-            digest.update(f"{path.relative_to(top).as_posix()} {len(content)}\n".encode())
+            digest.update(f"{path.relative_to(root).as_posix()} {len(content)}\n".encode())
             digest.update(content)
     return digest.hexdigest()
 

@@ -148,16 +148,20 @@ class EnvironmentFault(SymbodyError):
     exit_code = 5
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return a "did you mean" sentence for `name`, or a list of what is known."""
+def nearest(name: str, known: Iterable[str], what: str = "names") -> str:
+    """Return a "did you mean" sentence for `name`, or a list of what is known.
+
+    A name that differs in capitals alone is nearest.
+    """
     names = sorted(set(known))
-    close = get_close_matches(name, names, n=3, cutoff=0.6)
+    same = [word for word in names if word.casefold() == name.casefold()]
+    close = same or get_close_matches(name, names, n=3, cutoff=0.6)
     if close:
         return "did you mean " + " or ".join(repr(word) for word in close) + "?"
     if not names:
         return "there are no names to choose from."
     shown = ", ".join(names[:20]) + (f", ... ({len(names)} in all)" if len(names) > 20 else "")
-    return f"known names: {shown}."
+    return f"known {what}: {shown}."
 
 
 def number_in_words(number: int, word: str) -> str:

@@ -148,20 +148,26 @@ def lit_up(page: Any) -> float:
     return float(page.evaluate("Math.max(0, ...symbodyPicture.shown.player.viewer.lights.values())"))
 
 
-def test_equations_appear_part_by_part(visit: Visit) -> None:
+def test_equations_of_motion_come_first_and_the_rest_on_demand(visit: Visit) -> None:
     builder = visit()
     page = builder.page
-    builder.open_example("bicycle")
+    builder.open_example("four_bar")
     builder.keys("F6")
-    builder.wait("s.run !== null && s.run.parts.length > 0", 120)
-    assert builder.state("tab") == "equations" and builder.state("equations") is None
+    builder.wait("s.equations !== null", 120)
+    assert builder.state("run") is None and builder.state("tab") == "equations"  # nothing waits for the rest
     page.locator(".equation-block").first.wait_for()
-    assert page.get_by_text("The others are being written").is_visible()
+    assert page.locator(".equation-block h3").all_inner_texts() == [
+        "Equations of motion",
+        "Constraints on positions",
+    ]
+    assert page.locator(".sb-equation").count() == 5  # three accelerations, two multipliers
     chosen = page.get_by_role("tablist", name="Equations").get_by_role("tab", name="Forcing")
     chosen.click()
-    builder.wait("s.equations !== null", 120)
-    assert chosen.get_attribute("aria-selected") == "true"  # what is being read stays
-    assert len(builder.state("equations.result.tabs")) == 8
+    page.get_by_role("heading", name="Forcing").wait_for()
+    assert chosen.get_attribute("aria-selected") == "true"
+    assert len(builder.state("equations.result.names")) == 8
+    panel = page.locator(".equation-blocks")
+    assert panel.evaluate("each => each.scrollWidth <= each.clientWidth")  # broken to the width there is
 
 
 def test_closing_a_page_with_changes_is_questioned(visit: Visit) -> None:

@@ -99,7 +99,8 @@ def derive(builder: BuilderPage) -> list[str]:
     builder.keys("F6")
     builder.wait("s.equations !== null && s.equations.of === s.data || s.notice.length > 0", 120)
     assert builder.page.locator(".equations math").first.is_visible()
-    return [each["name"] for each in builder.state("equations.result.tabs")]
+    names: list[str] = builder.state("equations.result.names")
+    return names
 
 
 def assert_whole_way(

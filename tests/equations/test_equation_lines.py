@@ -7,7 +7,7 @@ import re
 import pytest
 
 import symbody as sb
-from symbody.equations.outputs.display import latex_sides
+from symbody.equations.outputs.equation_lines import written_sections
 from symbody.expr.printing.latex_rows import break_latex, latex_equations_page, letters
 from tests.display.test_views import oscillator
 
@@ -62,7 +62,8 @@ def unbroken(rows: list[str]) -> str:
 @pytest.mark.parametrize("width", [20, 35, 80, 10_000])
 @pytest.mark.parametrize("count", [1, 2, 4])
 def test_rows_are_short_balanced_and_lose_nothing(width: int, count: int) -> None:
-    for side in (side for pair in latex_sides(sb.form_equations(chain(count)).textbook) for side in pair):
+    (motion,) = written_sections(sb.form_equations(chain(count)).textbook, True, 400)
+    for side in (side for pair in motion.sides for side in pair):
         rows = break_latex(side, width)
         assert unbroken(rows).split() == side.split()
         for row in rows:

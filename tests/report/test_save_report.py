@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
@@ -29,21 +28,13 @@ class Page(HTMLParser):
         super().__init__()
         self.tags: list[str] = []
         self.sources: list[str] = []
-        self.annotations: list[str] = []
-        self._is_annotation = False
+        self.formulas: list[str] = []
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append(tag)
         self.sources += [value or "" for name, value in attrs if name in ("src", "href")]
-        self._is_annotation = tag == "annotation"
-
-    def handle_data(self, data: str) -> None:
-        if self._is_annotation:
-            self.annotations.append(data)
-
-    def handle_endtag(self, tag: str) -> None:
-        self._is_annotation = False
+        self.formulas += [value or "" for name, value in attrs if name == "data-formula"]
 
 
 def write(eqs: sb.EquationSet, path: Path, **words: object) -> str:
@@ -62,7 +53,7 @@ def test_pages_of_examples(name: str, tmp_path: Path) -> None:
     assert "script" not in page.tags
     assert all(source.startswith(("data:", "#")) for source in page.sources)
     assert page.tags.count("section") >= 11
-    assert page.annotations
+    assert page.formulas
 
 
 def test_every_kind_of_file(tmp_path: Path) -> None:
@@ -88,7 +79,7 @@ def test_formulas_are_those_of_the_graph(tmp_path: Path) -> None:
     point = (0.0, [0.3, 0.4, 0.5], [0.6, 0.7, 0.8], [0.9])
     names = ["mass_matrix", "forcing", "jacobian", "gamma"]
     values = sb.compile(eqs, names, parameters=parameters)(*point)
-    texts = [unescape(text).split("\n") for text in page.annotations]
+    texts = [text.split("\n") for text in page.formulas]
     for lines, entries in zip(texts, values, strict=True):
         read = sb.compile(eqs, lines, parameters=parameters)(*point)
         np.testing.assert_allclose(read, np.ravel(entries), rtol=1e-13, atol=1e-14)

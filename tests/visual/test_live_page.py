@@ -8,16 +8,12 @@ import json
 import re
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import pytest
 
 import symbody as sb
 import symbody.visual.viewer.page as page_module
-from symbody.equations.outputs.display import mathml_sides
 from symbody.errors import UsageError
-from symbody.expr.printing.mathml_column import mathml_column
-from symbody.expr.printing.mathml_tables import letter_count
 from symbody.visual.viewer.live_page import LivePage
 from tests.equations.test_dependent_speeds import skate
 from tests.faults.test_constraint_rows import parallelogram
@@ -125,16 +121,3 @@ def test_motions_that_only_python_keeps_on_their_branch_are_refused() -> None:
     assert refused(sb.form_equations(skate(), dependent_speeds=("y_dot",))) == "animation.live_pivots"
     with_partition = {"constraints": sb.Partition(), "initial": {"a": 1.0}}
     assert refused(parallelogram(), **with_partition) == "animation.live_constraints"
-
-
-def test_equations_are_broken_into_rows_of_the_panel() -> None:
-    eqs = sb.form_equations(
-        sb.load_model(Path(__file__).parents[2] / "examples" / "four_bar" / "four_bar.toml")
-    )
-    table = ElementTree.fromstring(mathml_column(mathml_sides(eqs.textbook), 38))
-    rows = ["".join(row.itertext()) for row in table]
-    assert len(rows) > 2 * len(eqs.speed_names) and sum("=" in row for row in rows) == len(eqs.speed_names)
-    assert max(map(letter_count, table)) <= 44  # an opened bracket's signs cannot be everywhere
-    whole = "".join("".join(row) for row in rows).replace("\u2062", "")
-    sides = "".join(f"<p>{left}<mo>=</mo>{right}</p>" for left, right in mathml_sides(eqs.textbook))
-    assert whole == "".join(ElementTree.fromstring(f"<p>{sides}</p>").itertext()).replace("\u2062", "")

@@ -86,6 +86,7 @@ export const api = {
     (await call("job", { document, kind, data, options }) as { job: string }).job,
   jobState: (job: string, seen: number) => call("job_state", { job, seen }) as Promise<JobState>,
   cancel: (job: string) => call("cancel", { job }) as Promise<JsonObject>,
+  equationTab: (job: string, name: string) => call("equation_tab", { job, name }) as Promise<JsonObject>,
   outputs: (job: string, names: readonly string[]) => call("outputs", { job, names }) as Promise<JsonObject>,
   exported: (document: string, data: Model, kind: string, job: string | null) =>
     call("export", { document, data, kind, ...(job === null ? {} : { job }) }) as Promise<ExportAnswer>,

@@ -12,6 +12,7 @@ import { loadSchema } from "./commands/insert";
 import { counts } from "./shell/counts";
 import { rememberedTheme } from "./shell/theme";
 import { historyLength, isDirty, useStore } from "./store";
+import "../../../src/symbody/display/maths.css";
 import "./style/page.css";
 import "./style/diagram.css";
 import "./style/panels.css";

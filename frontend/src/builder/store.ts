@@ -7,7 +7,7 @@ import { forgetArrangement } from "./model/layout";
 import { valueAt } from "./model/pointers";
 import { keepWires } from "./model/wires";
 import type { Copied } from "./model/edit";
-import type { CheckAnswer, DocumentAnswer, JobKind, JobState, JsonObject, Model, Problem, SchemaAnswer } from "./types";
+import type { CheckAnswer, DocumentAnswer, JobKind, JobState, Model, Problem, SchemaAnswer } from "./types";
 
 export type ThemeChoice = "auto" | "light" | "dark" | "contrast";
 export type Tab = "positions" | "curves" | "equations" | "analyses" | "problems";
@@ -36,8 +36,6 @@ export interface Run {
   readonly state: JobState | null;
   /** The model that it was started with. */
   readonly of: Model;
-  /** What is ready before the whole result. */
-  readonly parts: readonly JsonObject[];
 }
 
 export interface Simulated {
@@ -83,7 +81,7 @@ export interface State {
   readonly spoken: string;
   readonly notice: readonly Problem[];
   readonly run: Run | null;
-  readonly equations: { readonly of: Model; readonly result: JobState["result"] } | null;
+  readonly equations: { readonly of: Model; readonly job: string; readonly result: JobState["result"] } | null;
   readonly analysis: { readonly kind: JobKind; readonly of: Model; readonly result: JobState["result"] } | null;
   readonly simulated: Simulated | null;
   /** Whether the picture shows the simulated motion, not the start position. */

@@ -155,6 +155,4 @@ export interface JobState {
   readonly state: "running" | "done" | "failed" | "cancelled";
   readonly result: JsonObject | null;
   readonly problems: readonly Problem[];
-  /** Parts of the result that came since the last look, before the whole. */
-  readonly parts: readonly JsonObject[];
 }

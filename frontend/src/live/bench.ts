@@ -85,7 +85,7 @@ export class Bench {
       this.message,
       ...this.groups(),
       ...(hint === "" ? [] : [create("p", { class: "sb-hint" }, hint)]),
-      ...(equations === null ? [] : [create("details", { open: true }, create("summary", {}, "Equations"), create("div", { class: "sb-equations", tabindex: 0, role: "region", "aria-label": "Equations" }, equations))]),
+      ...(equations === null ? [] : [create("details", { open: true }, create("summary", {}, "Equations"), create("div", { class: "sb-formulas", tabindex: 0, role: "region", "aria-label": "Equations" }, equations))]),
     );
   }
 

@@ -3,6 +3,7 @@
 import { DataError } from "../viewer";
 import { startPage } from "../player/start";
 import "../player/style.css";
+import "../../../src/symbody/display/maths.css";
 import "./style.css";
 import { LivePage, type Formulas } from "./live_page";
 import { readLive, type Simulation } from "./simulation";

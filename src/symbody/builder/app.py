@@ -192,6 +192,11 @@ def _cancel(request: asked.CancelRequest, builder: Builder) -> Answer:
     return builder.jobs.cancel(request.job)
 
 
+@api.post("/equation_tab")
+def _equation_tab(request: asked.EquationTabRequest, builder: Builder) -> Answer:
+    return builder.equation_tab(request)
+
+
 @api.post("/outputs")
 def _outputs(request: asked.OutputsRequest, builder: Builder) -> Answer:
     return builder.outputs(request)

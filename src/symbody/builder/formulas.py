@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Any, Final
@@ -9,6 +10,7 @@ from typing import Any, Final
 from symbody.display.formulas import show_formula
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
+from symbody.expr.printing.mathml_tables import math_element
 
 # Texts of the model file that are names, addresses or words.
 _WORDS: Final = frozenset(
@@ -17,18 +19,30 @@ _WORDS: Final = frozenset(
     "prefix share columns units".split()
 )
 _MOST: Final = 2000  # formulas of a model that are shown
+# What a formula is easier to read for in two dimensions: fractions, powers, functions, rates, indices.
+_NOTATION: Final = re.compile(r"[/^(_]|\*\*")
+_SHORT: Final = 24  # letters of a formula that is read as it is typed
 _LONGEST: Final = 2000  # characters of one
 
 
 def formula_mathml(text: str, pointer: str = "") -> str:
-    """Return a formula as MathML; a number as it is typed.
+    """Return a formula as MathML where that reads better than its text, an angle in degrees in radians.
 
     Raises
     ------
     ExpressionError
         If it is none.
     """
-    return show_formula(Formula.from_value(_degrees_to_radians(text), where=f"#{pointer}" if pointer else ""))
+    return _echo(text, Formula.from_value(_degrees_to_radians(text), where=f"#{pointer}" if pointer else ""))
+
+
+def _echo(text: str, formula: Formula) -> str:
+    """Return a formula as the page shows it beside its field; empty where it says no more than the text."""
+    value = formula.constant() if text.strip().endswith(" deg") else None
+    if value is not None:
+        return math_element(f"<mn>{float(value):.6g}</mn><mtext>\u2009rad</mtext>".replace("-", "\u2212"))
+    is_plain = formula.is_number or (len(text) < _SHORT and _NOTATION.search(text) is None)
+    return "" if is_plain else show_formula(formula)
 
 
 def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
@@ -48,9 +62,8 @@ def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
 
 @lru_cache(maxsize=4096)  # a check follows each change, of which most leave all formulas but one as they are
 def _mathml_of(text: str) -> str | None:
-    """Return a formula as MathML; None of a number."""
-    formula = Formula.from_value(_degrees_to_radians(text))
-    return None if formula.is_number else show_formula(formula)
+    """Return a formula as MathML; None where it says no more than its text."""
+    return _echo(text, Formula.from_value(_degrees_to_radians(text))) or None
 
 
 def formula_texts(value: Any, pointer: str) -> Iterator[tuple[str, str]]:

@@ -19,7 +19,8 @@ Payload = dict[str, Any]
 
 _WAIT: Final = 1.0  # how long a page is kept waiting for news [s]
 _MOST_KEPT: Final = 20  # jobs whose results are remembered
-_MOST_RUNS: Final = 2  # finished runs whose process stays, to compute further outputs
+_MOST_RUNS: Final = 3  # finished jobs whose process stays, to compute further outputs or write further tabs
+_HOLDING: Final = ("simulate", "equations")  # jobs whose process has more to give
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +35,6 @@ class JobState:
         All stages until now, the last of them under way.
     begun, ended : float
         Times of the system's steady clock [s].
-    parts : tuple of (int, object)
-        Parts of the result that are ready before the whole, each with the version that it came with.
     """
 
     kind: str
@@ -47,10 +46,9 @@ class JobState:
     ended: float | None = None
     result: Any = None
     problems: tuple[Any, ...] = ()
-    parts: tuple[tuple[int, Any], ...] = ()
 
-    def answer(self, seen: int = -1) -> dict[str, Any]:
-        """Return what the page is told, of the parts those that came after a version."""
+    def answer(self) -> dict[str, Any]:
+        """Return what the page is told."""
         return {
             "kind": self.kind,
             "state": self.state,
@@ -61,7 +59,6 @@ class JobState:
             "elapsed": round((self.ended or time.monotonic()) - self.begun, 2),
             "result": self.result,
             "problems": list(self.problems),
-            "parts": [part for version, part in self.parts if version > seen],
         }
 
 
@@ -104,7 +101,7 @@ class Jobs:
         with self._news:
             self._find_job(job)
             self._news.wait_for(lambda: job not in self._states or self._states[job].version > seen, _WAIT)
-            return self._find_job(job).answer(seen)
+            return self._find_job(job).answer()
 
     def cancel(self, job: str) -> dict[str, Any]:
         """End a job at once; one that has ended stays as it is."""
@@ -164,21 +161,20 @@ class Jobs:
             self._end(job, "failed", problems=tuple(page_problem(each, {}) for each in error.problems))
         self._release(job)
 
-    def _note(self, job: str, stage: str, percent: int | None, part: Any = None) -> None:
+    def _note(self, job: str, stage: str, percent: int | None) -> None:
         with self._news:
             state = self._states.get(job)
             if state is None or state.state != "running":
                 return
             stages = state.stages if stage in state.stages[-1:] else (*state.stages, stage)
-            parts = state.parts if part is None else (*state.parts, (state.version + 1, part))
-            self._store_state(job, replace(state, stages=stages, percent=percent, parts=parts))
+            self._store_state(job, replace(state, stages=stages, percent=percent))
 
     def _end(self, job: str, word: str, result: Any = None, problems: tuple[Any, ...] = ()) -> None:
         with self._news:
             state = self._states.get(job)
             if state is not None and state.state == "running":  # not cancelled
                 ended = replace(
-                    state, state=word, result=result, problems=problems, parts=(), ended=time.monotonic()
+                    state, state=word, result=result, problems=problems, ended=time.monotonic()
                 )
                 self._store_state(job, ended)
 
@@ -201,7 +197,7 @@ class Jobs:
 
     def _holds_run(self, job: str) -> bool:
         state = self._states.get(job)
-        return state is not None and state.kind == "simulate" and state.state == "done"
+        return state is not None and state.kind in _HOLDING and state.state == "done"
 
     def _forget(self) -> None:
         """Drop the oldest results; the lock is held."""

@@ -143,6 +143,13 @@ class OutputsRequest(PageRequest):
     names: list[str] = Field(max_length=200)
 
 
+class EquationTabRequest(PageRequest):
+    """A tab of derived equations."""
+
+    job: str = Field(max_length=64)
+    name: str = Field(max_length=64)
+
+
 class ExportRequest(PageRequest):
     """A model in another form; `job` is a finished run, for what shows a motion."""
 

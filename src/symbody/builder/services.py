@@ -11,6 +11,7 @@ from symbody.builder.model_text import text_from_data
 from symbody.builder.requests import (
     CheckRequest,
     DragRequest,
+    EquationTabRequest,
     ExportRequest,
     JobRequest,
     OutputsRequest,
@@ -87,6 +88,11 @@ class Services:
     def outputs(self, request: OutputsRequest) -> Answer:
         """Return more curves of a finished run."""
         answer: Answer = self.jobs.ask(request.job, "outputs", {"names": request.names})
+        return answer
+
+    def equation_tab(self, request: EquationTabRequest) -> Answer:
+        """Return a tab of equations that a finished job has derived."""
+        answer: Answer = self.jobs.ask(request.job, "equation_tab", {"name": request.name})
         return answer
 
     def export(self, request: ExportRequest) -> Answer:

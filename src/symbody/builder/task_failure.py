@@ -6,9 +6,9 @@ from typing import Any, Protocol
 
 
 class Report(Protocol):
-    """Takes the stage of a task, its percentage if there is one, and a part of the result if one is ready."""
+    """Takes the stage of a task, and its percentage if there is one."""
 
-    def __call__(self, stage: str, percent: int | None, part: Any = None, /) -> None:
+    def __call__(self, stage: str, percent: int | None, /) -> None:
         """Hand on what is new."""
 
 

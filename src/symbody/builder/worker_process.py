@@ -28,7 +28,8 @@ _TASKS: Final = MappingProxyType(
         "redraw": "symbody.builder.tasks.redraw:redraw_model",
         "pose": "symbody.builder.tasks.pose:find_pose",
         "drag": "symbody.builder.tasks.drag:drag_body",
-        "equations": "symbody.builder.tasks.equations:equation_tabs",
+        "equations": "symbody.builder.tasks.equations:derive_equations",
+        "equation_tab": "symbody.builder.tasks.equations:equation_tab",
         "simulate": "symbody.builder.tasks.simulation:simulate_model",
         "outputs": "symbody.builder.tasks.simulation:more_curves",
         "equilibrium": "symbody.builder.tasks.analyses:equilibrium",
@@ -57,8 +58,8 @@ def run_worker(pipe: Connection) -> None:
         except (EOFError, OSError):
             return
 
-        def report(stage: str, percent: int | None, part: Any = None, /) -> None:
-            pipe.send(("stage", stage, percent, part))
+        def report(stage: str, percent: int | None, /) -> None:
+            pipe.send(("stage", stage, percent))
 
         pipe.send(_outcome(name, payload, report))
 

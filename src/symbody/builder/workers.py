@@ -58,8 +58,7 @@ class Worker:
         Parameters
         ----------
         on_stage : callable, optional
-            Is called with the name of each stage, the percentage and a part of the result, None where there
-            is none.
+            Is called with the name of each stage, and the percentage or None.
         is_over : callable
             Whether nobody waits for the result any more; the process is killed then.
 

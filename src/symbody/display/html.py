@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
+from base64 import b64encode
 from collections.abc import Iterable, Sequence
+from functools import cache
 from html import escape
+from importlib.resources import files
 from typing import Final
 
 from symbody.expr.printing.mathml import mathml_name
@@ -12,6 +16,7 @@ from symbody.expr.printing.mathml_tables import math_element
 
 MOST_ROWS: Final = 12  # of a table
 _ALIGNED: Final = "text-align:left;padding:0 1em 0 0"
+_FONT_FACE: Final = re.compile(r"@font-face \{[^}]*\}\n")
 _SUPERSCRIPTS: Final = str.maketrans(
     "0123456789", "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
 )
@@ -25,7 +30,26 @@ class Markup(str):
 
 def page(title: str, *parts: Markup) -> str:
     """Return a heading and what stands under it."""
-    return f'<div class="symbody"><b>{escape(title)}</b>{"".join(parts)}</div>'
+    content = "".join(parts)
+    style = f"<style>{maths_style('<mover' in content)}</style>" if "<math" in content else ""
+    return f'<div class="symbody">{style}<b>{escape(title)}</b>{content}</div>'
+
+
+@cache
+def maths_style(with_font: bool) -> str:
+    """Return the style sheet of equations.
+
+    Parameters
+    ----------
+    with_font : bool
+        Whether the font for mathematics stands in it, some 37 kB: dots need it.
+    """
+    folder = files("symbody.display")
+    style = folder.joinpath("maths.css").read_text("utf-8")
+    if not with_font:
+        return _FONT_FACE.sub("", style)
+    font = b64encode(folder.joinpath("maths.woff2").read_bytes()).decode("ascii")
+    return style.replace("./maths.woff2", f"data:font/woff2;base64,{font}")
 
 
 def paragraph(text: str) -> Markup:

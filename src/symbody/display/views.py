@@ -28,12 +28,12 @@ from symbody.display.html import (
     table,
 )
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.outputs.display import mathml_sides
+from symbody.equations.outputs.equation_page import equation_operations, equations_page
+from symbody.equations.outputs.equation_sections import SHOWN_DIGITS
 from symbody.equations.outputs.parameter_units import symbol_units
 from symbody.errors import SymbodyError, number_in_words
 from symbody.expr.language.formula import Formula
-from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
-from symbody.expr.rewrite import tree_sizes
+from symbody.expr.printing.mathml_tables import math_element, mathml_matrix
 from symbody.model.body import Body
 from symbody.model.declarations.declaration import Declared
 from symbody.model.element import Element
@@ -79,8 +79,7 @@ def _symbols(names: tuple[str, ...]) -> Markup:
 
 def _equations(eqs: EquationSet) -> str:
     if _is_short(eqs):
-        formulas = mathml_equations(mathml_sides(eqs.textbook))
-        return page(repr(eqs), Markup(math_element(formulas, block=True)), notes(eqs.notes))
+        return page(repr(eqs), Markup(equations_page(eqs.textbook)), notes(eqs.notes))
     rows = [("coordinates", _symbols(eqs.coordinate_names[:12])), ("speeds", _symbols(eqs.speed_names[:12]))]
     hint = (
         "too long to be shown: eqs.text() prints them with names for shared parts, sb.generate_code the code"
@@ -91,12 +90,11 @@ def _equations(eqs: EquationSet) -> str:
 def _is_short(eqs: EquationSet) -> bool:
     if len(eqs.speed_names) > _MOST_SPEEDS:
         return False
-    sides = [*eqs.textbook.inertial_side.nodes, *eqs.textbook.forcing_side.nodes]
-    return sum(tree_sizes(eqs.textbook.formed.graph, sides)) <= _MOST_OPERATIONS
+    return equation_operations(eqs.textbook) <= _MOST_OPERATIONS
 
 
 def _equations_latex(eqs: EquationSet) -> str | None:
-    return f"$\\displaystyle {eqs.latex()}$" if _is_short(eqs) else None
+    return f"$\\displaystyle {eqs.latex(digits=SHOWN_DIGITS)}$" if _is_short(eqs) else None
 
 
 def _trajectory(run: Trajectory) -> str:

@@ -50,6 +50,20 @@ def substitute_values(names: Names, model: Model, outputs: Mapping[str, Expr]) -
     return names
 
 
+def signals_of_loads(model: Model) -> list[str]:
+    """Return the signals that loads read themselves, in the order in which they are read."""
+    signals = {signal.name for signal in model.signals}
+    read = (
+        name
+        for element in model.elements
+        if element.kind not in ("signal", "block")
+        for site in element.formula_sites()
+        if site.scope is Scope.LOAD
+        for name in site.formula.names
+    )
+    return [name for name in dict.fromkeys(read) if name in signals]
+
+
 def outputs_of_loads(model: Model) -> dict[str, Path]:
     """Return the signals of outputs that loads read, directly or through values, each with the way."""
     signals = {signal.name: signal for signal in model.signals}

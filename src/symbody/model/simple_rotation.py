@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from symbody.expr.language.formula import Formula
+from symbody.expr.graph import Graph, Symbol
+from symbody.expr.language.formula import Formula, build
+from symbody.expr.trigonometry.normal_form import trigonometric_form
 from symbody.model.declarations.arguments import ZERO, Arguments
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.numbers import formula_value, square_root
@@ -71,7 +73,7 @@ def unit_axis(axis: Axis) -> Triple:
     """Return the unit vector of an axis.
 
     Letters and vectors whose length is a rational number give exact components; other numbers are
-    divided by the root of the exact square sum, formulas by the formula of their length.
+    divided by the root of the exact square sum, formulas by the formula of their length unless it is 1.
     """
     if isinstance(axis, str):
         return LETTERS[axis]
@@ -93,8 +95,18 @@ def _divide(axis: Triple, terms: list[Formula], *, squared: bool = False) -> Tri
     """Return the axis divided by the root of the sum of `terms`, or of their squares."""
     exponent = "" if squared else "**2"
     length = " + ".join(f"({term.text}){exponent}" for term in terms)
+    if not squared and _is_one(Formula.from_value(length)):
+        return axis
     x, y, z = (_quotient(component, length) for component in axis)
     return (x, y, z)
+
+
+def _is_one(formula: Formula) -> bool:
+    """Return whether a formula is 1 whatever its names stand for, as ``sin(a)**2 + cos(a)**2``."""
+    graph = Graph()
+    node = build(formula, graph, lambda name, _: graph.pi() if name == "pi" else graph.symbol(Symbol(name)))
+    (shown,) = trigonometric_form(graph, [node])
+    return graph.number(shown) == 1
 
 
 def _quotient(component: Formula, length: str) -> Formula:

@@ -6,12 +6,13 @@ they are written, so that every kind of file prints them in its own notation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
+from symbody.expr.printing.numerals import ALL_DIGITS, Numerals
 
 # An equation of more operations is written in shared parts with names, and folded where pages can fold.
 LONG: Final = 400
@@ -84,10 +85,24 @@ class EquationBlock:
         Where the nodes are.
     sides : tuple of (int, int)
         The nodes of both sides of each.
+    numerals : Numerals
+        How many digits numbers have.
+    leading : mapping of node to node
+        The acceleration that comes first in a left side.
+    remarks : mapping of int to str
+        What is said behind an equation, by its place.
     """
 
     graph: Graph
     sides: tuple[tuple[int, int], ...]
+    numerals: Numerals = ALL_DIGITS
+    leading: Mapping[int, int] = field(default_factory=dict)
+    remarks: Mapping[int, str] = field(default_factory=dict)
+
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        """Both sides of each equation, one after the other."""
+        return tuple(node for pair in self.sides for node in pair)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,12 +117,15 @@ class Matrix:
         Rows and columns.
     nodes : tuple of int
         Entries, row by row.
+    numerals : Numerals
+        How many digits numbers have.
     """
 
     symbol: str
     graph: Graph
     shape: tuple[int, int]
     nodes: tuple[int, ...]
+    numerals: Numerals = ALL_DIGITS
 
 
 @dataclass(frozen=True, slots=True)

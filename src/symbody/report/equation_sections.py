@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Final
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.outputs.display import equation_sides
+from symbody.equations.outputs.equation_page import DIGITS_NOTE
+from symbody.equations.outputs.equation_sections import (
+    EquationSection,
+    constraint_sections,
+    equation_sections,
+    has_rounded,
+)
 from symbody.errors import SymbodyError
-from symbody.expr.canonical import ZERO
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import SADDLE
 from symbody.expr.rewrite import operation_count, tree_sizes
@@ -48,17 +54,17 @@ _COUNTED: Final = (
 
 def kinematics_section(setting: Setting) -> ReportSection:
     """Return the rates of coordinates, and places and velocities of the bodies' frames in the ground."""
-    eqs = setting.eqs
-    return ReportSection("kinematics", "Kinematics", tuple(_kinematics(eqs)))
+    return ReportSection("kinematics", "Kinematics", tuple(_kinematics(setting)))
 
 
-def _kinematics(eqs: EquationSet) -> Iterator[Block]:
+def _kinematics(setting: Setting) -> Iterator[Block]:
+    eqs, numerals = setting.eqs, setting.numerals
     graph, formed = eqs.formed.graph, eqs.formed
     rates = [graph.symbol(symbol.derivative) for symbol in formed.q]
     sides = [(a, b) for a, b in zip(rates, eqs.textbook.readable("qdot").nodes, strict=True) if a != b]
     if sides:
         yield Paragraph("Rates of the coordinates by the speeds:")
-        yield from _equations(graph, sides)
+        yield from _equations(setting, EquationSection("rates", tuple(sides)))
     bodies = eqs.model.bodies
     if len(bodies) > _MOST_BODIES:
         yield Paragraph(
@@ -75,18 +81,21 @@ def _kinematics(eqs: EquationSet) -> Iterator[Block]:
         if any(_is_long(graph, entries) for entries in nodes.values()):
             yield Paragraph(f"Those of {body.name} are too long to be read.")
         else:
-            row = [Matrix(f"{x}_{body.name}", graph, (3, 1), tuple(entries)) for x, entries in nodes.items()]
-            yield MatrixRow(tuple(row))
+            yield MatrixRow(
+                tuple(
+                    Matrix(f"{x}_{body.name}", graph, (3, 1), tuple(entries), numerals)
+                    for x, entries in nodes.items()
+                )
+            )
 
 
 def constraints_section(setting: Setting) -> ReportSection:
     """Return the constraints of each joint, on positions and on velocities."""
-    eqs = setting.eqs
-    return ReportSection("constraints", "Constraints", tuple(_constraints(eqs)))
+    return ReportSection("constraints", "Constraints", tuple(_constraints(setting)))
 
 
-def _constraints(eqs: EquationSet) -> Iterator[Block]:
-    formed, graph = eqs.formed, eqs.formed.graph
+def _constraints(setting: Setting) -> Iterator[Block]:
+    formed = setting.eqs.formed
     if not formed.rows:
         yield Paragraph("There are none: the coordinates of the trees are independent.")
         return
@@ -95,14 +104,10 @@ def _constraints(eqs: EquationSet) -> Iterator[Block]:
         for row in formed.rows
     ]
     yield TextTable(("joint or element", "constraint on", "multiplier"), tuple(rows))
-    values = eqs.textbook.readable("constraints").nodes
-    if values:
-        yield Paragraph("On positions:")
-        yield from _equations(graph, [(ZERO, node) for node in values])
-    rates = eqs.textbook.readable("velocity_constraints").nodes[len(values) :]
-    if rates:
-        yield Paragraph("On velocities:")
-        yield from _equations(graph, [(ZERO, node) for node in rates])
+    for section in constraint_sections(setting.eqs.textbook):
+        if section.sides:
+            yield Paragraph(f"{section.title.heading}:")
+            yield from _equations(setting, section)
 
 
 def dynamics_section(setting: Setting) -> ReportSection:
@@ -113,7 +118,7 @@ def dynamics_section(setting: Setting) -> ReportSection:
         blocks.append(_governing_equations(eqs))
     else:
         blocks.append(Paragraph("There are no speeds: nothing moves, or all that moves is prescribed."))
-    blocks += _matrices(eqs) if eqs.speed_names else ()
+    blocks += _matrices(setting) if eqs.speed_names else ()
     counted: list[tuple[Cell, ...]] = []
     for name in _COUNTED:
         if name in ("jacobian", "gamma", "constraints") and not eqs.multiplier_names:
@@ -132,7 +137,8 @@ def _governing_equations(eqs: EquationSet) -> GoverningEquations:
     return GoverningEquations(speeds if short else (), multipliers if short else (), bool(multipliers))
 
 
-def _matrices(eqs: EquationSet) -> Iterator[Block]:
+def _matrices(setting: Setting) -> Iterator[Block]:
+    eqs = setting.eqs
     graph = eqs.formed.graph
     names = {"M": "mass_matrix", "F": "forcing"}
     if eqs.multiplier_names:
@@ -143,36 +149,39 @@ def _matrices(eqs: EquationSet) -> Iterator[Block]:
                 f"{letter} ({name}) is too large to be read; generate_code(eqs, {name!r}) writes it."
             )
             continue
-        roots: Roots = eqs.textbook.readable(name)
+        roots: Roots = eqs.textbook.shown(name)
         rows, columns = (*roots.shape, 1)[:2]
-        yield Matrix(letter, graph, (rows, columns), tuple(roots.nodes))
+        yield Matrix(letter, graph, (rows, columns), tuple(roots.nodes), setting.numerals)
 
 
 def equations_section(setting: Setting) -> ReportSection:
-    """Return the equations of motion, as people write them."""
+    """Return all equations, as people write them: as many as there are unknowns."""
     eqs = setting.eqs
-    graph = eqs.formed.graph
     if len(eqs.speed_names) > _MOST_SPEEDS or _is_big(
-        graph, (*eqs.roots("mass_matrix").nodes, *eqs.roots("forcing").nodes)
+        eqs.formed.graph, (*eqs.roots("mass_matrix").nodes, *eqs.roots("forcing").nodes)
     ):
         text = "too large to be read; eqs.text() prints them, sb.generate_code writes them"
         return ReportSection("equations", "Equations of motion", (Paragraph(text),))
-    blocks = [*_equations(graph, equation_sides(eqs.textbook))]
-    if not eqs.speed_names:
-        blocks = [Paragraph("There are none: there are no speeds.")]
-    if eqs.textbook.signal_equations:
-        blocks.append(Paragraph("Signals:"))
-        blocks += _equations(graph, eqs.textbook.signal_equations)
+    blocks: list[Block] = []
+    for section in equation_sections(eqs.textbook, LONG):
+        if section.key != "motion":
+            blocks.append(Paragraph(f"{section.title.heading}:"))
+        if section.note:
+            blocks.append(Paragraph(f"{section.note[:1].upper()}{section.note[1:]}."))
+        if section.sides:
+            blocks += _equations(setting, section)
+        if section.words:
+            blocks.append(TextTable(("signal", "is"), section.words))
     return ReportSection("equations", "Equations of motion", blocks)
 
 
 def reactions_section(setting: Setting) -> ReportSection:
     """Return force and moment that each joint transmits, where they are short."""
-    eqs = setting.eqs
-    return ReportSection("reactions", "Reactions", tuple(_reactions(eqs)))
+    return ReportSection("reactions", "Reactions", tuple(_reactions(setting)))
 
 
-def _reactions(eqs: EquationSet) -> Iterator[Block]:
+def _reactions(setting: Setting) -> Iterator[Block]:
+    eqs, numerals = setting.eqs, setting.numerals
     yield Paragraph(
         "Force [N] and moment [N m] on the end body by the start body, at the joint and in the axes that "
         "reaction outputs use, by multipliers and accelerations."
@@ -194,19 +203,33 @@ def _reactions(eqs: EquationSet) -> Iterator[Block]:
         else:
             letters = (f"F_{joint.name}", f"M_{joint.name}")
             pairs = zip(letters, sides, strict=True)
-            yield MatrixRow(tuple(Matrix(x, graph, (3, 1), tuple(roots.nodes)) for x, roots in pairs))
+            yield MatrixRow(
+                tuple(Matrix(x, graph, (3, 1), tuple(roots.nodes), numerals) for x, roots in pairs)
+            )
     if long or len(eqs.speed_names) > _MOST_SPEEDS:
         which = ", ".join(long) if long else "all joints"
         yield Paragraph(f"Too long to be read, computed by name: {which}.")
 
 
-def _equations(graph: Graph, sides: Iterable[tuple[int, int]]) -> Iterator[Block]:
+def with_digits_note(setting: Setting, parts: Sequence[ReportSection]) -> tuple[ReportSection, ...]:
+    """Return sections, the first with rounded numbers headed by a sentence that says so."""
+    for k, part in enumerate(parts):
+        matrices = [m for block in part.blocks if isinstance(block, MatrixRow) for m in block.matrices]
+        shown = [*matrices, *(block for block in part.blocks if isinstance(block, EquationBlock | Matrix))]
+        nodes = [node for block in shown for node in block.nodes]
+        if has_rounded(setting.eqs.textbook, nodes, setting.numerals):
+            said = Paragraph(DIGITS_NOTE.format(setting.digits))
+            return (*parts[:k], replace(part, blocks=(said, *part.blocks)), *parts[k + 1 :])
+    return tuple(parts)
+
+
+def _equations(setting: Setting, section: EquationSection) -> Iterator[Block]:
     """Yield equations, or a sentence in place of those that nobody reads."""
-    pairs = tuple(sides)
-    if _is_big(graph, [node for pair in pairs for node in pair]):
+    graph = setting.eqs.formed.graph
+    if _is_big(graph, section.nodes):
         yield Paragraph("Too large to be read.")
     else:
-        yield EquationBlock(graph, pairs)
+        yield EquationBlock(graph, section.sides, setting.numerals, section.leading, section.remarks)
 
 
 def _is_big(graph: Graph, nodes: Sequence[int]) -> bool:

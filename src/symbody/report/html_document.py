@@ -1,25 +1,26 @@
-"""A document as one HTML file: no script, no font, no request; light, dark and printed."""
+"""A document as one HTML file: no script, no request; light, dark and printed."""
 
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Sequence
 from html import escape
 from typing import Final
 
 from symbody.display.formulas import show_formula
-from symbody.display.html import Markup, number, show_unit, symbol
+from symbody.display.html import Markup, maths_style, number, show_unit, symbol
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
+from symbody.expr.printing.equation_layout import entry_names, equations_html, matrix_html
 from symbody.expr.printing.mathml import mathml_name, to_mathml_with_definitions
-from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
+from symbody.expr.printing.mathml_tables import math_element
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import tree_sizes
 from symbody.report import document as parts
 from symbody.report.template import fill_template
 
-_NAMESPACE: Final = "http://www.w3.org/1998/Math/MathML"
 # Only what stands in the file itself is shown.
-_POLICY: Final = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
+_POLICY: Final = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; font-src data:"
 _STYLE: Final = """
 :root { color-scheme: light dark;
   --ink: #1c2430; --paper: #ffffff; --line: #c9d1dc; --link: #1f5f99; }
@@ -76,7 +77,7 @@ def html_pieces(document: parts.ReportContent) -> dict[str, str]:
     )
     return {
         "title": escape(document.title),
-        "style": _STYLE,
+        "style": _STYLE + maths_style(with_font=True),
         "policy": _POLICY,
         "contents": f'<nav aria-label="Contents"><ol>{entries}</ol></nav>\n',
         "body": "".join(sections.values()),
@@ -161,7 +162,7 @@ def _governing_equations(block: parts.GoverningEquations) -> str:
         + (f" = ({', '.join(map(symbol, names))})" if names else "")
         for word, letter, names in lists
     ]
-    return f"<p>The equations of motion are</p>\n{_formula(content, '')}<p>with {' and '.join(words)}.</p>\n"
+    return f"<p>The equations of motion are</p>\n{_formula(content)}<p>with {' and '.join(words)}.</p>\n"
 
 
 def _bold(content: str) -> str:
@@ -169,40 +170,39 @@ def _bold(content: str) -> str:
 
 
 def _equations(block: parts.EquationBlock) -> str:
-    nodes = [node for pair in block.sides for node in pair]
-    texts, named = to_mathml_with_definitions(block.graph, nodes, parts.LONG)
-    pairs = list(zip(texts[::2], texts[1::2], strict=True))
-    shown = _formula(mathml_equations(pairs), _annotation(block.graph, nodes))
-    return _with_definitions(shown, named)
+    texts, named = to_mathml_with_definitions(
+        block.graph, block.nodes, parts.LONG, block.numerals, block.leading
+    )
+    remarks = [block.remarks.get(k, "") for k in range(len(block.sides))]
+    shown = equations_html(zip(texts[::2], texts[1::2], strict=True), remarks)
+    return _with_definitions(_with_source(shown, block.graph, block.nodes), named)
 
 
 def _matrix(block: parts.Matrix) -> str:
-    texts, named = to_mathml_with_definitions(block.graph, list(block.nodes), parts.LONG)
+    texts, named = to_mathml_with_definitions(block.graph, block.nodes, parts.LONG, block.numerals)
     columns = block.shape[1]
-    rows = [texts[start : start + columns] for start in range(0, len(texts), columns)]
-    content = f"{_bold(mathml_name(block.symbol))}<mo>=</mo>{mathml_matrix(rows)}"
-    return _with_definitions(_formula(content, _annotation(block.graph, block.nodes)), named)
+    starts = range(0, len(texts), columns)
+    rows = [texts[start : start + columns] for start in starts]
+    shown = matrix_html(_bold(mathml_name(block.symbol)), rows, entry_names(block.symbol, *block.shape))
+    return _with_definitions(_with_source(shown, block.graph, block.nodes), named)
 
 
-def _annotation(graph: Graph, nodes: list[int] | tuple[int, ...]) -> str:
-    """Return the formulas as text that symbody reads back, one a line; nothing for long ones."""
+def _with_source(shown: str, graph: Graph, nodes: Sequence[int]) -> str:
+    """Return formulas with the text that symbody reads back, one a line; long ones have none."""
     if max(tree_sizes(graph, nodes), default=0) > parts.LONG:
-        return ""
-    return "\n".join(to_text(graph, node) for node in nodes)
+        return shown
+    text = escape("\n".join(to_text(graph, node) for node in nodes))
+    return f'<div data-formula="{text}">{shown}</div>'
 
 
-def _formula(content: str, annotation: str) -> str:
-    """Return a formula in a block, its text beside it where that is short, for those who copy it."""
-    semantics = f"<mrow>{content}</mrow>"
-    if annotation:
-        text = f'<annotation encoding="text/plain">{escape(annotation)}</annotation>'
-        semantics = f"<semantics>{semantics}{text}</semantics>"
-    return _scroll(f'<math xmlns="{_NAMESPACE}" display="block">{semantics}</math>')
+def _formula(content: str) -> str:
+    """Return a formula in a block."""
+    return _scroll(math_element(content, block=True))
 
 
 def _with_definitions(shown: str, named: list[tuple[str, str]]) -> str:
     """Return formulas with the names of shared parts, which are folded."""
     if not named:
         return shown
-    where = _formula(mathml_equations((mathml_name(name), text) for name, text in named), "")
+    where = equations_html((mathml_name(name), text) for name, text in named)
     return f"{shown}<details><summary>where {len(named)} shared parts have names</summary>{where}</details>\n"

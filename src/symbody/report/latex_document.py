@@ -160,9 +160,13 @@ def unit_formula(unit: str) -> str:
 
 def equation_formulas(block: parts.EquationBlock, width: int = WIDTH) -> str:
     """Return equations with their definitions as one ``aligned`` environment."""
-    nodes = [node for pair in block.sides for node in pair]
-    texts, named = to_latex_with_definitions(block.graph, nodes, parts.LONG)
-    blocks = [list(zip(texts[::2], texts[1::2], strict=True))]
+    texts, named = to_latex_with_definitions(
+        block.graph, block.nodes, parts.LONG, block.numerals, block.leading
+    )
+    sides = list(zip(texts[::2], texts[1::2], strict=True))
+    for k, remark in block.remarks.items():
+        sides[k] = sides[k][0], rf"{sides[k][1]} \quad \text{{({latex_words(remark)})}}"
+    blocks = [sides]
     if named:
         blocks.append([(latex_name(name), text) for name, text in named])
     return latex_equations_page(blocks, width)
@@ -170,7 +174,7 @@ def equation_formulas(block: parts.EquationBlock, width: int = WIDTH) -> str:
 
 def matrix_formulas(block: parts.Matrix, width: int = WIDTH) -> tuple[str, str]:
     """Return a matrix, and the definitions that its entries read as an ``aligned`` environment."""
-    texts, named = to_latex_with_definitions(block.graph, list(block.nodes), parts.LONG)
+    texts, named = to_latex_with_definitions(block.graph, block.nodes, parts.LONG, block.numerals)
     columns = block.shape[1]
     rows = (" & ".join(texts[start : start + columns]) for start in range(0, len(texts), columns))
     entries = r" \\ ".join(rows)

@@ -11,6 +11,8 @@ from typing import Final
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.equation_sections import SHOWN_DIGITS
+from symbody.equations.outputs.printed_equations import checked_digits
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.formats.reading import read_text
 from symbody.model.model import Model
@@ -27,6 +29,7 @@ from symbody.report.equation_sections import (
     equations_section,
     kinematics_section,
     reactions_section,
+    with_digits_note,
 )
 from symbody.report.html_document import html_document, html_pieces
 from symbody.report.latex_document import latex_document, latex_pieces
@@ -74,6 +77,7 @@ def save_report(
     parameters: Mapping[str, Value] | None = None,
     title: str | None = None,
     template: str | PathLike[str] | None = None,
+    digits: int | None = SHOWN_DIGITS,
 ) -> None:
     """Write the derivation of a mechanism in the order of a textbook.
 
@@ -102,6 +106,9 @@ def save_report(
         in it is replaced by all sections, ``{{ title }}`` by the title, and the name of a section, as in
         ``{{ dynamics }}``, by that one. Pages have ``{{ contents }}``, ``{{ style }}`` and ``{{ policy }}``,
         too, LaTeX the ``{{ packages }}`` it needs.
+    digits : int, optional
+        Significant digits of computed numbers in formulas, which the report says above the first of them;
+        None for all. Numbers that the model is written with are printed in full.
 
     Raises
     ------
@@ -122,12 +129,14 @@ def save_report(
     _check(eqs, target, sections, run, parameters or {}, template)
     frame = None if template is None else (read_text(template), str(template))
     values = parameters if parameters is not None else run.parameters if run is not None else {}
-    document = _content(Setting(eqs, run, values), tuple(SECTIONS if sections is None else sections), title)
+    setting = Setting(eqs, run, values, checked_digits(digits))
+    document = _content(setting, tuple(SECTIONS if sections is None else sections), title)
     _write(document, target, frame)
 
 
 def _content(setting: Setting, chosen: Sequence[str], title: str | None) -> ReportContent:
     parts = tuple(part for part in (SECTIONS[name](setting) for name in chosen) if part.blocks)
+    parts = with_digits_note(setting, parts)
     return ReportContent(title or setting.eqs.model.name, parts)
 
 

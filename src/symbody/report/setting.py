@@ -9,7 +9,9 @@ from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.equation_sections import numerals_of
 from symbody.errors import SymbodyError
+from symbody.expr.printing.numerals import Numerals
 from symbody.simulation.results.trajectory import Trajectory
 
 
@@ -24,6 +26,8 @@ class Setting:
         A motion to be shown.
     parameters : mapping of name to value
         Values in place of the model's.
+    digits : int or None
+        Significant digits of computed numbers in formulas; all by default.
     start : State or str
         The first configuration; the reason in words where there is none.
     """
@@ -31,10 +35,16 @@ class Setting:
     eqs: EquationSet
     run: Trajectory | None
     parameters: Mapping[str, Value]
+    digits: int | None = None
     start: State | str = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "start", self._assemble())
+
+    @property
+    def numerals(self) -> Numerals:
+        """How many digits numbers of formulas have."""
+        return numerals_of(self.eqs.formed.topology.model, self.digits)
 
     def _assemble(self) -> State | str:
         try:

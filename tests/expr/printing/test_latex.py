@@ -297,9 +297,9 @@ def test_definitions_are_named_and_used() -> None:
         ["z1 sin(z1)", "-z1"],
         [("z1", "I1 + m l^2")],
     )
-    texts, definitions = to_latex_with_definitions(graph, [root], 0, {Symbol("l"): r"\ell"})
+    texts, definitions = to_latex_with_definitions(graph, [root], 0)
     assert texts == [r"z_{1} \, \sin\left(z_{1}\right)"]
-    assert definitions == [("z_{1}", r"I_{1} + m \, \ell^{2}")]
+    assert definitions == [("z_{1}", r"I_{1} + m \, l^{2}")]
     assert to_display_with_definitions(graph, [shared]) == (["I1 + m l^2"], [])
 
 

@@ -13,10 +13,10 @@ export async function runJob(kind: JobKind, options: Json = {}): Promise<void> {
   const { data, run, document } = useStore.getState();
   if (run?.state !== undefined && run.state !== null && !finished(run.state)) await cancelJob();
   endGesture();
-  useStore.setState({ run: { kind, job: null, state: null, of: data, parts: [] }, notice: [], spoken: `${labelOfJob(kind)} started` });
+  useStore.setState({ run: { kind, job: null, state: null, of: data }, notice: [], spoken: `${labelOfJob(kind)} started` });
   try {
     const job = await api.job(document?.id ?? "", kind, data, options);
-    useStore.setState({ run: { kind, job, state: null, of: data, parts: [] } });
+    useStore.setState({ run: { kind, job, state: null, of: data } });
     const state = await followJob(kind, job, data);
     if (state !== null) takeResult(kind, job, data, state);
   } catch (error) {
@@ -27,14 +27,11 @@ export async function runJob(kind: JobKind, options: Json = {}): Promise<void> {
 /** Follow a job; null where another one took its place. */
 async function followJob(kind: JobKind, job: string, of: Model): Promise<JobState | null> {
   let seen = -1;
-  let parts: readonly JsonObject[] = [];
   for (;;) {
     const state = await api.jobState(job, seen);
     ({ seen } = state);
     if (useStore.getState().run?.job !== job) return null;
-    if (parts.length === 0 && state.parts.length > 0) useStore.setState({ tab: "equations" }); // they alone come in parts
-    parts = [...parts, ...state.parts];
-    useStore.setState({ run: { kind, job, state, of, parts } });
+    useStore.setState({ run: { kind, job, state, of } });
     if (finished(state)) return state;
   }
 }
@@ -46,12 +43,26 @@ function takeResult(kind: JobKind, job: string, of: Model, state: JobState): voi
     return;
   }
   useStore.setState({ run: null, notice: state.problems });
-  if (kind === "equations") useStore.setState({ equations: { of, result }, tab: "equations" });
-  else if (result["scene"] !== undefined && result["motion"] !== undefined) {
+  if (kind === "equations") {
+    useStore.setState({ equations: { of, job, result }, tab: "equations" });
+    void writeTab("Equations"); // once more, with the sources of its terms, while all else goes on
+  } else if (result["scene"] !== undefined && result["motion"] !== undefined) {
     const title = useStore.getState().document?.name ?? "";
     useStore.setState({ simulated: { job, of, scene: result["scene"], motion: result["motion"], result, title }, showsMotion: true, analysisPicture: null, tab: "curves" });
   } else useStore.setState({ analysisPicture: null, analysis: { kind, of, result }, tab: "analyses" });
   say(`${labelOfJob(kind)} finished`);
+}
+
+/** Put a tab of the last equations into the store; the process that derived them writes it. */
+export async function writeTab(name: string): Promise<void> {
+  const asked = useStore.getState().equations;
+  if (asked === null) return;
+  const tab = await api.equationTab(asked.job, name).catch((error: unknown) => ({ name, blocks: [], note: problemsOf(error).map(({ what }) => what).join(" ") }));
+  const { equations } = useStore.getState();
+  if (equations?.job !== asked.job) return;
+  const { result } = equations;
+  const tabs = (Array.isArray(result?.["tabs"]) ? result["tabs"] as JsonObject[] : []).filter((each) => each["name"] !== name);
+  useStore.setState({ equations: { ...equations, result: { ...result, tabs: [...tabs, tab] } } });
 }
 
 export async function cancelJob(): Promise<void> {

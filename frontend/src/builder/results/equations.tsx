@@ -3,17 +3,17 @@
 import { useEffect, useMemo, useState, type MouseEvent, type ReactElement } from "react";
 import { giveCommand } from "../commands/all";
 import { download } from "../commands/files";
+import { writeTab } from "../commands/jobs";
 import { entryNamed, type EntryId } from "../model/entries";
 import { isArray, isObject } from "../model/pointers";
 import { textOf } from "../model/entries";
-import { Formula } from "../panels/math";
+import { EquationRows } from "../panels/math";
 import { Icon } from "../shell/icons";
 import { say, useStore } from "../store";
 import type { Json, JsonObject } from "../types";
 
 /** More than this and a block is shown when it is opened. */
 const MOST_MATH = 40_000; // characters of MathML
-const READ = 1500; // [ms] after which a tab is one that is being read
 
 interface Block {
   readonly title: string;
@@ -41,38 +41,36 @@ interface Tab {
   readonly note: string;
 }
 
-const NO_PARTS: readonly JsonObject[] = [];
-
 function tabOf(value: JsonObject): Tab {
   return { name: textOf(value["name"]), blocks: isArray(value["blocks"]) ? value["blocks"].map(blockOf) : [], note: textOf(value["note"] ?? "") };
 }
 
-/** Return the tabs that are there: all of the last equations, or those that are written so far. */
-function useTabs(): readonly Tab[] {
-  const parts = useStore((state) => (state.run?.kind === "equations" ? state.run.parts : NO_PARTS));
-  const list = useStore((state) => state.equations?.result?.["tabs"]);
+/** Return the names of all tabs of the last equations, and those that are written. */
+function useTabs(): { readonly names: readonly string[]; readonly written: readonly Tab[] } {
+  const result = useStore((state) => state.equations?.result);
   return useMemo(() => {
-    const written = [...parts].sort((one, other) => Number(one["place"]) - Number(other["place"]));
-    return (written.length > 0 ? written : isArray(list) ? list : []).filter(isObject).map(tabOf);
-  }, [parts, list]);
+    const [names, list] = [result?.["names"], result?.["tabs"]];
+    return { names: isArray(names) ? names.map(textOf) : [], written: isArray(list) ? list.filter(isObject).map(tabOf) : [] };
+  }, [result]);
 }
 
 export function Equations(): ReactElement {
   const [shown, setShown] = useState("");
-  const tabs = useTabs();
-  const tab = tabs.find((each) => each.name === shown) ?? tabs[0];
-  useReadTab(tab?.name ?? "", setShown);
+  const { names, written } = useTabs();
+  const name = names.includes(shown) ? shown : names[0];
+  const tab = written.find((each) => each.name === name);
   useEffect(() => () => { glow([]); }, []);
-  if (tab === undefined) return <NotDerived />;
+  useEffect(() => { if (name !== undefined && tab === undefined) void writeTab(name); }, [name, tab]);
+  if (name === undefined) return <NotDerived />;
   return (
     <div className="equations">
       <div className="subtabs"><div role="tablist" aria-label="Equations">
-        {tabs.map((each) => <button key={each.name} type="button" role="tab" aria-selected={each === tab} onClick={() => { setShown(each.name); }}>{each.name}</button>)}</div>
+        {names.map((each) => <button key={each} type="button" role="tab" aria-selected={each === name} onClick={() => { setShown(each); }}>{each}</button>)}</div>
         <TabsNote />
       </div>
-      <div className="equation-blocks" role="tabpanel" tabIndex={0} aria-label={tab.name}>
-        {tab.blocks.length === 0 && <p className="soft pad">{tab.note}</p>}
-        {tab.blocks.map((block, index) => <EquationBlock key={`${tab.name} ${index}`} block={block} />)}
+      <div className="equation-blocks" role="tabpanel" tabIndex={0} aria-label={name} aria-busy={tab === undefined}>
+        {tab === undefined ? <p className="soft pad" role="status">Being written…</p> : tab.note !== "" && <p className="soft pad">{tab.note}</p>}
+        {tab?.blocks.map((block, index) => <EquationBlock key={`${name} ${index}`} block={block} />)}
       </div>
     </div>
   );
@@ -87,21 +85,10 @@ function NotDerived(): ReactElement {
   );
 }
 
-/** Whether these are all tabs, and of the model as it is. */
+/** Whether these are of the model as it is. */
 function TabsNote(): ReactElement | null {
-  const writing = useStore((state) => state.run?.kind === "equations" && state.run.parts.length > 0);
   const stale = useStore((state) => state.equations !== null && state.equations.of !== state.data);
-  if (writing) return <span className="soft" role="status">The others are being written…</span>;
   return stale ? <button type="button" className="button small" onClick={() => { giveCommand("equations"); }}>Before the last edits: derive again</button> : null;
-}
-
-/** A tab that was looked at for a while stays, also when one before it is written. */
-function useReadTab(name: string, keep: (name: string) => void): void {
-  useEffect(() => {
-    if (name === "") return undefined;
-    const timer = setTimeout(() => { keep(name); }, READ);
-    return () => { clearTimeout(timer); };
-  }, [name, keep]);
 }
 
 function EquationBlock({ block }: { readonly block: Block }): ReactElement {
@@ -110,7 +97,7 @@ function EquationBlock({ block }: { readonly block: Block }): ReactElement {
   return (
     <section className="equation-block" aria-label={block.title} onClick={(event) => { lightUp(event, block); }} onPointerOver={(event) => { glow(idsOf(sourcesOf(event, block))); }} onPointerLeave={() => { glow([]); }}>
       <header><h3>{block.title}</h3><CopyButtons block={block} /></header>
-      {block.mathml !== "" && open && <div className="maths" tabIndex={0}><Formula text={block.mathml} block /></div>}
+      {block.mathml !== "" && open && <div className="maths" tabIndex={0}><EquationRows text={block.mathml} /></div>}
       {block.mathml !== "" && !open && <button type="button" className="button small" onClick={() => { setOpen(true); }}>Show it: {Math.round(block.characters / 1000)} thousand characters</button>}
       {block.mathml === "" && <p className="soft">{block.characters} characters: too long to be read here. Copy it, or write it to a file.</p>}
     </section>

@@ -72,6 +72,9 @@ class SingularConfiguration:
     def __str__(self) -> str:
         return f"{self._description()}{f', in assembly {self.assembly}' if self.assembly else ''}"
 
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     def _description(self) -> str:
         # Places are good to about 1e-7: what is smaller than 1e-9 is rounding about 0.
         place = ", ".join(f"{name} = {round(value, 9) + 0.0:.7g}" for name, value in self.q.items())

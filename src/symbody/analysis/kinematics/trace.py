@@ -60,6 +60,13 @@ class Positions:
     notes: tuple[str, ...] = ()
     followers: Mapping[str, Floats] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        ends = (f"{name} from {values[0]:.6g} to {values[-1]:.6g}" for name, values in self.driven.items() if values.size)
+        dead = ", ".join(f"{name} = {value:.6g}" for name, value in self.limits.items())
+        reached = f"a dead end at {dead}" if dead else "all reached"
+        path = "; ".join([*ends, reached])
+        return f"<Positions of {', '.join(self.coordinate_names)}: {self.q.shape[-1]} of them, {path}>"
+
     @property
     def success(self) -> bool:
         """Whether all values were reached."""

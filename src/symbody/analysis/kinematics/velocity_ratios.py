@@ -54,6 +54,9 @@ class MotionSamples(Protocol):
         """Speeds."""
 
 
+_MOST_PRINTED: Final = 3  # dependent speeds, and independent ones, of ratios that are printed
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class VelocityRatios:
     """Ratios of dependent to independent speeds, as formulas and as numbers.
@@ -77,6 +80,22 @@ class VelocityRatios:
     _parameters: Mapping[str, Value] = field(repr=False)
     # Measures ropes; None where there are none.
     _ropes: ConstraintEvaluator | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        ratios = f"{', '.join(self.dependent) or 'none'} by {', '.join(self.independent)}"
+        return f"<VelocityRatios of {self.eqs.model.name!r}: {ratios}>"
+
+    def __str__(self) -> str:
+        """Return the ratios as formulas where there are few, else which speeds they are of."""
+        if not 0 < len(self.dependent) <= _MOST_PRINTED or len(self.independent) > _MOST_PRINTED:
+            return repr(self)
+        tau = self.tau
+        lines = [
+            f"  {name}/{given} = {tau[i, j]}"
+            for i, name in enumerate(self.dependent)
+            for j, given in enumerate(self.independent)
+        ]
+        return "\n".join([f"velocity ratios of {self.eqs.model.name!r}:", *lines])
 
     @property
     def dependent_jacobian(self) -> SympyMatrix:

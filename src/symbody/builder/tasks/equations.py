@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.analysis.linear.linearize import linearize
-from symbody.builder.task_failure import Report
+from symbody.builder.page_problems import page_problem
+from symbody.builder.task_failure import Report, TaskFailure
 from symbody.builder.tasks.formula_blocks import (
     LONG,
     FormulaBlock,
@@ -24,9 +26,17 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.formulations.registry import formulation_types
 from symbody.equations.outputs.curve_names import curve_functions, name_curves
-from symbody.equations.outputs.display import equation_sides
+from symbody.equations.outputs.equation_page import DIGITS_NOTE
+from symbody.equations.outputs.equation_sections import (
+    SHOWN_DIGITS,
+    EquationSection,
+    constraint_sections,
+    equation_sections,
+    motion_section,
+    numerals_of,
+)
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
-from symbody.errors import SymbodyError
+from symbody.errors import Problem, SymbodyError
 from symbody.expr.canonical import ZERO
 from symbody.expr.rewrite import tree_sizes
 from symbody.expr.sympy.closed_form import readable
@@ -36,57 +46,90 @@ from symbody.spatial.vector import components
 
 Answer = dict[str, Any]
 
-_ORDER: Final = (
+TABS: Final = (
     "Equations", "Mass matrix", "Forcing", "Constraints", "Kinematic equations", "Reactions", "Linearization",
     "Energies",
 )  # fmt: skip
-# The order of writing: what is long comes last, so that something is there soon.
-_QUICK_FIRST: Final = (
-    "Forcing", "Kinematic equations", "Constraints", "Energies", "Mass matrix", "Equations", "Linearization",
-    "Reactions",
-)  # fmt: skip
 _MOST_REACTIONS: Final = 12  # joints whose reactions are written
+# What generated code of a section computes.
+_CODE: Final[Mapping[str, str]] = MappingProxyType(
+    {"rates": "qdot", "motion": "xdot", "positions": "constraints", "velocities": "velocity_constraints"}
+)
 _PARTS: Final = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 
 
-def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
-    """Return the equations of motion, tab by tab.
+@dataclass(frozen=True, slots=True)
+class _Derived:
+    """The equations of this process, and what they were formed from."""
+
+    eqs: EquationSet
+    data: Mapping[str, Any]
+    folder: str
+
+
+_DERIVED: Final[list[_Derived]] = []
+
+
+def derive_equations(payload: Mapping[str, Any], report: Report) -> Answer:
+    """Return the equations of motion and what belongs to them; other tabs are written on demand.
 
     Raises
     ------
     TaskFailure, SymbodyError
         If options or model do not allow it.
     """
-    options = read_options(EquationOptions, payload["options"])
-    model = complete_model(payload["data"], payload["folder"])
-    chosen = formulation_types().get(options.formulation)
-    eqs = form_equations(model, chosen() if chosen else None)
-    formed = eqs.formed
-    report("formulas", None)
-    written: dict[str, Answer] = {}
-    makers = _makers(eqs)
-    for name in _QUICK_FIRST:
-        report(f"writing: {name.lower()}", None)
-        written[name] = _tab(eqs, name, makers[name])
-        report(f"writing: {name.lower()}", None, {**written[name], "place": _ORDER.index(name)})
-    tabs = [written[name] for name in _ORDER]
-    report("sources of terms", None)
-    if tabs[0]["blocks"] and _is_short(eqs):
-        tabs[0]["blocks"] = [_with_sources(eqs, to_data(model), payload["folder"])]
+    eqs = _form(payload)
+    _DERIVED[:] = [_Derived(eqs, to_data(eqs.model), payload["folder"])]
+    report("writing the equations of motion", None)
     return {
-        "tabs": tabs,
+        "tabs": [_tab(eqs, TABS[0])],
+        "names": list(TABS),
         "notes": list(eqs.notes),
-        "formulation": type(formed.formulation).__name__,
+        "formulation": type(eqs.formed.formulation).__name__,
         "speeds": list(eqs.speed_names),
         "coordinates": list(eqs.coordinate_names),
         "multipliers": list(eqs.multiplier_names),
     }
 
 
+def equation_tab(payload: Mapping[str, Any], report: Report) -> Answer:
+    """Return a tab of the equations that this process has derived; the first with the sources of its terms.
+
+    Raises
+    ------
+    TaskFailure
+        If there is no such tab.
+    """
+    name = payload["name"]
+    if not _DERIVED or name not in TABS:
+        what = "there is no such tab of equations"
+        problem = Problem("builder.no_tab", str(name)[:40], what, fix="derive the equations again")
+        raise TaskFailure([page_problem(problem, {})])
+    derived = _DERIVED[0]
+    tab = _tab(derived.eqs, name)
+    if name == TABS[0] and tab["blocks"] and _is_short(derived.eqs):
+        motion, *others = tab["blocks"]
+        tab["blocks"] = [{**motion, **_with_sources(derived)}, *others]
+    return tab
+
+
+def all_tabs(payload: Mapping[str, Any]) -> list[Answer]:
+    """Return all tabs of the equations of a model."""
+    eqs = _form(payload)
+    return [_tab(eqs, name) for name in TABS]
+
+
+def _form(payload: Mapping[str, Any]) -> EquationSet:
+    options = read_options(EquationOptions, payload["options"])
+    model = complete_model(payload["data"], payload["folder"])
+    chosen = formulation_types().get(options.formulation)
+    return form_equations(model, chosen() if chosen else None)
+
+
 def _makers(eqs: EquationSet) -> dict[str, Callable[[], list[FormulaBlock]]]:
     """Return what writes each tab."""
     return {
-        "Equations": partial(_motion, eqs),
+        "Equations": partial(_equations, eqs),
         "Mass matrix": partial(_matrices, eqs, ("mass_matrix", "M", "Mass matrix")),
         "Forcing": partial(_matrices, eqs, ("forcing", "F", "Forcing")),
         "Constraints": partial(_constraints, eqs),
@@ -97,10 +140,12 @@ def _makers(eqs: EquationSet) -> dict[str, Callable[[], list[FormulaBlock]]]:
     }
 
 
-def _tab(eqs: EquationSet, name: str, make: Callable[[], list[FormulaBlock]]) -> Answer:
+def _tab(eqs: EquationSet, name: str) -> Answer:
     try:
-        blocks = [_render(eqs, block) for block in make()]
-        return {"name": name, "blocks": blocks, "note": "" if blocks else _NOTHING.get(name, "")}
+        blocks = [_render(eqs, block) for block in _makers(eqs)[name]()]
+        said = any("data-full=" in (block["mathml"] or "") for block in blocks)
+        digits = DIGITS_NOTE.format(SHOWN_DIGITS) if said else ""
+        return {"name": name, "blocks": blocks, "note": digits if blocks else _NOTHING.get(name, "")}
     except SymbodyError as error:  # too long to be written out, or not there for this mechanism
         blocks = _numbers(eqs) if name == "Linearization" else []
         return {"name": name, "blocks": blocks, "note": "" if blocks else str(error.problems[0].what)}
@@ -121,6 +166,7 @@ def _numbers(eqs: EquationSet) -> list[Answer]:
 
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType(
     {
+        "Equations": "There are none: there are no speeds, all motions are prescribed or nothing can move.",
         "Constraints": "There are none: every joint is in the trees.",
         "Kinematic equations": "The speeds are the rates of the coordinates.",
         "Reactions": "There are no joints.",
@@ -129,6 +175,7 @@ _NOTHING: Final[Mapping[str, str]] = MappingProxyType(
 
 
 def _render(eqs: EquationSet, block: FormulaBlock) -> Answer:
+    block = replace(block, numerals=numerals_of(eqs.formed.topology.model, SHOWN_DIGITS))
     return render_block(eqs.formed.graph, block, partial(_c_code, eqs, block.output))
 
 
@@ -142,34 +189,34 @@ def _c_code(eqs: EquationSet, output: str) -> str:
         return ""
 
 
-def _motion(eqs: EquationSet) -> list[FormulaBlock]:
-    return [_motion_block(eqs, ())]
+def _equations(eqs: EquationSet) -> list[FormulaBlock]:
+    """Return all equations that belong to the motion, section by section."""
+    sections = equation_sections(eqs.textbook, LONG)
+    return [_section_block(section) for section in sections if section.sides]
 
 
-def _motion_block(eqs: EquationSet, spans: tuple[Mapping[int, str], ...]) -> FormulaBlock:
-    sides = equation_sides(eqs.textbook) if _is_short(eqs) else _plain_sides(eqs)
-    left, right = tuple(a for a, _ in sides), tuple(b for _, b in sides)
-    return FormulaBlock("Equations of motion", right, left, output="xdot", spans=spans)
-
-
-def _plain_sides(eqs: EquationSet) -> list[tuple[int, int]]:
-    return list(zip(eqs.textbook.inertial_side.nodes, eqs.textbook.forcing_side.nodes, strict=True))
+def _section_block(section: EquationSection, spans: tuple[Mapping[int, str], ...] = ()) -> FormulaBlock:
+    left, right = (tuple(pair[k] for pair in section.sides) for k in (0, 1))
+    return FormulaBlock(
+        section.title.heading, right, left, output=_CODE.get(section.key, ""), spans=spans,
+        leading=section.leading, remarks=section.remarks,
+    )  # fmt: skip
 
 
 def _is_short(eqs: EquationSet) -> bool:
     """Return whether the equations are written as in textbooks: what moves on the left."""
-    nodes = [node for pair in _plain_sides(eqs) for node in pair]
-    return max(tree_sizes(eqs.formed.graph, nodes), default=0) <= LONG
+    sides = motion_section(eqs.textbook, LONG).nodes
+    return max(tree_sizes(eqs.formed.graph, sides), default=0) <= LONG
 
 
-def _with_sources(eqs: EquationSet, data: Mapping[str, Any], folder: str) -> Answer:
+def _with_sources(derived: _Derived) -> Answer:
     """Return the equations of motion, each term with the elements it comes from."""
-    sources = term_sources(eqs, data, folder)
+    eqs = derived.eqs
+    sources = term_sources(eqs, derived.data, derived.folder)
     marks = {term: f"t{k}" for k, term in enumerate(sources)}
     rows = range(len(eqs.speed_names))
     spans = tuple({node: marks[i, node] for i, node in sources if i == row} for row in rows)
-    block = _motion_block(eqs, spans if sources else ())
-    shown = _render(eqs, block)
+    shown = _render(eqs, _section_block(motion_section(eqs.textbook, LONG), spans if sources else ()))
     listed = [{"span": marks[term], "elements": names} for term, names in sources.items()]
     return {**shown, "sources": listed}
 
@@ -195,17 +242,18 @@ def _matrices(eqs: EquationSet, *outputs: tuple[str, str, str]) -> list[FormulaB
 def _constraints(eqs: EquationSet) -> list[FormulaBlock]:
     if not eqs.multiplier_names:
         return []
-    zero = eqs.textbook.readable("constraints").nodes
-    blocks = []
-    if zero:
-        # Read as "expression = 0": the constraint itself is the left side.
-        blocks.append(
-            FormulaBlock("Constraints on positions", (ZERO,) * len(zero), tuple(zero), output="constraints")
-        )
+    blocks = [
+        _section_block(section)
+        for section in constraint_sections(eqs.textbook)
+        if section.key == "positions" and section.sides
+    ]
     rates = eqs.textbook.readable("velocity_constraints").nodes
     blocks.append(
         FormulaBlock(
-            "Constraints on velocities", (ZERO,) * len(rates), tuple(rates), output="velocity_constraints"
+            "Constraints and their rates, on velocities",
+            (ZERO,) * len(rates),
+            tuple(rates),
+            output="velocity_constraints",
         )
     )
     return [*blocks, *_matrices(eqs, ("jacobian", "J", "Jacobian of the constraints by the speeds"))]

@@ -13,7 +13,7 @@ from symbody.analysis.configurations.assembly import assemble
 from symbody.builder.file_names import file_stem
 from symbody.builder.page_problems import page_notes
 from symbody.builder.task_failure import Report
-from symbody.builder.tasks.equations import equation_tabs
+from symbody.builder.tasks.equations import all_tabs
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.simulation import kept_run
 from symbody.equations.form import form_equations
@@ -72,7 +72,7 @@ def _c(payload: Mapping[str, Any]) -> str:
 
 def _latex(payload: Mapping[str, Any]) -> str:
     """Return a document with all equations that are short enough to be read."""
-    tabs = equation_tabs({**payload, "options": {}}, lambda *_: None)["tabs"]
+    tabs = all_tabs({**payload, "options": {}})
     lines = [_PREAMBLE, f"\\title{{{_plain(str(payload['data'].get('name') or 'Model'))}}}", "\\date{}"]
     lines += ["\\begin{document}", "\\maketitle"]
     for tab in tabs:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from symbody.errors import SymbodyError
 from symbody.expr.graph import Graph
+from symbody.expr.printing.equation_layout import entry_names, equations_html, matrix_html
 from symbody.expr.printing.latex import to_latex_with_definitions
-from symbody.expr.printing.mathml import to_mathml, to_mathml_with_definitions
-from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix, terms_of
+from symbody.expr.printing.mathml import to_mathml_with_definitions
+from symbody.expr.printing.mathml_tables import terms_of
+from symbody.expr.printing.numerals import ALL_DIGITS, Numerals
 from symbody.expr.rewrite import operation_count, tree_sizes
 from symbody.expr.sympy.sympy_bridge import to_sympy
 
@@ -52,6 +54,12 @@ class FormulaBlock:
         What generated C computes; "" where there is nothing of that name.
     spans : tuple of mapping of node to str
         Of each equation, the terms that bear marks.
+    numerals : Numerals
+        How many digits numbers have on the screen; copies have all.
+    leading : mapping of node to node
+        The acceleration that comes first in a left side.
+    remarks : mapping of int to str
+        What is said behind an equation, by its place.
     """
 
     title: str
@@ -62,6 +70,9 @@ class FormulaBlock:
     name: Label | None = None
     output: str = ""
     spans: tuple[Mapping[int, str], ...] = ()
+    numerals: Numerals = ALL_DIGITS
+    leading: Mapping[int, int] = field(default_factory=dict)
+    remarks: Mapping[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +102,9 @@ def number_block(title: str, symbol: str, rows: Sequence[Sequence[float]]) -> Bl
     latex = f"{symbol} = \\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
     return {
         "title": title,
-        "mathml": math_element(f"<mi>{symbol}</mi><mo>=</mo>{mathml_matrix(cells)}", block=True),
+        "mathml": matrix_html(f"<mi>{symbol}</mi>", cells, entry_names(symbol, len(cells), len(cells[0])))
+        if cells
+        else "",
         "latex": latex,
         "sympy": f"{symbol} = Matrix([{listed}])",
         "c": "",
@@ -134,7 +147,7 @@ def render_block(graph: Graph, block: FormulaBlock, write_c: Callable[[], str]) 
 
 
 def _latex(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str:
-    texts, named = to_latex_with_definitions(graph, nodes, LONG)
+    texts, named = to_latex_with_definitions(graph, nodes, LONG, leading=block.leading)
     written = _BlockTexts(dict(zip(nodes, texts, strict=True)), named)
     if _is_drawn(block, written):
         assert block.name is not None
@@ -154,21 +167,19 @@ def _latex(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str:
 def _mathml(graph: Graph, block: FormulaBlock, nodes: Sequence[int], latex: str) -> str:
     if len(latex) > _MOST_CHARACTERS:
         return " " * (_MOST_CHARACTERS + 1)
-    texts, named = to_mathml_with_definitions(graph, nodes, LONG)
+    texts, named = to_mathml_with_definitions(graph, nodes, LONG, block.numerals, block.leading)
     written = _BlockTexts(dict(zip(nodes, texts, strict=True)), named)
-    definitions = named
-    if "\\begin{bmatrix}" in latex and block.name is not None:
-        matrix = mathml_matrix(_matrix_rows(block, written))
-        parts = [math_element(f"{block.name.mathml}<mo>=</mo>{matrix}", block=True)]
-        parts += [math_element(mathml_equations(definitions), block=True)] if definitions else []
-        return "".join(parts)
+    if block.name is not None:
+        names = entry_names(block.name.latex, block.rows, block.columns)
+        return matrix_html(block.name.mathml, _matrix_rows(block, written), names) + equations_html(named)
     sides = [(_side(label, written, "mathml"), right) for label, right in _pairs(block, written)]
     if block.spans and not named:
         sides = [
-            (_with_spans(graph, spans, left), _with_spans(graph, spans, right))
+            (_with_spans(graph, block, spans, left), _with_spans(graph, block, spans, right))
             for spans, (left, right) in zip(block.spans, sides, strict=True)
         ]
-    return math_element(mathml_equations([*sides, *definitions]), block=True)
+    remarks = [block.remarks.get(k, "") for k in range(len(sides))]
+    return equations_html([*sides, *named], remarks)
 
 
 def _sympy(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str | None:
@@ -215,7 +226,7 @@ def _side(label: Label | int, written: _BlockTexts, kind: str) -> str:
     return written.texts[label] if isinstance(label, int) else str(getattr(label, kind))
 
 
-def _with_spans(graph: Graph, spans: Mapping[int, str], formula: str) -> str:
+def _with_spans(graph: Graph, block: FormulaBlock, spans: Mapping[int, str], formula: str) -> str:
     """Return a formula whose terms bear the spans they are known under.
 
     Parameters
@@ -225,7 +236,8 @@ def _with_spans(graph: Graph, spans: Mapping[int, str], formula: str) -> str:
     formula : str
         MathML of a sum.
     """
-    marks = {_strip_sign(to_mathml(graph, node)): span for node, span in spans.items()}
+    texts, _ = to_mathml_with_definitions(graph, list(spans), LONG, block.numerals)
+    marks = {_strip_sign(text): span for text, span in zip(texts, spans.values(), strict=True)}
     parts = []
     for elements in terms_of(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>"))):
         signs, unsigned = _split_sign(elements)

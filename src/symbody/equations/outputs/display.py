@@ -2,44 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from symbody.equations.outputs.textbook import Textbook
 from symbody.expr.canonical import ZERO, add, sub
 from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import ADD, NEG, SUB
-from symbody.expr.printing.latex import to_display, to_latex
-from symbody.expr.printing.mathml import to_mathml
 from symbody.expr.rewrite import dependence
 
 _MOVING = frozenset({SymbolKind.COORDINATE, SymbolKind.SPEED, SymbolKind.MULTIPLIER})
 
 
-def display_sides(textbook: Textbook) -> list[tuple[str, str]]:
-    """Return the left and the right side of each equation as text, of for instance ``m x'' + d x' = F``."""
-    return _print_sides(textbook, to_display)
-
-
-def latex_sides(textbook: Textbook) -> list[tuple[str, str]]:
-    """Return the left and the right side of each equation as LaTeX without delimiters."""
-    return _print_sides(textbook, to_latex)
-
-
-def mathml_sides(textbook: Textbook) -> list[tuple[str, str]]:
-    """Return the left and the right side of each equation as MathML; see `mathml_equations`."""
-    return _print_sides(textbook, to_mathml)
-
-
 def equation_sides(textbook: Textbook) -> list[tuple[int, int]]:
     """Return the nodes of the left and the right side of each equation."""
     graph = textbook.formed.graph
-    pairs = zip(textbook.inertial_side.nodes, textbook.forcing_side.nodes, strict=True)
+    pairs = zip(textbook.inertial_side.nodes, textbook.shown_forcing_side.nodes, strict=True)
     return [_sides(graph, sub(graph, inertial, driving)) for inertial, driving in pairs]
-
-
-def _print_sides(textbook: Textbook, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
-    graph = textbook.formed.graph
-    return [(show(graph, left), show(graph, right)) for left, right in equation_sides(textbook)]
 
 
 def _sides(graph: Graph, total: int) -> tuple[int, int]:

@@ -151,7 +151,10 @@ def _cure(formed: EquationsOfMotion, name: str) -> str:
     outputs = output_names(formed)
     entries = [f"{x} {entry}" for x in outputs if x.startswith("reaction ") for entry in ENTRIES]
     frames = [frame for frame in formed.kinematics.velocities if "|" not in frame]
-    near = frame_cure(name, frames) or nearest(name, [*outputs, *entries, *formed.names.symbols])
+    known = [*outputs, *entries, *formed.names.symbols]
+    is_capital = any(word != name and word.casefold() == name.casefold() for word in known)
+    near = "" if is_capital else frame_cure(name, frames)
+    near = near or nearest(name, known, "outputs and symbols")
     return quotation_cure(name, outputs) or near
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import symbody.equations.outputs as outputs
 from symbody.arguments import checked_arguments
+from symbody.errors import Problem, UsageError
 from symbody.expr.printing.latex_rows import WIDTH
 from symbody.expr.printing.wrapping import text_width
 from symbody.notebook import Displayed
@@ -34,7 +35,13 @@ class PrintedEquations(Displayed):
         return self.text()
 
     @checked_arguments
-    def text(self, limit: int = LONG, greek: bool = False, width: int | None = None) -> str:
+    def text(
+        self,
+        limit: int = LONG,
+        greek: bool = False,
+        width: int | None = None,
+        digits: int | None = None,
+    ) -> str:
         """Return the equations of motion as text, with the constraints there are.
 
         Primes are time derivatives, blanks are products. ``symbody equations`` prints the same.
@@ -48,13 +55,16 @@ class PrintedEquations(Displayed):
         width : int, optional
             Letters of a line; longer equations take several, broken in front of their signs. By default
             those of the terminal, within 80 and 100; 0 is a line an equation.
+        digits : int, optional
+            Significant digits of computed numbers, all by default. Numbers that the model is written with
+            are printed in full.
         """
         return outputs.equation_lines.equation_text(
-            self.textbook, limit, greek, text_width() if width is None else width
+            self.textbook, limit, greek, text_width() if width is None else width, checked_digits(digits)
         )
 
     @checked_arguments
-    def latex(self, limit: int = LONG, width: int = WIDTH) -> str:
+    def latex(self, limit: int = LONG, width: int = WIDTH, digits: int | None = None) -> str:
         r"""Return the equations of motion as LaTeX, an ``aligned`` environment without delimiters.
 
         Parameters
@@ -63,5 +73,23 @@ class PrintedEquations(Displayed):
             As in `text`.
         width : int
             Letters of a row; longer sides take several, broken in front of the signs of their terms.
+        digits : int, optional
+            As in `text`.
         """
-        return outputs.equation_lines.equation_latex(self.textbook, limit, width)
+        return outputs.equation_lines.equation_latex(self.textbook, limit, width, checked_digits(digits))
+
+
+def checked_digits(digits: int | None) -> int | None:
+    """Return a number of digits, if it is one.
+
+    Raises
+    ------
+    UsageError
+        If it is not from 1 to 17.
+    """
+    if digits is not None and not 1 <= digits <= 17:
+        raise UsageError(
+            Problem("call.argument", "digits", f"{digits} significant digits cannot be printed",
+                    fix="give a whole number from 1 to 17, or None for all digits")
+        )  # fmt: skip
+    return digits

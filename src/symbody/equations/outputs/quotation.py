@@ -16,10 +16,13 @@ def quotation_cure(text: str, outputs: Iterable[str]) -> str:
 
     >>> quotation_cure("2*reaction A Fx", ["reaction A"])
     "inside a formula outputs stand in single quotes: 2*'reaction A Fx'"
+    >>> quotation_cure("[reaction A Fx]^2", ["reaction A"])
+    "inside a formula outputs stand in single quotes: 'reaction A Fx'^2"
     """
     if re.search(r"[-+*/^(<>,]", text) is None:
         return ""
     names = sorted((name for name in outputs if " " in name), key=len, reverse=True)
     words = "|".join([*(re.escape(name) + _ENTRY for name in names), _FRAME])
-    quoted = re.sub(rf"(?<![\w'])(\"?)({words})\1(?![\w'])", r"'\2'", text)
+    bare = rf"(?<![\w'])(?:\"({words})\"|\[({words})\]|({words}))(?![\w'])"
+    quoted = re.sub(bare, lambda found: f"'{found[1] or found[2] or found[3]}'", text)
     return "" if quoted == text else f"inside a formula outputs stand in single quotes: {quoted}"

@@ -7,10 +7,12 @@ from dataclasses import replace
 from graphlib import CycleError
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.signals import Path, signal_symbol
+from symbody.equations.signals import Path, signal_symbol, signals_of_loads
 from symbody.errors import FormulationError, Problem, SymbodyError
+from symbody.expr.canonical import neg
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
+from symbody.expr.opcodes import LEAVES
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.model.checks.signals import dependence_order, loop_problem
 from symbody.model.signals.signal import Signal
@@ -69,6 +71,25 @@ def signal_equations(formed: EquationsOfMotion) -> list[tuple[Symbol, Expr]]:
         elif signal.value is not None:
             equations.append((symbol, plain.expression(signal.value)))
     return equations
+
+
+def named_signals(formed: EquationsOfMotion) -> dict[int, int]:
+    """Return the values of signals that loads read, as nodes, and the symbols that are shown in their place.
+
+    A value that is a name or a number itself, or that nothing moves, stays as it is.
+    """
+    graph, names = formed.graph, formed.readable_names
+    shown: dict[int, int] = {}
+    for name in signals_of_loads(formed.topology.model):
+        value = names.values.get(name)
+        if value is None or graph.ops[value.index] in LEAVES or value.graph is not graph:
+            continue
+        leaves = symbols_of(graph, [value.index])
+        if any(graph.symbols[graph.left[leaf]].kind is not SymbolKind.PARAMETER for leaf in leaves):
+            symbol = graph.symbol(signal_symbol(name))
+            shown.setdefault(value.index, symbol)
+            shown.setdefault(neg(graph, value.index), neg(graph, symbol))
+    return shown
 
 
 def explicit_outputs(

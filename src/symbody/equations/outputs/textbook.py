@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Final, NamedTuple
+from types import MappingProxyType
+from typing import Final, Literal, NamedTuple
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.agreement import check_dynamics, check_rewriting
@@ -13,17 +14,19 @@ from symbody.equations.outputs.curve_names import curve_functions, name_curves
 from symbody.equations.outputs.frame_motion import frame_motion_entries
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.equations.outputs.output_roots import output_roots
-from symbody.equations.outputs.signal_outputs import signal_equations
+from symbody.equations.outputs.signal_outputs import named_signals, signal_equations
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
 from symbody.expr.printing.definitions import EXPAND_LIMIT
-from symbody.expr.rewrite import tree_sizes
+from symbody.expr.rewrite import substitute, tree_sizes
 from symbody.expr.sequences.sequence import Roots
 from symbody.expr.sympy.closed_form import ClosedForms, closed_forms, equations_between, readable
 from symbody.expr.sympy.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.single_flight import SingleFlight
 from symbody.spatial.vector import components
+
+EMPTY: Final[Mapping[int, int]] = MappingProxyType({})
 
 # Equations in more speeds than this are printed on request only.
 MOST_SPEEDS: Final = 8
@@ -130,20 +133,44 @@ class Textbook:
         FormulationError
             If it is not what is computed; see `agreement`.
         """
+        return self._rewritten(name, {})
 
+    def shown(self, name: str) -> Roots:
+        """Return the roots of an output as `readable`, with signals that loads read by their names.
+
+        Raises
+        ------
+        FormulationError
+            If it is not what is computed; see `agreement`.
+        """
+        return self._rewritten(name, named_signals(self.formed))
+
+    def _rewritten(self, name: str, signals: Mapping[int, int]) -> Roots:
         def rewrite() -> Roots:
             if name in ("mass_matrix", "forcing"):
                 self._agreement.get(None, partial(check_dynamics, self.formed))
             roots = output_roots(self.formed, name)
-            return self._rewrite(name, roots.shape, roots.nodes)
+            return self._rewrite(name, roots.shape, roots.nodes, signals)
 
-        return self._roots.get(name, rewrite)
+        return self._roots.get(f"shown {name}" if signals else name, rewrite)
 
-    def _rewrite(self, name: str, shape: tuple[int, ...], nodes: Sequence[int]) -> Roots:
+    def _rewrite(
+        self, name: str, shape: tuple[int, ...], nodes: Sequence[int], signals: Mapping[int, int] = EMPTY
+    ) -> Roots:
+        """Return roots in the form in which people read them.
+
+        Parameters
+        ----------
+        signals : mapping of node to node
+            Values of signals, and the symbols that stand in their place.
+        """
         formed = self.formed
-        named = name_curves(formed.graph, nodes, curve_functions(formed.topology.model))
+        named = substitute(formed.graph, nodes, signals) if signals else nodes
+        named = name_curves(formed.graph, named, curve_functions(formed.topology.model))
         formulas = readable(formed.graph, named, formed.variables.quaternions)
-        check_rewriting(self.formed, name, nodes, formulas)
+        values = {symbol: value for value, symbol in signals.items()}
+        written = substitute(formed.graph, formulas, values) if signals else formulas
+        check_rewriting(self.formed, name, nodes, written)
         return Roots(name, shape, tuple(formulas))
 
     @property
@@ -158,10 +185,19 @@ class Textbook:
     @property
     def forcing_side(self) -> Roots:
         """``F + J^T lambda`` in the expression graph, one root a speed."""
+        return self._forcing_side("readable")
+
+    @property
+    def shown_forcing_side(self) -> Roots:
+        """``F + J^T lambda`` with signals that loads read by their names."""
+        return self._forcing_side("shown")
+
+    def _forcing_side(self, form: Literal["readable", "shown"]) -> Roots:
+        roots = self.shown if form == "shown" else self.readable
         graph, n = self.formed.graph, len(self.formed.u)
         multipliers = self.formed.expressions(self.formed.multipliers)
-        jacobian = [Expr(graph, node) for node in self.readable("jacobian").nodes]
-        forcing = self.readable("forcing").nodes
+        jacobian = [Expr(graph, node) for node in roots("jacobian").nodes]
+        forcing = roots("forcing").nodes
         rows = [
             (Expr(graph, forcing[i]) + _sum_of_products(graph, jacobian[i::n], multipliers)).index
             for i in range(n)

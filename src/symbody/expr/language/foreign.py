@@ -51,7 +51,7 @@ _LOOKALIKES: Final = {
     **dict.fromkeys("‘’′“”″", "write names without quotes, and x_dot for the rate of x"),
     "≤": "write <=", "≥": "write >=", "≠": "write !=", "≈": "write abs(a - b) < tolerance", "¬": "write not",
     "∧": "write and", "∨": "write or", "√": "write sqrt(x)", "∞": "leave the limit out: there is no infinity",
-    "°": 'write "30 deg" where an angle is expected, or multiply by pi/180',
+    "°": 'write deg behind the number, as in "30 deg", where an angle is expected, or multiply by pi/180',
 }  # fmt: skip
 
 

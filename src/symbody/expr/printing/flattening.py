@@ -6,12 +6,13 @@ is that of a pass over the nodes of the sum or product, however often they are s
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from fractions import Fraction
 from typing import TypeAlias
 
 from symbody.expr.graph import Exact, Graph
-from symbody.expr.opcodes import ADD, DIV, MUL, NEG, POW, RATIONAL, SUB
+from symbody.expr.opcodes import ADD, DIV, MUL, NEG, POW, RATIONAL, SQRT, SUB
 
 SUMS = frozenset({ADD, SUB, NEG})
 
@@ -68,6 +69,26 @@ def power_factors(
 
     found = {item: int(exponent) for item, exponent in _sum_items(2 * node, parts).items()}
     return _half(found, 0), _half(found, 1)
+
+
+def without_square_roots(
+    graph: Graph, above: dict[int, int], below: dict[int, int], keep: Collection[int] = ()
+) -> tuple[dict[int, int], dict[int, int]]:
+    """Return the factors of a product and of its divisor with ``x`` for ``sqrt(x)^2`` below, cancelled."""
+    roots = [node for node in below if graph.ops[node] == SQRT and below[node] > 1 and node not in keep]
+    if not roots:
+        return above, below
+    top, bottom = Counter(above), Counter(below)
+    for root in roots:
+        squares, rest = divmod(bottom.pop(root), 2)
+        bottom += Counter({root: rest})
+        inside, under = power_factors(graph, graph.left[root], keep)
+        for factor, exponent in inside.items():
+            common = min(squares * exponent, top[factor])
+            top -= Counter({factor: common})
+            bottom += Counter({factor: squares * exponent - common})
+        top += Counter({factor: squares * exponent for factor, exponent in under.items()})
+    return dict(top), dict(bottom)
 
 
 def nested_operands(graph: Graph, node: int, keep: Collection[int] = ()) -> list[int]:

@@ -21,11 +21,11 @@ from symbody.expr.printing.layout import (
     Piece,
     bind_tightly,
     join_pieces,
-    number_text,
     print_node,
     printed_with_definitions,
 )
 from symbody.expr.printing.names import GREEK, name_words
+from symbody.expr.printing.numerals import ALL_DIGITS, Numerals
 from symbody.expr.printing.textbook import Factor, Style, textbook
 
 _NAMES: Final[Mapping[str, str]] = {
@@ -67,7 +67,7 @@ def to_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None)
     ExpressionError
         Above 20,000 operations written out, and for entries of kernels.
     """
-    style = _Latex(dict(names or {}))
+    style = _Latex(names=dict(names or {}))
     return print_node(graph, node, textbook(graph, [node], style), style.brackets)
 
 
@@ -79,32 +79,45 @@ def to_inline_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None 
     ExpressionError
         Above 20,000 operations written out, and for entries of kernels.
     """
-    style = _InlineLatex(dict(names or {}))
+    style = _InlineLatex(names=dict(names or {}))
     return print_node(graph, node, textbook(graph, [node], style), style.brackets)
 
 
 def to_display_with_definitions(
-    graph: Graph, nodes: Sequence[int], limit: int = EXPAND_LIMIT
+    graph: Graph,
+    nodes: Sequence[int],
+    limit: int = EXPAND_LIMIT,
+    numerals: Numerals = ALL_DIGITS,
+    leading: Mapping[int, int] | None = None,
 ) -> tuple[list[str], list[tuple[str, str]]]:
     """Return nodes as plain text, with shared parts named z1, z2, ... if one exceeds `limit` operations.
+
+    Parameters
+    ----------
+    numerals : Numerals
+        How many digits numbers have.
+    leading : mapping of node to node, optional
+        The symbol whose terms come first in a sum.
 
     Returns
     -------
     (texts, definitions)
         Definitions are pairs of name and text, each using earlier names only.
     """
-    return printed_with_definitions(graph, nodes, textbook(graph, nodes, _PLAIN), limit, str, _PLAIN.brackets)
+    notation = textbook(graph, nodes, _Plain(numerals=numerals), leading)
+    return printed_with_definitions(graph, nodes, notation, limit, str, _PLAIN.brackets)
 
 
 def to_latex_with_definitions(
     graph: Graph,
     nodes: Sequence[int],
     limit: int = EXPAND_LIMIT,
-    names: Mapping[Symbol, str] | None = None,
+    numerals: Numerals = ALL_DIGITS,
+    leading: Mapping[int, int] | None = None,
 ) -> tuple[list[str], list[tuple[str, str]]]:
     """Return nodes as LaTeX, as `to_display_with_definitions` does as plain text."""
-    style = _Latex(dict(names or {}))
-    notation = textbook(graph, nodes, style)
+    style = _Latex(numerals=numerals)
+    notation = textbook(graph, nodes, style, leading)
     return printed_with_definitions(graph, nodes, notation, limit, latex_name, style.brackets)
 
 
@@ -151,7 +164,7 @@ class _Plain(Style):
         return printable(symbol.name) + "'" * symbol.order
 
     def number(self, value: Constant) -> str:
-        return repr(value) if isinstance(value, float) else number_text(value)
+        return self.numerals.text(value)
 
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
         return self.inline_quotient(ratio, above, below)
@@ -191,7 +204,7 @@ class _Latex(Style):
         return rf"{{{base}^{{({symbol.order})}}}}"
 
     def number(self, value: Constant) -> str:
-        text = repr(value) if isinstance(value, float) else number_text(value)
+        text = self.numerals.text(value)
         mantissa, _, exponent = text.partition("e")
         if not exponent:
             return text

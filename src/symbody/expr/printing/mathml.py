@@ -20,16 +20,16 @@ from symbody.expr.printing.layout import (
     Layout,
     Piece,
     join_pieces,
-    number_text,
     print_node,
     printed_with_definitions,
 )
 from symbody.expr.printing.names import GREEK, name_words
+from symbody.expr.printing.numerals import ALL_DIGITS, Numerals, full_text
 from symbody.expr.printing.textbook import Factor, Style, textbook
 
 _APPLY: Final = "<mo>\u2061</mo>"  # what stands, unseen, between a function and its bracket
 _COMMA: Final = "<mo>,</mo>"
-# Over a letter, one to four. Not accents: those touch the letter where there is no mathematical font.
+# Over a letter, one to four; accents, which pages hold a font for.
 _DOTS: Final = ("\u02d9", "\u00a8", "...", "....")
 _NAMES: Final = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "sign": "sgn"}
 _AROUND: Final = {"abs": ("|", "|"), "floor": ("\u230a", "\u230b")}
@@ -53,7 +53,7 @@ def to_mathml(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None
     ExpressionError
         Above 20,000 operations written out, and for entries of kernels.
     """
-    style = _MathML(dict(names or {}))
+    style = _MathML(names=dict(names or {}))
     return _tidy(print_node(graph, node, textbook(graph, [node], style), style.brackets))
 
 
@@ -61,17 +61,25 @@ def to_mathml_with_definitions(
     graph: Graph,
     nodes: Sequence[int],
     limit: int = EXPAND_LIMIT,
-    names: Mapping[Symbol, str] | None = None,
+    numerals: Numerals = ALL_DIGITS,
+    leading: Mapping[int, int] | None = None,
 ) -> tuple[list[str], list[tuple[str, str]]]:
     """Return nodes as MathML, with shared parts named z1, z2, ... if one exceeds `limit` operations.
+
+    Parameters
+    ----------
+    numerals : Numerals
+        How many digits numbers have; rounded ones bear the full number in ``data-full``.
+    leading : mapping of node to node, optional
+        The symbol whose terms come first in a sum.
 
     Returns
     -------
     (formulas, definitions)
         Definitions are pairs of name and formula, each using earlier names only.
     """
-    style = _MathML(dict(names or {}))
-    notation = textbook(graph, nodes, style)
+    style = _MathML(numerals=numerals)
+    notation = textbook(graph, nodes, style, leading)
     written = printed_with_definitions(graph, nodes, notation, limit, mathml_name, style.brackets)
     return [_tidy(text) for text in written[0]], [(name, _tidy(text)) for name, text in written[1]]
 
@@ -96,7 +104,7 @@ def _put_dots(base: str, order: int) -> str:
     if order == 0:
         return base
     if order <= len(_DOTS):
-        return f"<mover>{base}<mo>{_DOTS[order - 1]}</mo></mover>"
+        return f'<mover accent="true">{base}<mo stretchy="false">{_DOTS[order - 1]}</mo></mover>'
     return f"<msup>{base}<mrow><mo>(</mo><mn>{order}</mn><mo>)</mo></mrow></msup>"
 
 
@@ -135,13 +143,14 @@ class _MathML(Style):
         return _put_dots(given, symbol.order) if given else mathml_name(symbol.name, symbol.order)
 
     def number(self, value: Constant) -> str:
-        text = repr(value) if isinstance(value, float) else number_text(value)
+        text = self.numerals.text(value)
+        full = f' data-full="{full_text(value)}"' if self.numerals.rounded(value) else ""
         mantissa, _, exponent = text.replace("-", "\u2212").partition("e")
         if not exponent:
-            return f"<mn>{mantissa}</mn>"
+            return f"<mn{full}>{mantissa}</mn>"
         sign = "\u2212" if exponent.startswith("\u2212") else ""
         power = f"<msup><mn>10</mn><mn>{sign}{int(exponent.lstrip('+' + sign))}</mn></msup>"
-        return power if mantissa == "1" else f"<mn>{mantissa}</mn><mo>\u00b7</mo>{power}"
+        return power if mantissa == "1" else f"<mn{full}>{mantissa}</mn><mo>\u00b7</mo>{power}"
 
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
         if not below and ratio.denominator != 1 and above:

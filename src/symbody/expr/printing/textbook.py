@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import ClassVar, Final, NamedTuple, TypeAlias
 
 from symbody.expr import opcodes as op
 from symbody.expr.graph import Constant, Exact, Graph, Symbol, SymbolKind
-from symbody.expr.printing.flattening import SUMS, linear_terms, power_factors
+from symbody.expr.printing.flattening import SUMS, linear_terms, power_factors, without_square_roots
 from symbody.expr.printing.layout import (
     ATOM,
     BOTH,
@@ -36,8 +36,8 @@ from symbody.expr.printing.layout import (
     bind_tightly,
     join_pieces,
     no_formula,
-    number_text,
 )
+from symbody.expr.printing.numerals import ALL_DIGITS, Numerals
 from symbody.expr.rewrite import node_cost
 
 # Single letters that books put first in a product: masses, inertias, stiffness, gravity. Other names follow
@@ -51,9 +51,17 @@ NameKey: TypeAlias = tuple[int | str, ...]
 Factor: TypeAlias = Sequence[Piece]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Style(ABC):
-    """How the parts of a formula look."""
+    """How the parts of a formula look.
 
+    Attributes
+    ----------
+    numerals : Numerals
+        How many digits numbers have.
+    """
+
+    numerals: Numerals = ALL_DIGITS
     brackets: ClassVar[Brackets] = ROUND
     times: ClassVar[str] = " "
     plus: ClassVar[str] = " + "
@@ -121,6 +129,8 @@ class SortKey(NamedTuple):
     moving : int
         0 without symbols that depend on time, 1 with time, inputs or multipliers, n + 2 with the nth
         derivative of a coordinate, or the one before of a speed; functions are not looked into.
+    has_multiplier : bool
+        Whether there is a multiplier in it: these terms stand last.
     is_function : bool
         Whether there is a function in it.
     size : int
@@ -130,18 +140,27 @@ class SortKey(NamedTuple):
     """
 
     moving: int
+    has_multiplier: bool
     is_function: bool
     size: int
     low: NameKey
     high: NameKey
 
 
-def textbook(graph: Graph, roots: Sequence[int], style: Style) -> NotationFor:
-    """Return the notation of a style for the nodes that the `roots` are computed from."""
+def textbook(
+    graph: Graph, roots: Sequence[int], style: Style, leading: Mapping[int, int] | None = None
+) -> NotationFor:
+    """Return the notation of a style for the nodes that the `roots` are computed from.
+
+    Parameters
+    ----------
+    leading : mapping of root to node, optional
+        The symbol whose terms come first in the sum of a root: its own acceleration.
+    """
     keys = _sort_keys(graph, roots)
 
     def notation(named: Mapping[int, str]) -> Notation:
-        return _Page(graph, style, keys, named).layout
+        return _Page(graph, style, keys, named, leading or {}).layout
 
     return notation
 
@@ -163,12 +182,14 @@ def _sort_keys(graph: Graph, roots: Sequence[int]) -> dict[int, SortKey]:
         if graph.ops[node] == op.SYMBOL:
             symbol = graph.symbols[graph.left[node]]
             name = name_key(symbol.name)
-            keys[node] = SortKey(_order_of_motion(symbol), False, 0, name, name)
+            is_multiplier = symbol.kind is SymbolKind.MULTIPLIER
+            keys[node] = SortKey(_order_of_motion(symbol), is_multiplier, False, 0, name, name)
             continue
         parts = [keys[k] for k in graph.operands(node)]
         is_function = graph.ops[node] not in _LINEAR and bool(parts)
         keys[node] = SortKey(
             0 if is_function else max((key.moving for key in parts), default=0),
+            any(key.has_multiplier for key in parts),
             is_function or any(key.is_function for key in parts),
             min(node_cost(graph, node) + sum(key.size for key in parts), 1 << 62),
             min((key.low for key in parts if key.low), default=()),
@@ -192,6 +213,7 @@ class _Page:
     style: Style
     keys: Mapping[int, SortKey]
     named: Mapping[int, str]
+    leading: Mapping[int, int]
 
     def layout(self, node: int) -> Layout:
         graph = self.graph
@@ -215,13 +237,14 @@ class _Page:
         return self.style.symbol(self.graph.symbols[self.graph.left[node]])
 
     def _number(self, value: Constant) -> Layout:
-        if not isinstance(value, float) and "/" in number_text(value):
+        if not isinstance(value, float) and "/" in self.style.numerals.text(value):
             return self.style.ratio(Fraction(value), [], [])
         return Layout([self.style.number(value)], ATOM)
 
     def _sum(self, node: int) -> Layout:
         terms = linear_terms(self.graph, node, self.named)
-        order = sorted(terms, key=self._term_key)
+        leading = self._terms_with(terms, self.leading.get(node))
+        order = sorted(terms, key=lambda term: (term not in leading, *self._term_key(term)))
         first = next((term for term in order if terms[term] > 0), None)
         if first is not None:  # a minus in front is easily overlooked
             order.remove(first)
@@ -239,9 +262,16 @@ class _Page:
             pieces += [between if pieces else first_sign, *part.pieces]
         return Layout(pieces or [self.style.number(0)], SUM if pieces else ATOM)
 
+    def _terms_with(self, terms: Iterable[int], symbol: int | None) -> set[int]:
+        """Return the terms that a symbol stands in; named parts are not looked into."""
+        if symbol is None:
+            return set()
+        return {term for term in terms if symbol in self.graph.reachable([term])}
+
     def _term_key(self, term: int) -> tuple[object, ...]:
         key = self.keys[term]
         return (
+            key.has_multiplier,
             -key.moving,
             key.is_function,
             not key.low,
@@ -255,17 +285,34 @@ class _Page:
         """Return a product that binds at least as tightly as PRODUCT."""
         graph = self.graph
         above, below = power_factors(graph, node, self.named) if is_open else ({node: 1}, {})
+        above, below = without_square_roots(graph, above, below, self.named)
         for factor in [k for k in above if graph.ops[k] == op.RATIONAL and above[k] <= _MAX_EXPONENT]:
             coefficient *= Fraction(graph.constants[graph.left[factor]]) ** above.pop(factor)
-        if coefficient == 1 and not below and len(above) == 1:
+        number = self._with_rounded(coefficient, above, below)
+        if number == 1 and not below and len(above) == 1:
             ((factor, exponent),) = above.items()
             return self._power(factor, exponent, PRODUCT)
         factors = self._factors(above)
-        ratio = Fraction(coefficient)
-        if ratio != 1 and "/" not in number_text(ratio):
-            factors.insert(0, [self.style.number(coefficient)])
-            ratio = Fraction(1)
+        ratio = Fraction(1)
+        if isinstance(number, float) or "/" not in self.style.numerals.text(number):
+            if number != 1:
+                factors.insert(0, [self.style.number(number)])
+        else:
+            ratio = Fraction(number)
         return self.style.ratio(ratio, factors, self._factors(below))
+
+    def _with_rounded(
+        self, coefficient: Exact, above: dict[int, int], below: dict[int, int]
+    ) -> Exact | float:
+        """Return a coefficient times the rounded numbers of a product, which are taken out of it."""
+        graph = self.graph
+        product: Exact | float = coefficient
+        for factors, sign in ((above, 1), (below, -1)):
+            for node in [k for k in factors if graph.ops[k] == op.FLOAT]:
+                value = graph.number(node)
+                if isinstance(value, float) and 0.0 < abs(value) and abs(factors[node]) <= _MAX_EXPONENT:
+                    product = float(product) * value ** (sign * factors.pop(node))
+        return product
 
     def _factors(self, exponents: Mapping[int, int]) -> list[Factor]:
         order = sorted(exponents, key=self._factor_key)

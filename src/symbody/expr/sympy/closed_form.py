@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Final
 
 import symbody.expr.sympy as border
+from symbody.expr.canonical import ZERO
 from symbody.expr.fingerprints.merging import merge_equal
 from symbody.expr.graph import Graph, copy_nodes
-from symbody.expr.rewrite import tree_sizes
+from symbody.expr.language.literals import EXACT_DIGITS
+from symbody.expr.opcodes import FLOAT, RATIONAL
+from symbody.expr.rewrite import substitute, tree_sizes
 from symbody.expr.sequences.sequence import Roots
 from symbody.expr.sympy.sympy_bridge import (
     SympyEquation,
@@ -23,6 +27,10 @@ from symbody.expr.trigonometry.normal_form import trigonometric_form
 _READABLE: Final = 1_000
 _READABLE_TOGETHER: Final = 2_000
 _MERGED: Final = 5_000
+# Smaller constants stay rounded ones; their reciprocals bound large ones: exact decimals have few digits.
+_LEAST: Final = 1e-30
+# Beside the largest constant: products of a few constants of 17 digits are wrong by some 1e-16 each.
+_NOISE: Final = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,13 +58,16 @@ def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int
     """Return nodes in the trigonometric normal form, as far as they are short enough to be read.
 
     What is equal is merged first, so that nothing that is zero is printed. Shorter nodes come first; together
-    they may have `_READABLE_TOGETHER` operations written out, which bounds the time to a few seconds.
+    they may have `_READABLE_TOGETHER` operations written out, which bounds the time to a few seconds. Rounded
+    constants count as the decimals that they are printed as, so that ``2.5*(sin(x)^2 + cos(x)^2)`` is one
+    number whatever its digits; constants that come out with more digits than a double has are rounded again.
 
     Parameters
     ----------
     quaternions : sequence of four nodes
         Symbols whose squares add up to 1.
     """
+    given, nodes = nodes, _with_decimals(graph, nodes)
     result = dict(zip(nodes, nodes, strict=True))
     short = [node for node, size in zip(nodes, tree_sizes(graph, nodes), strict=True) if size <= _MERGED]
     apart = Graph()
@@ -70,7 +81,47 @@ def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int
         if size > _READABLE or left < 0:
             break
         (forms[node],) = trigonometric_form(graph, [node], quaternions)
-    return [forms.get(result[node], result[node]) for node in nodes]
+    shown = [forms.get(result[node], result[node]) for node in nodes]
+    return shown if nodes == given else _with_rounded(graph, shown, given)
+
+
+def _with_decimals(graph: Graph, nodes: Sequence[int]) -> list[int]:
+    """Return nodes with each rounded constant as the exact decimal that it is printed as."""
+    constants = {node: graph.number(node) for node in graph.reachable(nodes) if graph.ops[node] == FLOAT}
+    decimals = {
+        node: graph.constant(Fraction(repr(value)))
+        for node, value in constants.items()
+        if isinstance(value, float) and (value == 0.0 or _LEAST < abs(value) < 1.0 / _LEAST)
+    }
+    return substitute(graph, nodes, decimals) if decimals else list(nodes)
+
+
+def _with_rounded(graph: Graph, nodes: Sequence[int], given: Sequence[int]) -> list[int]:
+    """Return nodes with exact constants of more digits than a double has as doubles.
+
+    What rounding has left of a sum that is zero, beside the largest constant of the same formula, is 0.
+    """
+    return [_round_constants(graph, node, origin) for node, origin in zip(nodes, given, strict=True)]
+
+
+def _round_constants(graph: Graph, node: int, origin: int) -> int:
+    written = set(graph.reachable([origin]))
+    numbers = {k: graph.number(k) for k in graph.reachable([node]) if graph.ops[k] == RATIONAL}
+    exact = {k: Fraction(value) for k, value in numbers.items() if value is not None}
+    largest = max((abs(value) for value in exact.values()), default=Fraction(0))
+    rounded: dict[int, int] = {}
+    for k, value in exact.items():
+        if k not in written and max(abs(value.numerator), value.denominator) >= 10**EXACT_DIGITS:
+            is_noise = abs(value) < _NOISE * largest
+            rounded[k] = ZERO if is_noise else graph.constant(_as_double(value))
+    return substitute(graph, [node], rounded)[0] if rounded else node
+
+
+def _as_double(value: Fraction) -> float | Fraction:
+    """Return a number as a double; as a decimal where that has few digits."""
+    text = repr(float(value))
+    digits = text.partition("e")[0].replace(".", "").replace("-", "").strip("0")
+    return Fraction(text) if len(digits) <= EXACT_DIGITS else float(value)
 
 
 def closed_forms(graph: Graph, outputs: Sequence[Roots], limit: int) -> ClosedForms:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -130,6 +130,14 @@ class Trajectory(SampleTable):
     def names(self) -> tuple[str, ...]:
         """All names whose values are stored."""
         return ("t", *self.coordinate_names, *self.speed_names, *self.signal_state_names, *self.stored)
+
+    def __getattr__(self, name: str) -> NoReturn:
+        """Refuse an attribute that does not exist; outputs are read by their names in brackets."""
+        kind = type(self).__name__
+        is_set = not name.startswith("_") and name not in type(self).__dataclass_fields__  # none before it is made
+        if is_set and name in (*self.coordinate_names, *self.speed_names, *self.units):
+            raise AttributeError(f"a {kind} has its outputs in brackets: run[{name!r}]", name=name, obj=self)
+        raise AttributeError(f"{kind!r} object has no attribute {name!r}", name=name, obj=self)
 
     @checked_arguments
     def __getitem__(self, name: str) -> Floats:

@@ -91,18 +91,19 @@ class Animation:
     def show(self) -> Path:
         """Open the page in the browser and return the file it is in, which stays until the system clears it.
 
+        Where no browser opens, as on a computer without a display, the path is printed.
+
         Raises
         ------
         EnvironmentFault
-            If there is no browser, or no page.
+            If there is no page.
         """
         text = self.html
         with tempfile.NamedTemporaryFile("w", prefix="symbody-", suffix=".html", delete=False) as file:
             path = Path(file.name)
         write_page(path, text)
         if not webbrowser.open(path.as_uri()):
-            fix = f"open {path} in a browser, or give a path: animate(run, 'motion.html')"
-            raise EnvironmentFault(Problem("animation.no_browser", "animate", "no browser opened", fix=fix))
+            print(f"no browser opened; the page is {path}")
         return path
 
     def __repr__(self) -> str:
@@ -173,7 +174,7 @@ def animate(
     UsageError
         If a name is unknown, the run has no model or no samples, or times lie outside of it.
     EnvironmentFault
-        If the page cannot be written, this installation has no pages, or no browser opens.
+        If the page cannot be written, or this installation has no pages.
     """
     target = None if path is None else _page_path(path)
     options = {"view": view, "theme": theme, "speed": speed}

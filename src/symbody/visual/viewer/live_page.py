@@ -13,13 +13,11 @@ import numpy as np
 
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.outputs.display import mathml_sides
+from symbody.equations.outputs.equation_page import equation_operations, equations_page
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml import mathml_name
-from symbody.expr.printing.mathml_column import mathml_column
 from symbody.expr.printing.mathml_tables import math_element
-from symbody.expr.rewrite import tree_sizes
 from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.inputs.input_laws import Law
 from symbody.simulation.methods.closed_loops.change_point import change_point_note
@@ -45,7 +43,6 @@ _SHARE: Final = 0.5  # of a parameter's value, to both sides, without bounds
 _TABLE: Final = 9  # values of a parameter for which shapes are made
 _MOST_SPEEDS: Final = 6  # of equations that are written out
 _MOST_OPERATIONS: Final = 1200
-_COLUMN: Final = 38  # letters of a row of equations, in the panel of a page
 _PREVIEW: Final = 8.0  # seconds of the motion that the picture has to hold
 _MOST_STEPS: Final = 20_000
 _PULL: Final = 4.0  # times the frequency of a pendulum as long as the mechanism: of a held body on its spring
@@ -328,13 +325,12 @@ def _differences(way: tuple[Any, ...], items: Sequence[Any]) -> Iterator[tuple[t
 
 
 def _equations(eqs: EquationSet) -> str:
-    """Return the equations as MathML, empty where they are too long to be read."""
+    """Return all equations as HTML, empty where they are too long to be read."""
     if not eqs.speed_names or len(eqs.speed_names) > _MOST_SPEEDS:
         return ""
-    sides = [*eqs.textbook.inertial_side.nodes, *eqs.textbook.forcing_side.nodes]
-    if sum(tree_sizes(eqs.textbook.formed.graph, sides)) > _MOST_OPERATIONS:
+    if equation_operations(eqs.textbook) > _MOST_OPERATIONS:
         return ""
-    return f"<div>{math_element(mathml_column(mathml_sides(eqs.textbook), _COLUMN))}</div>"
+    return f"<div>{equations_page(eqs.textbook)}</div>"
 
 
 def _symbol(name: str) -> str:
