@@ -72,8 +72,9 @@ class Event:
     action : "record", "stop" or mapping of name to formula
         What follows: a note in ``run.events``; the end of the motion, which becomes its last sample; or new
         values of coordinates and speeds, all computed from the state before, for instance
-        ``{"x_dot": "-e*x_dot"}``. Closed loops are closed again afterwards by the least move in the mass
-        matrix, but with `Baumgarte`: there new speeds have to fit each other. A substituted coordinate stands
+        ``{"x_dot": "-e*x_dot"}``. They hold: closed loops are closed again by the least move of the other
+        coordinates, then by the least kinetic energy of the change of the other speeds. Values that the
+        constraints do not admit end the motion with `Status.UNMET_ACTION`. A substituted coordinate stands
         for the one it follows from.
     name : str, optional
         By default the expression.
