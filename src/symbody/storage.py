@@ -158,8 +158,8 @@ def _digest(key: bytes, content: bytes) -> bytes:
 def create_file(folder: Path, prefix: str, suffix: str = "") -> tuple[int, str]:
     """Create a file with the permissions of any new one, and return its descriptor and a path of its own.
 
-    Those of `tempfile.mkstemp` are for their owner alone. The system is asked by creating one: `os.umask` tells
-    the permissions by changing them, for the files of all threads.
+    Those of `tempfile.mkstemp` are for their owner alone. The system is asked by creating one, as `os.umask`
+    tells permissions by changing them, for the files of all threads.
 
     Raises
     ------
