@@ -21,8 +21,8 @@ from symbody.model.model import Model
 from symbody.single_flight import SingleFlight, once
 from symbody.storage import folder, load_stored, store
 
-# The folders and files whose code forms equations and sequences, and the version of SymPy, which changes them,
-# too: a file, as `importlib.metadata` takes longer to load than all of this to be hashed.
+# The folders and files whose code forms equations and sequences, and the version of SymPy, which changes
+# them, too: a file, as `importlib.metadata` takes longer to load than all of this to be hashed.
 _ROOMS: Final = ("expr", "spatial", "manifold", "kernels", "model", "graph", "equations")
 _FILES: Final = ("arguments.py", "tolerances.py")
 _VERSION: Final = ("sympy", "release.py")
