@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import sys
+import threading
 
 import numpy as np
 import pytest
@@ -206,3 +208,47 @@ def test_ctrl_c_at_the_change_keeps_what_came_before(monkeypatch: pytest.MonkeyP
     run = sb.simulate(damped_slider(), 5.0)
     assert run.status is sb.Status.INTERRUPTED and 0.0 < run.t[-1] < 1.0
     assert "known up to" in run.notes[-1] and np.abs(run["x"] - slider_at(run.t)).max() < 1e-8
+
+
+def pushed_oscillator() -> sb.EquationSet:
+    body = sb.Body("Body", mass=1)
+    drive = sb.Drive(applied="F", stiffness=10, damping=1)
+    rail = sb.Prismatic("rail", "ground", "Body", coordinate="x", force=drive)
+    return sb.form_equations(sb.Model("oscillator", [body, rail], inputs=["F"]))
+
+
+def test_what_a_law_prints_is_seen(capsys: pytest.CaptureFixture[str]) -> None:
+    eqs = pushed_oscillator()
+
+    def law(t: float, q: object, u: object) -> float:
+        if t == 0.0:
+            print("said at the start")
+        return 0.1
+
+    usual = sys.stdout
+    assert sb.simulate(eqs, 0.2, inputs={"F": law}, integrator=sb.Stiff()).success
+    assert "said at the start" in capsys.readouterr().out and sys.stdout is usual
+
+
+def test_laws_of_two_motions_may_wait_for_each_other() -> None:
+    # One lock was held while a solver called the law, so that the other motion could not get there.
+    eqs = pushed_oscillator()
+    ends: list[float] = []
+    meeting = threading.Barrier(2, timeout=60)
+
+    def run() -> None:
+        met: list[int] = []
+
+        def law(t: float, q: object, u: object) -> float:
+            if t > 0.01 and not met:
+                met.append(meeting.wait())
+            return 0.1
+
+        ends.append(sb.simulate(eqs, 0.2, inputs={"F": law}, integrator=sb.Stiff())["x"][-1])
+
+    usual, threads = sys.stdout, [threading.Thread(target=run) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(ends) == 2 and ends[0] == ends[1] and sys.stdout is usual

@@ -21,9 +21,10 @@ from symbody.model.model import Model
 from symbody.single_flight import SingleFlight, once
 from symbody.storage import folder, load_stored, store
 
-# The folders whose code forms equations and sequences, and the version of SymPy, which changes them, too: a
-# file, as `importlib.metadata` takes longer to load than all of this to be hashed.
+# The folders and files whose code forms equations and sequences, and the version of SymPy, which changes
+# them, too: a file, as `importlib.metadata` takes longer to load than all of this to be hashed.
 _ROOMS: Final = ("expr", "spatial", "manifold", "kernels", "model", "graph", "equations")
+_FILES: Final = ("arguments.py", "tolerances.py")
 _VERSION: Final = ("sympy", "release.py")
 
 
@@ -81,6 +82,12 @@ def _sources() -> bytes:
     digest = sha256(sys.version.encode())
     with open(os.path.join(os.path.dirname(sympy.origin), _VERSION[1]), "rb") as file:
         digest.update(file.read())
+    for name in _FILES:
+        path = os.path.join(package, name)
+        if not os.path.isfile(path):
+            return b""
+        with open(path, "rb") as file:
+            digest.update(sha256(file.read()).digest())
     count = 0
     for room in _ROOMS:
         for place, folders, files in os.walk(os.path.join(package, room)):

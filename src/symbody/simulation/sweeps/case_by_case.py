@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -21,8 +23,26 @@ from symbody.simulation.status import Status
 from symbody.simulation.sweeps.records import NOT_STARTED, CaseDetails, Records
 from symbody.simulation.sweeps.sweep_job import SweepJob
 
-# Code of a case whose verdict the loop over many cases does not know: this one plus the place in `Status`.
-OTHERS: Final = 100
+# Codes of cases that were computed one by one. Stores keep them: a number is never given to another status.
+CODES: Final[Mapping[Status, int]] = MappingProxyType(
+    {
+        Status.SUCCESS: 100,
+        Status.STOPPED: 101,
+        Status.STEP_COLLAPSE: 102,
+        Status.NOT_FINITE: 103,
+        Status.SINGULAR: 104,
+        Status.FRICTION: 105,
+        Status.DEPENDENT_SPEEDS: 106,
+        Status.TOO_MANY_STEPS: 107,
+        Status.STIFF: 108,
+        Status.CHATTERING: 109,
+        Status.NOT_STARTED: 110,
+        Status.WORKER_LOST: 111,
+        Status.INTERRUPTED: 112,
+        Status.OUT_OF_MEMORY: 113,
+    }
+)
+STATUSES: Final[Mapping[int, Status]] = MappingProxyType({code: status for status, code in CODES.items()})
 
 
 def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
@@ -60,7 +80,7 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     samples = min(samples, records.x.shape[1])  # without the last one of a motion that stops behind all times
     records.x[row] = np.nan
     records.x[row, :samples] = np.concatenate([run.u, run.q, run.s]).T[:samples]
-    records.codes[row] = OTHERS + list(Status).index(run.status)
+    records.codes[row] = CODES[run.status]
     statistics = run.statistics
     counts = {
         at.ACCEPTED: statistics.accepted,

@@ -17,7 +17,7 @@ from symbody.simulation.native.run import VERDICTS, Statistics
 from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import OTHERS
+from symbody.simulation.sweeps.case_by_case import STATUSES
 from symbody.simulation.sweeps.evaluation import CaseEvaluator, Evaluation
 from symbody.simulation.sweeps.records import NOT_ENDED, NOT_STARTED, WORKER_LOST, Records
 from symbody.simulation.sweeps.sweep_job import SweepJob
@@ -230,8 +230,8 @@ def sweep_result(job: SweepJob, records: Records, notes: tuple[str, ...]) -> Swe
 
 def _status(code: int) -> Status:
     """Return the verdict that a code stands for."""
-    if code >= OTHERS:
-        return list(Status)[code - OTHERS]
+    if code in STATUSES:
+        return STATUSES[code]
     others = {
         NOT_ENDED: Status.INTERRUPTED,
         NOT_STARTED: Status.NOT_STARTED,

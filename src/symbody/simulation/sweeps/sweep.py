@@ -29,7 +29,7 @@ from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import OTHERS, compute_case, reason_for_simulate
+from symbody.simulation.sweeps.case_by_case import CODES, compute_case, reason_for_simulate
 from symbody.simulation.sweeps.case_table import Combine, Varied, case_table
 from symbody.simulation.sweeps.first_states import check_names
 from symbody.simulation.sweeps.loop_job import cases_apart, prepare_loop
@@ -202,7 +202,7 @@ def _compute_by_simulate(
                 break
             row = records.cut(case, case + 1)
             compute_case(job, case, row)
-            if row.codes[0] == OTHERS + list(Status).index(Status.INTERRUPTED):
+            if row.codes[0] == CODES[Status.INTERRUPTED]:
                 break
             listener.on_chunk(row)
     except KeyboardInterrupt:

@@ -26,7 +26,12 @@ from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.methods.closed_loops.independent_rows import independent_rows, without_other_rows
 from symbody.simulation.methods.implicit.state_jacobian import drop_idle_rows, input_symbols
 from symbody.simulation.methods.implicit.stiff import SHARE_OF_PIECE, Stiff
-from symbody.simulation.methods.implicit.sundials import MonitoredFunction, SundialsStepper, solver_class
+from symbody.simulation.methods.implicit.sundials import (
+    MonitoredFunction,
+    SundialsStepper,
+    print_as_usual,
+    solver_class,
+)
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
 from symbody.simulation.methods.stepping import march
 from symbody.simulation.native.run import RawRun
@@ -63,9 +68,11 @@ def run_ggl(
     n, size = integration.state.size, integration.state.size + system.m + system.m_positions
     watch = MonitoredFunction(system.residual)
 
+    @print_as_usual
     def residual(t: float, y: Floats, rate: Floats, out: Floats) -> None:
         out[:] = watch(t, np.concatenate([y, rate]))
 
+    @print_as_usual
     def slopes(t: float, y: Floats, rate: Floats, value: Floats, share: float, out: Floats) -> None:
         out[:] = system.slopes(t, y, rate, share)
 

@@ -20,7 +20,12 @@ from symbody.simulation.methods.implicit.state_jacobian import (
     drop_idle_rows,
     with_state_jacobian,
 )
-from symbody.simulation.methods.implicit.sundials import MonitoredFunction, SundialsStepper, solver_class
+from symbody.simulation.methods.implicit.sundials import (
+    MonitoredFunction,
+    SundialsStepper,
+    print_as_usual,
+    solver_class,
+)
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.stepping import march
 from symbody.simulation.native.run import RawRun
@@ -98,6 +103,7 @@ def run_stiff(
     slopes = integration.compile_outputs((STATE_JACOBIAN, CALLBACK_JACOBIAN), wider)
     watch = MonitoredFunction(rates)
 
+    @print_as_usual
     def right_hand_side(t: float, x: Floats, out: Floats) -> None:
         out[:] = watch(t, x)
 
@@ -108,6 +114,7 @@ def run_stiff(
         )
         return found
 
+    @print_as_usual
     def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
         out[:] = jacobian(t, x)
 

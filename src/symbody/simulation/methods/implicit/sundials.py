@@ -7,13 +7,13 @@ on Mathematical Software 31 (2005).
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
-from contextlib import redirect_stdout
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial, wraps
 from importlib import import_module
-from io import StringIO
+from io import StringIO, TextIOBase
 from threading import get_ident
-from typing import Final, Protocol, TypeVar
+from typing import Final, ParamSpec, Protocol, TextIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from symbody.single_flight import fork_safe_lock
 
 Floats = NDArray[np.float64]
 Answer = TypeVar("Answer")
+P = ParamSpec("P")
 
 # Return flags that the two solvers share. The others cannot come from a right-hand side that never raises.
 COLLAPSED: Final = -3
@@ -38,8 +39,8 @@ VERDICTS: Final[Mapping[int, Status]] = {
     -7: Status.SINGULAR,
 }
 
-# What a process prints to is one for all threads: one of them replaces it at a time.
-_PRINTING: Final = fork_safe_lock()
+# What a process prints to is one for all threads: held while it is replaced.
+_ROUTING: Final = fork_safe_lock()
 
 # A solver that has to start anew after every step, so many times, does not get on.
 PATIENT: Final = 50
@@ -226,7 +227,7 @@ def call_quietly(function: Callable[[], Answer]) -> Answer:
     """
     printed = None
     try:
-        with _PRINTING, redirect_stdout(_Printed()) as printed:
+        with _keep_prints() as printed:
             return function()
     except (RuntimeError, ValueError, TypeError) as error:
         why = printed.getvalue().strip() if printed else ""
@@ -236,18 +237,79 @@ def call_quietly(function: Callable[[], Answer]) -> Answer:
         ) from error  # fmt: skip
 
 
-class _Printed(StringIO):
-    """What this thread prints; what others print meanwhile goes where it belongs."""
+def print_as_usual(function: Callable[P, Answer]) -> Callable[P, Answer]:
+    """Return a function that a solver calls: what it prints, as laws of users may, goes where it belongs."""
 
-    def __init__(self) -> None:
+    @wraps(function)
+    def call(*arguments: P.args, **named: P.kwargs) -> Answer:
+        router, thread = sys.stdout, get_ident()
+        printed = router.kept.pop(thread, None) if isinstance(router, _Router) else None
+        try:
+            return function(*arguments, **named)
+        finally:
+            if isinstance(router, _Router) and printed is not None:
+                router.kept[thread] = printed
+
+    return call
+
+
+@contextmanager
+def _keep_prints() -> Iterator[StringIO]:
+    """Keep what this thread prints; threads do not wait for each other, as laws of users may do."""
+    thread, printed = get_ident(), StringIO()
+    with _ROUTING:
+        router = sys.stdout if isinstance(sys.stdout, _Router) else _Router(sys.stdout)
+        sys.stdout = router
+        router.users += 1
+        before, router.kept[thread] = router.kept.get(thread), printed
+    try:
+        yield printed
+    finally:
+        with _ROUTING:
+            del router.kept[thread]
+            if before is not None:
+                router.kept[thread] = before
+            router.users -= 1
+            if not router.users and sys.stdout is router:
+                sys.stdout = router.usual
+
+
+class _Router(TextIOBase):
+    """Standard output while solvers run: what threads in `kept` print is kept, all else goes on.
+
+    Attributes
+    ----------
+    usual : text file or None
+        Where it goes.
+    kept : mapping of thread to text
+    users : int
+        How many solvers run.
+    """
+
+    def __init__(self, usual: TextIO) -> None:
         super().__init__()
-        self._thread, self._usual = get_ident(), sys.stdout
+        self.usual, self.users = usual, 0
+        self.kept: dict[int, StringIO] = {}
 
     def write(self, text: str) -> int:
-        """Write text here, or for another thread to the usual place."""
-        if get_ident() == self._thread or self._usual is None:
-            return super().write(text)
-        return self._usual.write(text)
+        """Write text to where this thread's goes."""
+        place: TextIO | StringIO | None = self.kept.get(get_ident(), self.usual)
+        return len(text) if place is None else place.write(text)
+
+    def flush(self) -> None:
+        """Flush the usual place."""
+        usual: TextIO | None = self.usual
+        if usual is not None:
+            usual.flush()
+
+    def isatty(self) -> bool:
+        """Return whether the usual place is a terminal."""
+        usual: TextIO | None = self.usual
+        return usual is not None and usual.isatty()
+
+    def fileno(self) -> int:
+        """Return the descriptor of the usual place."""
+        return self.usual.fileno()
 
 
 def solver_class(kind: str) -> Callable[..., Solver]:
