@@ -67,6 +67,7 @@ function Spoken(): ReactElement {
 function Editor(): ReactElement {
   const [sizes, change, style] = useSizes();
   const wide = useStore((state) => state.wide);
+  const id = useStore((state) => state.document?.id);
   return (
     <div className={`editor${wide ? " wide" : ""}`} style={style}>
       <Header />
@@ -78,7 +79,7 @@ function Editor(): ReactElement {
           {!wide && <Diagram />}
           {!wide && <Splitter name="lower" label="Height of the lower panels" upright={false} sizes={sizes} change={change} />}
           <div className="lower">
-            <Picture />
+            <Picture key={id} />
             <Splitter name="picture" label="Width of the picture" upright sizes={sizes} change={change} />
             <LowerTabs />
           </div>

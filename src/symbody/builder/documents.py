@@ -67,6 +67,7 @@ class Documents:
         self._user = UserState(settings.state)
         self._open: dict[str, Document] = {}
         self._lock = Lock()
+        self._writing = Lock()
 
     def new(self) -> Answer:
         """Return an empty document."""
@@ -164,6 +165,10 @@ class Documents:
         FormatError
             If it cannot be written.
         """
+        with self._writing:  # of pages that save at the same time the second finds what the first wrote
+            return self._save(request)
+
+    def _save(self, request: SaveRequest) -> Answer:
         document = self._document(request.document)
         real = with_ending(contained_path(request.path, self._settings.roots), _TOML)
         old = read_bytes(real) if real.exists() else None

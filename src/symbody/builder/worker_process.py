@@ -14,9 +14,9 @@ from multiprocessing.connection import Connection, wait
 from types import MappingProxyType
 from typing import Any, Final
 
-from symbody.builder.page_problems import page_problem, page_problems
+from symbody.builder.page_problems import fault_problem, page_problems
 from symbody.builder.task_failure import Report, TaskFailure
-from symbody.errors import Problem, SymbodyError
+from symbody.errors import SymbodyError
 from symbody.expr.deadline import watch_stages
 
 _SHARE: Final = 0.8  # of the memory, for the data of one process
@@ -74,7 +74,7 @@ def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, A
     except SymbodyError as error:
         return "failed", page_problems(error.problems, payload.get("data") or {})
     except Exception as error:  # a fault of ours: it is told without the insides of the server
-        return "failed", [_fault(error)]
+        return "failed", [fault_problem(error)]
 
 
 def _json(value: Any) -> bytes:
@@ -85,15 +85,6 @@ def _json(value: Any) -> bytes:
 def _report_stages(report: Report) -> Iterator[None]:
     with watch_stages(lambda stage: report(stage, None)):
         yield
-
-
-def _fault(error: Exception) -> dict[str, Any]:
-    kind = type(error).__name__
-    what = (
-        "there is not enough memory for this" if isinstance(error, MemoryError) else f"an unforeseen {kind}"
-    )
-    cure = "save the model, and report it with the model file"
-    return page_problem(Problem("builder.fault", "", what, "this is a fault of symbody", cure), {})
 
 
 def _limit_memory() -> None:

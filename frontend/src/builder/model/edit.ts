@@ -2,7 +2,7 @@
 
 import {
   endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, INPUTS, inputsOf, layoutNameOf, namesOf, PART, pointerOf, referenceOf,
-  referenceText, symbolsOf, textOf, type EntryId,
+  referenceText, symbolsOf, textOf, type Entry, type EntryId,
 } from "./entries"; // prettier-ignore
 import { diagramOf, SIGNALS } from "./graph";
 import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
@@ -140,11 +140,36 @@ export function removeEntries(data: Model, ids: readonly EntryId[]): Model {
   const kept = Object.entries(before).map(([section, items]): [string, Json] => {
     return isArray(items) ? [section, items.filter((_, index) => !removed.has(`${section}/${index}`))] : [section, items];
   });
-  const cut: Model = Object.fromEntries(kept);
+  const cut = withoutInitialOf(Object.fromEntries(kept), [...removed].map((id) => entryAt(data, id)).filter((each) => each !== null));
   const left = new Set([...entriesOf(cut), ...inputsOf(cut)].map(({ id, name }) => layoutNameOf(id, name)));
   const spots = valueAt(cut, "/layout/nodes");
   if (!isObject(spots)) return cut;
   return withValue(cut, "/layout/nodes", Object.fromEntries(Object.entries(spots).filter(([name]) => left.has(name) || !names.has(name))));
+}
+
+/** Return data without initial values of coordinates that went with entries. */
+function withoutInitialOf(data: Model, gone: readonly Entry[]): Model {
+  const initial = data["initial"];
+  if (!isObject(initial)) return data;
+  const lost = gone.map(coordinatePattern);
+  const left = entriesOf(data).map(coordinatePattern);
+  const stays = Object.entries(initial).filter(([key]) => !lost.some((each) => each.test(key)) || left.some((each) => each.test(key)));
+  if (stays.length === Object.keys(initial).length) return data;
+  return withValue(data, "/initial", stays.length === 0 ? undefined : Object.fromEntries(stays));
+}
+
+/** Return what the coordinates, speeds and rates of an entry are called: as it says, else after its own name. */
+function coordinatePattern({ name, value }: Entry): RegExp {
+  const given = [value["coordinate"], value["coordinates"], value["speed_names"]].flatMap((each) => (isArray(each) ? each : [each ?? null]));
+  const named = given.map(textOf).filter((each) => each !== "").map(escaped);
+  const own = escaped(name.replace(/[^\w\u0080-\u{10ffff}]/gu, "_"));
+  const automatic = value["coordinate"] === undefined && value["coordinates"] === undefined;
+  if (automatic) named.push(`${own}(?:_(?:[vw]?[xyz]|q[wxyz]|\\d+))?`);
+  return new RegExp(`^(?:${named.join("|")})(?:_dot)?$`, "u");
+}
+
+function escaped(text: string): string {
+  return text.replace(/[$()*+.?[\\\]^{|}]/g, "\\$&");
 }
 
 /** What is copied: entries of sections, with the places of bodies. */

@@ -4,6 +4,7 @@ import {
   entriesOf, entryAt, GROUND, INPUTS, layoutNameOf, pointerOf, referenceOf, referenceText, textOf, type Entry, type EntryId,
 } from "./entries"; // prettier-ignore
 import { SIGNALS } from "./graph";
+import { isSymbol } from "./names";
 import { isArray, isObject, valueAt, withKey, withValue } from "./pointers";
 import { mapFormulas } from "./schema";
 import { wiresOf } from "./wires";
@@ -114,10 +115,11 @@ export function renameInput(schema: JsonObject, data: Model, index: number, afte
   return renameInFormulas(schema, withValue(data, `/inputs/${index}`, after), before, after);
 }
 
-/** Return data in which a symbol has another name in every formula. */
+/** Return data in which a symbol has another name in every formula; a text that is none stands in no formula as a name. */
 export function renameInFormulas(schema: JsonObject, data: Model, before: string, after: string): Model {
-  if (before === "") return data;
-  const word = new RegExp(`(?<![\\w.])${before.replace(/[$()*+.?[\\\]^{|}]/g, "\\$&")}(_dot)?(?!\\w)`, "g");
+  if (!isSymbol(before) || !isSymbol(after)) return data;
+  const letter = "[\\w\\u0080-\\u{10ffff}]";
+  const word = new RegExp(`(?<!${letter}|\\.)${before}(_dot)?(?!${letter}|\\s*\\()`, "gu"); // before a bracket it is a function
   return mapFormulas(schema, schema, data, (text) => text.replace(word, (_, rate: string | undefined) => after + (rate ?? ""))) as Model;
 }
 

@@ -4,7 +4,7 @@ import { useEffect, useRef, useState, type ReactElement } from "react";
 import { api, problemsOf } from "../api";
 import { CurvesPanel } from "../../player/curves_panel";
 import { decodeMotion, decodeScene, sourceOf, type MotionCurve, type StateSource } from "../../viewer";
-import { resolvedTheme } from "../shell/theme";
+import { useShownTheme } from "../shell/theme";
 import { useStore, type Simulated } from "../store";
 import type { JsonObject } from "../types";
 import { isArray, isObject } from "../model/pointers";
@@ -73,7 +73,7 @@ function withCurves(source: StateSource, curves: readonly MotionCurve[]): StateS
 
 function Plots({ simulated }: { readonly simulated: Simulated }): ReactElement {
   const host = useRef<HTMLDivElement>(null);
-  const theme = useStore((state) => state.theme);
+  const theme = useShownTheme();
   useEffect(() => {
     const root = host.current;
     if (root === null) return undefined;
@@ -90,5 +90,5 @@ function Plots({ simulated }: { readonly simulated: Simulated }): ReactElement {
     };
   }, [simulated]);
   useEffect(() => { pictureNow.curves?.repaint(); }, [theme]);
-  return <div ref={host} className="sb-player sb-curves-only" data-theme={resolvedTheme(theme)} />;
+  return <div ref={host} className="sb-player sb-curves-only" data-theme={theme} />;
 }

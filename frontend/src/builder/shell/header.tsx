@@ -5,7 +5,7 @@ import { COMMANDS, giveCommand, printedKeys, type CommandName } from "../command
 import { exportModel, EXPORTS } from "../commands/files";
 import { MenuList, menuItem, type MenuItem } from "../diagram/popups";
 import { isDirty, useHistory, useStore } from "../store";
-import type { Severity, Summary } from "../types";
+import type { Problem, Severity, Summary } from "../types";
 import { Icon } from "./icons";
 import { nextTheme } from "./theme";
 
@@ -85,15 +85,23 @@ function plural(count: number, word: string): string {
 function Live(): ReactElement {
   const check = useStore((state) => state.check);
   const fresh = useStore((state) => state.checked === state.data);
-  const count = (severity: Severity): number => check?.problems.filter((each) => each.severity === severity).length ?? 0;
-  const [errors, warnings] = [count("error"), count("warning")];
-  const worst = errors > 0 ? "error" : warnings > 0 ? "warning" : "check";
+  const reached = useStore((state) => state.server === "here");
   return (
     <div className={`live${fresh ? "" : " stale"}`} data-testid="live" role="group" aria-label="What the mechanism is">
-      {check?.summary != null && errors === 0 && <Counts summary={check.summary} />}
-      {check !== null && <StateButton worst={worst} text={worst === "error" ? plural(errors, "error") : worst === "warning" ? plural(warnings, "warning") : "Ready"} />}
+      {check?.summary != null && countOf(check.problems, "error") === 0 && <Counts summary={check.summary} />}
+      {!reached ? <StateButton worst="warning" text="Not connected" /> : check !== null && <StateOf problems={check.problems} />}
     </div>
   );
+}
+
+function countOf(problems: readonly Problem[], severity: Severity): number {
+  return problems.filter((each) => each.severity === severity).length;
+}
+
+function StateOf({ problems }: { readonly problems: readonly Problem[] }): ReactElement {
+  const [errors, warnings] = [countOf(problems, "error"), countOf(problems, "warning")];
+  if (errors > 0) return <StateButton worst="error" text={plural(errors, "error")} />;
+  return warnings > 0 ? <StateButton worst="warning" text={plural(warnings, "warning")} /> : <StateButton worst="check" text="Ready" />;
 }
 
 function StateButton({ worst, text }: { readonly worst: "error" | "warning" | "check"; readonly text: string }): ReactElement {
