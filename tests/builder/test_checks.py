@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 import threading
 from typing import Any
 
@@ -137,6 +138,26 @@ def test_half_a_formula_does_not_change_which_joints_close_loops(case: str) -> N
     for tree in ("rotation_tree", "translation_tree", "tree_choice"):
         assert answer["summary"][tree] == before[tree]
     assert len(answer["picture"]["scene"]["bodies"]) == 4
+
+
+def test_a_ring_without_lengths_is_named_and_its_repair_moves() -> None:
+    (warning,) = [each for each in check(RING)["problems"] if each["severity"] == "warning"]
+    assert warning["code"] == "builder.coincident" and "J1, J2, J3 and J4 coincide" in warning["what"]
+    mended = copy.deepcopy(RING)
+    for change in warning["repair"]["patch"]:
+        *parents, last = change["path"].split("/")[1:]
+        place: Any = mended
+        for part in parents:
+            place = place[int(part) if isinstance(place, list) else part]
+        place[int(last) if isinstance(place, list) else last] = change["value"]
+    answer = check(mended)
+    assert [each for each in answer["problems"] if each["severity"] != "note"] == []
+    assert answer["summary"]["freedoms"] == 1
+    crossed = copy.deepcopy(mended)
+    crossed["body"][0]["frames"]["C"] = {"at": ["0", "1", "0"]}  # one body with a length is enough
+    assert [each for each in check(crossed)["problems"] if each["code"] == "builder.coincident"] == []
+    pendulum = {**RING, "joint": RING["joint"][:3]}  # an open chain may turn about centres of mass
+    assert [each for each in check(pendulum)["problems"] if each["severity"] == "warning"] == []
 
 
 def test_several_faults_keep_their_own_places() -> None:

@@ -43,6 +43,8 @@ export interface SchemaAnswer {
 
 export interface Example {
   readonly name: string;
+  /** "examples", or the part of the gallery that it belongs to. */
+  readonly group: string;
   readonly title: string;
   readonly summary: string;
 }

@@ -172,6 +172,11 @@ def _drag(request: asked.DragRequest, builder: Builder) -> Response:
     return _json_response(builder.drag(request))
 
 
+@api.post("/card")
+def _card(request: asked.CardRequest, builder: Builder) -> Answer:
+    return builder.card(request)
+
+
 @api.post("/formula")
 def _formula(request: asked.FormulaRequest) -> Answer:
     return {"mathml": formula_mathml(request.text, request.pointer)}

@@ -2,13 +2,16 @@
 
 import {
   endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, INPUTS, inputsOf, layoutNameOf, namesOf, PART, pointerOf, referenceOf,
-  referenceText, symbolsOf, textOf, type Entry, type EntryId,
+  referenceText, symbolsOf, textOf, type EntryId,
 } from "./entries"; // prettier-ignore
+import { withoutFreePlaces, withoutInitialOf } from "./coordinates";
 import { diagramOf, SIGNALS } from "./graph";
 import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
+import { joinedBodies } from "./ports";
 import { renameInFormulas } from "./rename";
 import { choicesOf, definitionNode, isFormula, resolveNode, type SchemaNode } from "./schema";
+import { besideOthers, withTemplate } from "./templates";
 import type { Json, JsonObject, Model, PaletteElement } from "../types";
 
 const STEP = 40; // by which copies are shifted, or several times as far
@@ -79,7 +82,9 @@ export function addElement(
   const items = valueAt(data, `/${element.section}`);
   const list = isArray(items) ? items : [];
   const id = `${element.section}/${list.length}`;
-  const added = withValue(withLayout(data), `/${element.section}`, [...list, newEntry(schema, element, name, ends)]);
+  const before = withLayout(data);
+  const plain = (): Model => withValue(before, `/${element.section}`, [...list, newEntry(schema, element, name, ends)]);
+  const added = placed((element.section === "body" ? withTemplate(before, element.type) : null) ?? plain(), element, ends);
   const graph = diagramOf(added);
   const node = graph.nodes.find((each) => each.id === id);
   if (node === undefined) return { data: added, ids: [id] };
@@ -87,6 +92,12 @@ export function addElement(
   others.delete(id);
   const place = freeSpot(spot ?? nextSpot(others), node, graph, others);
   return { data: withLayout(added, new Map([[id, place]])), ids: [id] };
+}
+
+/** A body that nothing joins stands beside the others; one that is joined stands where its joint holds it. */
+function placed(data: Model, { section }: PaletteElement, ends: readonly [string, string] | null): Model {
+  if (section === "body") return besideOthers(data, joinedBodies(data));
+  return section === "joint" && ends !== null ? withoutFreePlaces(data, ends.map((each) => referenceOf(each).body)) : data;
 }
 
 /** Return the place to the right of all that is there. */
@@ -145,31 +156,6 @@ export function removeEntries(data: Model, ids: readonly EntryId[]): Model {
   const spots = valueAt(cut, "/layout/nodes");
   if (!isObject(spots)) return cut;
   return withValue(cut, "/layout/nodes", Object.fromEntries(Object.entries(spots).filter(([name]) => left.has(name) || !names.has(name))));
-}
-
-/** Return data without initial values of coordinates that went with entries. */
-function withoutInitialOf(data: Model, gone: readonly Entry[]): Model {
-  const initial = data["initial"];
-  if (!isObject(initial)) return data;
-  const lost = gone.map(coordinatePattern);
-  const left = entriesOf(data).map(coordinatePattern);
-  const stays = Object.entries(initial).filter(([key]) => !lost.some((each) => each.test(key)) || left.some((each) => each.test(key)));
-  if (stays.length === Object.keys(initial).length) return data;
-  return withValue(data, "/initial", stays.length === 0 ? undefined : Object.fromEntries(stays));
-}
-
-/** Return what the coordinates, speeds and rates of an entry are called: as it says, else after its own name. */
-function coordinatePattern({ name, value }: Entry): RegExp {
-  const given = [value["coordinate"], value["coordinates"], value["speed_names"]].flatMap((each) => (isArray(each) ? each : [each ?? null]));
-  const named = given.map(textOf).filter((each) => each !== "").map(escaped);
-  const own = escaped(name.replace(/[^\w\u0080-\u{10ffff}]/gu, "_"));
-  const automatic = value["coordinate"] === undefined && value["coordinates"] === undefined;
-  if (automatic) named.push(`${own}(?:_(?:[vw]?[xyz]|q[wxyz]|\\d+))?`);
-  return new RegExp(`^(?:${named.join("|")})(?:_dot)?$`, "u");
-}
-
-function escaped(text: string): string {
-  return text.replace(/[$()*+.?[\\\]^{|}]/g, "\\$&");
 }
 
 /** What is copied: entries of sections, with the places of bodies. */

@@ -3,6 +3,7 @@
 import {
   entriesOf, entryAt, GROUND, INPUTS, layoutNameOf, pointerOf, referenceOf, referenceText, textOf, type Entry, type EntryId,
 } from "./entries"; // prettier-ignore
+import { withRenamedInitial } from "./coordinates";
 import { SIGNALS } from "./graph";
 import { isSymbol } from "./names";
 import { isArray, isObject, valueAt, withKey, withValue } from "./pointers";
@@ -34,8 +35,9 @@ export function renameEntry(schema: JsonObject, data: Model, id: EntryId, name: 
   if (entry.section === INPUTS) return renameInLayout(renameInput(schema, data, Number(id.split("/")[1]), name), layoutNameOf(id, entry.name), key);
   const read = renameOutputs(renameReadings(schema, data, entry, name), entry, name);
   const named = withValue(read, pointerOf(id, "name"), name);
-  if (entry.section !== "body") return renameInLayout(renameAutomatic(named, entry.name, name, entry.value), entry.name, key);
-  const referred = changedReferences(named, (text) => {
+  const started = withRenamedInitial(named, entry, name);
+  if (entry.section !== "body") return renameInLayout(started, entry.name, key);
+  const referred = changedReferences(started, (text) => {
     const reference = referenceOf(text);
     return reference.body === entry.name ? referenceText({ ...reference, body: name }) : text;
   });
@@ -67,11 +69,6 @@ function renameOutputs(data: Model, { id, name: before }: Entry, after: string, 
     const changed = words.map((word) => (isOwn(word) ? (frame === "" ? after + word.slice(before.length) : `${before}.${after}`) : word));
     return withValue(within, pointer, changed.join(" "));
   }, data);
-}
-
-/** A joint without names of coordinates lends its own to its only one. */
-function renameAutomatic(data: Model, before: string, after: string, value: JsonObject): Model {
-  return value["coordinate"] === undefined && value["coordinates"] === undefined ? renameInitial(data, before, after) : data;
 }
 
 export function renameFrame(data: Model, id: EntryId, before: string, after: string): Model {

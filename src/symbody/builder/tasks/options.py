@@ -44,6 +44,7 @@ class SimulateOptions(JobOptions):
     times: list[float] | None = Field(default=None, max_length=200_000)
     inputs: dict[str, str] = {}
     rtol: float = Field(default=1e-8, gt=0.0, lt=1.0)
+    solver: Literal["", "explicit", "stiff"] = ""
     vectors: Literal["all", "applied", "none", ""] = ""
 
 
