@@ -95,6 +95,8 @@ export interface Chord {
 export interface Summary {
   readonly coordinates: readonly string[];
   readonly speeds: readonly string[];
+  /** Of coordinates: "rad", "m", or "" of quaternions. */
+  readonly units: Readonly<Record<string, string>>;
   readonly freedoms: number | null;
   readonly instant_freedoms: number | null;
   readonly constraints: number;

@@ -1,6 +1,6 @@
 /** The model's own properties: name, gravity, parameters, inputs, initial values. */
 
-import { useId, type ReactElement } from "react";
+import { useId, useState, type ReactElement } from "react";
 import { expectChanges } from "../checking";
 import { freeName, INPUTS, symbolsOf, textOf } from "../model/entries";
 import { isArray, isObject, joinPointer, valueAt, withValue } from "../model/pointers";
@@ -100,10 +100,29 @@ function TableRow({ section, name, value, list, rename }: { readonly section: st
     <div className="table-row">
       <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={(text) => rename(name, text)} list={section === "initial" ? list : ""} />
       <span aria-hidden="true">=</span>
-      <div><FormulaInput pointer={pointer} value={value} label={name} wrong={problems.some((each) => each.severity === "error")} /></div>
+      <div><FormulaInput pointer={pointer} value={value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}</div>
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, pointer, undefined)); }}><Icon name="trash" size={14} /></button>
       <ProblemLines problems={problems} />
     </div>
+  );
+}
+
+const NUMBER = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(deg)?\s*$/i;
+
+/** A slider of a parameter that is a number: from nothing to twice its value, as in live pages; the picture follows. */
+function ParameterSlider({ pointer, name, value }: { readonly pointer: string; readonly name: string; readonly value: Json }): ReactElement | null {
+  const match = NUMBER.exec(textOf(value));
+  const now = Number(match?.[1] ?? NaN);
+  const [middle, setMiddle] = useState(now);
+  if (match === null || now === 0) return null;
+  const ends = [0, 2 * middle].sort((one, other) => one - other) as [number, number];
+  const inside = now >= ends[0] && now <= ends[1];
+  const change = (next: number): void => { setValue(pointer, `${Number(next.toPrecision(4))}${match[2] === undefined ? "" : " deg"}`); };
+  return (
+    <input
+      type="range" className="parameter-slider" aria-label={`Slider of ${name}`} min={0.02 * ends[1] || ends[0]} max={ends[1] || 0.02 * ends[0]} step="any" value={now}
+      onPointerDown={() => { if (!inside) setMiddle(now); }} onChange={(event) => { change(Number(event.target.value)); }} onBlur={() => { setMiddle(now); endGesture(); }}
+    />
   );
 }
 

@@ -84,6 +84,7 @@ def _check_model(read: ReadModel, data: Data, folder: str) -> Checked:
 _NO_EQUATIONS: Final[Mapping[str, Any]] = {
     "coordinates": [],
     "speeds": [],
+    "units": {},
     "freedoms": None,
     "instant_freedoms": None,
     "constraints": 0,
