@@ -30,6 +30,7 @@ from symbody.builder.tasks.exports import export_model
 from symbody.builder.tasks.formula_blocks import FormulaBlock, entry_label, render_block
 from symbody.builder.tasks.simulation import curve_list, more_curves, simulate_model
 from symbody.builder.tasks.sweeps import sweep_parameter
+from symbody.builder.tasks.transmission import ratios, torque
 from symbody.errors import EnvironmentFault, SymbodyError
 from symbody.expr.deadline import watch_stages
 from symbody.expr.graph import Graph, Symbol
@@ -299,6 +300,28 @@ def test_cancel_ends_a_job_within_a_second_and_others_wait_their_turn(builder: B
         assert time.monotonic() - begun < 5.0  # a second on an idle machine
         assert builder.get("job_state", job=job, seen=0)["state"] == "cancelled"
     assert builder.ask("recent").status == 200
+
+
+def test_velocity_ratios_and_the_torque_of_a_constant_speed() -> None:
+    data = example("slider_crank")
+    found, _ = work(ratios, data, independent=["theta"])
+    L1, L2 = 0.4, 1.0
+    beta = lambda theta: -math.asin(L1 / L2 * math.sin(theta))  # noqa: E731
+    theta = sb.assemble(
+        sb.form_equations(sb.load_model(examples_folder() / "slider_crank/slider_crank.toml"))
+    ).q["theta"]
+    by_hand = {
+        "beta_dot / theta_dot": -L1 * math.cos(theta) / (L2 * math.cos(beta(theta))),
+        "s_dot / theta_dot": -L1 * math.sin(theta) + L1 * math.cos(theta) * math.tan(beta(theta)),
+    }
+    assert found["ratios"] == pytest.approx(by_hand, rel=1e-9)
+    driven, _ = work(torque, data, coordinate="theta", rate=5.0)
+    # over one turn the energies come back, and nothing else acts: the torque does no work
+    assert abs(driven["mean"]) < 1e-3 * driven["largest"] and driven["smallest"] < 0.0 < driven["largest"]
+    assert driven["run"]["t_end"] == pytest.approx(2.0 * math.pi / 5.0)
+    for wrong in ({"coordinate": "theta", "rate": 0.0}, {"coordinate": "x", "rate": 1.0}):
+        with pytest.raises((TaskFailure, SymbodyError)):
+            work(torque, data, **wrong)
 
 
 class BrokenWorker:

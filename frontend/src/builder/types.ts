@@ -147,7 +147,7 @@ export interface DragAnswer extends PoseAnswer {
   readonly size: number;
 }
 
-export type JobKind = "equations" | "simulate" | "equilibrium" | "modes" | "singular" | "inverse" | "sweep";
+export type JobKind = "equations" | "simulate" | "equilibrium" | "modes" | "singular" | "ratios" | "torque" | "inverse" | "sweep";
 
 export interface JobState {
   /** What the next look at the job names as seen. */

@@ -8,7 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 Data = dict[str, Any]
 Components = Annotated[list[float], Field(min_length=3, max_length=3)]
-JobKind = Literal["equations", "simulate", "equilibrium", "modes", "singular", "inverse", "sweep"]
+JobKind = Literal[
+    "equations", "simulate", "equilibrium", "modes", "singular", "ratios", "torque", "inverse", "sweep"
+]
 ExportKind = Literal["python", "c", "latex", "html", "fmu", "toml"]
 
 

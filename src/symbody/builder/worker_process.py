@@ -34,6 +34,8 @@ _TASKS: Final = MappingProxyType(
         "equilibrium": "symbody.builder.tasks.analyses:equilibrium",
         "modes": "symbody.builder.tasks.analyses:modes",
         "singular": "symbody.builder.tasks.analyses:singular_positions",
+        "ratios": "symbody.builder.tasks.transmission:ratios",
+        "torque": "symbody.builder.tasks.transmission:torque",
         "inverse": "symbody.builder.tasks.analyses:inverse",
         "sweep": "symbody.builder.tasks.sweeps:sweep_parameter",
         "export": "symbody.builder.tasks.exports:export_model",

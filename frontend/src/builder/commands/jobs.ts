@@ -62,7 +62,7 @@ export async function cancelJob(): Promise<void> {
 }
 
 const LABELS: Readonly<Record<JobKind, string>> = {
-  equations: "Equations", simulate: "Simulation", equilibrium: "Equilibrium", modes: "Modes", singular: "Singular positions",
+  equations: "Equations", simulate: "Simulation", equilibrium: "Equilibrium", modes: "Modes", singular: "Dead positions", ratios: "Velocity ratios", torque: "Torque for constant speed",
   inverse: "Inverse dynamics", sweep: "Sweep",
 };
 

@@ -10,7 +10,7 @@ import { Icon } from "../shell/icons";
 import { ServerBar } from "../shell/server_bar";
 import { useStore } from "../store";
 import type { Draft, Example, Problem, RecentFile } from "../types";
-import { CardPicture } from "./card_picture";
+import { CardPicture, forgetCards } from "./card_picture";
 
 interface Offers {
   readonly examples: readonly Example[];
@@ -34,6 +34,7 @@ export function StartScreen(): ReactElement {
   const { offers, problems } = useOffers();
   const hasDocument = useStore((state) => state.document !== null);
   const notice = useStore((state) => state.notice);
+  useEffect(() => forgetCards, []);
   return (
     <main className="start" data-testid="start">
       <div className="start-inner">
