@@ -19,7 +19,6 @@ from symbody.equations.outputs.joint_outputs import effort_names
 from symbody.errors import Problem, UsageError
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.stiff import Stiff
-from symbody.simulation.methods.integration import Integrator
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
 from symbody.visual.scene import coordinate_courses, make_motion, make_scene, motion_to_json, scene_to_json
@@ -27,7 +26,9 @@ from symbody.visual.scene.scene import Scene, SceneMotion
 
 Answer = dict[str, Any]
 
-_SOLVERS: Final[Mapping[str, type[Integrator]]] = MappingProxyType({"explicit": Explicit, "stiff": Stiff})
+_SOLVERS: Final[Mapping[str, type[Explicit | Stiff]]] = MappingProxyType(
+    {"explicit": Explicit, "stiff": Stiff}
+)
 _MOST_CURVES: Final = 24  # that come with the motion; others are computed when they are wanted
 
 

@@ -35,7 +35,7 @@ def ratios(payload: Mapping[str, Any], report: Report) -> Answer:
     return {
         "independent": list(found.independent),
         "ratios": {
-            f"{dependent} / {independent}": finite(values[row, column])
+            f"{dependent} / {independent}": finite(float(values[row, column]))
             for row, dependent in enumerate(found.dependent)
             for column, independent in enumerate(found.independent)
         },
@@ -96,8 +96,6 @@ def _drive(data: dict[str, Any], model: Any, coordinate: str, law: str) -> str:
 
 
 def _no_drive(coordinate: str) -> UsageError:
-    what, cure = (
-        f"no joint has {coordinate!r} as its only coordinate",
-        "choose that of a revolute or prismatic joint",
-    )
-    return UsageError(Problem("builder.no_drive", coordinate, what, fix=cure))
+    what = f"no joint has {coordinate!r} as its only coordinate"
+    cure = "choose that of a revolute or prismatic joint"
+    return UsageError(Problem("builder.no_drive", "coordinate", what, fix=cure))
