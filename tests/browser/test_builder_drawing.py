@@ -424,7 +424,7 @@ def test_trees_diagram_picture_and_counts_are_in_step(crank: BuilderPage) -> Non
     assert after["coordinates"] != before["coordinates"]
     assert page.get_by_test_id("badge-C").locator(".tree-mark").inner_text() == "loop"
     assert page.get_by_test_id("badge-B").locator(".tree-mark").count() == 0
-    assert "1 freedom" in page.get_by_test_id("live").inner_text()
+    assert "1 degree of freedom" in page.get_by_test_id("live").inner_text()
     trees.get_by_role("button", name="D ", exact=False).last.click()
     assert crank.state("selection") == ["joint/3"]
     crank.wait("window.symbodyPicture && window.symbodyPicture.shown")

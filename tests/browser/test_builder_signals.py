@@ -182,7 +182,7 @@ def test_an_fmu_is_written_from_the_menu(visit: Visit, tmp_path: Path) -> None:
     builder = visit()
     page = builder.page
     builder.open_example("quarter_car")
-    page.get_by_title("Files").click()
+    page.locator(".brand").click()
     with page.expect_download(timeout=60_000) as arriving:
         page.get_by_role("menuitem", name="Write FMU").click()
     download: Any = arriving.value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 import threading
 from typing import Any
 
@@ -108,6 +109,57 @@ def test_a_fault_has_a_pointer_and_the_rest_is_drawn(case: str) -> None:
     assert answer["picture"] is not None and len(answer["picture"]["scene"]["bodies"]) >= 3
 
 
+RING: dict[str, Any] = {
+    "name": "ring",
+    "body": [{"name": f"B{k}", "mass": "1", "inertia": ["1", "1", "1"]} for k in (1, 2, 3)],
+    "joint": [
+        {"name": f"J{k}", "type": "revolute", "between": ends}
+        for k, ends in enumerate([["ground", "B1"], ["B1", "B2"], ["B2", "B3"], ["B3", "ground"]], 1)
+    ],
+}
+TYPING = {
+    "an open bracket": ("body", 0, {"mass": "2*(m"}),
+    "an unknown symbol": ("body", 0, {"mass": "m9"}),
+    "a component of inertia": ("body", 1, {"inertia": ["1", "*", "1"]}),
+    "a place": ("body", 0, {"frames": {"A": {"at": ["-L/", "0", "0"]}}}),
+    "a key that is none, with a sound value": ("body", 2, {"weight": "1"}),
+    "an axis": ("joint", 3, {"axis": "q"}),
+    "half a name": ("joint", 0, {"coordinate": "2"}),
+}
+
+
+@pytest.mark.parametrize("case", TYPING)
+def test_half_a_formula_does_not_change_which_joints_close_loops(case: str) -> None:
+    section, place, change = TYPING[case]
+    data = {**RING, section: [{**e, **(change if k == place else {})} for k, e in enumerate(RING[section])]}
+    before, answer = check(RING)["summary"], check(data)
+    errors = [each["pointer"] for each in answer["problems"] if each["severity"] == "error"]
+    assert errors and all(each.startswith(f"/{section}/{place}/{next(iter(change))}") for each in errors)
+    for tree in ("rotation_tree", "translation_tree", "tree_choice"):
+        assert answer["summary"][tree] == before[tree]
+    assert len(answer["picture"]["scene"]["bodies"]) == 4
+
+
+def test_a_ring_without_lengths_is_named_and_its_repair_moves() -> None:
+    (warning,) = [each for each in check(RING)["problems"] if each["severity"] == "warning"]
+    assert warning["code"] == "builder.coincident" and "J1, J2, J3 and J4 coincide" in warning["what"]
+    mended = copy.deepcopy(RING)
+    for change in warning["repair"]["patch"]:
+        *parents, last = change["path"].split("/")[1:]
+        place: Any = mended
+        for part in parents:
+            place = place[int(part) if isinstance(place, list) else part]
+        place[int(last) if isinstance(place, list) else last] = change["value"]
+    answer = check(mended)
+    assert [each for each in answer["problems"] if each["severity"] != "note"] == []
+    assert answer["summary"]["freedoms"] == 1
+    crossed = copy.deepcopy(mended)
+    crossed["body"][0]["frames"]["C"] = {"at": ["0", "1", "0"]}  # one body with a length is enough
+    assert [each for each in check(crossed)["problems"] if each["code"] == "builder.coincident"] == []
+    pendulum = {**RING, "joint": RING["joint"][:3]}  # an open chain may turn about centres of mass
+    assert [each for each in check(pendulum)["problems"] if each["severity"] == "warning"] == []
+
+
 def test_several_faults_keep_their_own_places() -> None:
     data = example("slider_crank")
     data["joint"][0]["axis"] = "q"
@@ -123,6 +175,15 @@ def test_a_repair_mends_what_it_says() -> None:
     (problem,) = [each for each in check(data)["problems"] if each["severity"] == "error"]
     (change,) = problem["repair"]["patch"]
     assert change == {"op": "replace", "path": "/joint/0/between/1", "value": "Crank.A"}
+
+
+def test_an_initial_value_of_nothing_can_be_removed() -> None:
+    data = example("slider_crank")
+    data["initial"]["phi"] = "1"
+    (problem,) = [each for each in check(data)["problems"] if each["severity"] == "error"]
+    assert problem["repair"] == {
+        "label": "remove the initial value of phi", "patch": [{"op": "remove", "path": "/initial/phi"}]
+    }  # fmt: skip
 
 
 def test_the_first_steps_of_a_model_are_not_met_with_faults() -> None:

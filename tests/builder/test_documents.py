@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import symbody as sb
+from symbody.builder import documents
 from symbody.builder.model_text import data_from_text, text_from_data
 from symbody.formats.model_files import examples_folder
 from symbody.formats.native import to_data
@@ -139,6 +143,32 @@ def test_open_save_and_the_list_of_recent_files(builder: Builder) -> None:
     assert not builder.get("changed", document=document["document"], fingerprint=saved["fingerprint"])[
         "changed"
     ]
+
+
+def test_of_two_pages_that_save_at_the_same_time_one_is_told(
+    builder: Builder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = builder.folder / "two_tabs.toml"
+    path.write_text(PENDULUM)
+    pages = [builder.get("open", path=str(path)) for _ in range(2)]
+    write = documents.write_text
+
+    def write_slowly(*given: Any, **named: Any) -> Any:  # what the other page does meanwhile comes in between
+        time.sleep(0.3)
+        return write(*given, **named)
+
+    monkeypatch.setattr(documents, "write_text", write_slowly)
+
+    def save(k: int) -> tuple[int, str]:
+        page = pages[k]
+        answer = builder.ask("save", document=page["document"], path=str(path), fingerprint=page["fingerprint"],
+                             data=page["data"] | {"name": f"page {k}"})  # fmt: skip
+        return answer.status, "" if answer.status == 200 else answer.code
+
+    with ThreadPoolExecutor(2) as both:
+        answers = list(both.map(save, range(2)))
+    assert sorted(answers) == [(200, ""), (409, "builder.changed_outside")]
+    assert f'name = "page {answers.index((200, ""))}"' in path.read_text()
 
 
 def test_a_file_changed_outside_is_noticed_and_kept(builder: Builder) -> None:

@@ -21,7 +21,8 @@ import pytest
 
 import symbody as sb
 from symbody.builder import workers
-from symbody.builder.settings import pages_folder
+from symbody.builder.jobs import Jobs
+from symbody.builder.settings import Limits, pages_folder
 from symbody.builder.task_failure import TaskFailure
 from symbody.builder.tasks.analyses import equilibrium, inverse, modes, singular_positions
 from symbody.builder.tasks.equations import equation_tabs
@@ -29,6 +30,7 @@ from symbody.builder.tasks.exports import export_model
 from symbody.builder.tasks.formula_blocks import FormulaBlock, entry_label, render_block
 from symbody.builder.tasks.simulation import curve_list, more_curves, simulate_model
 from symbody.builder.tasks.sweeps import sweep_parameter
+from symbody.builder.tasks.transmission import ratios, torque
 from symbody.errors import EnvironmentFault, SymbodyError
 from symbody.expr.deadline import watch_stages
 from symbody.expr.graph import Graph, Symbol
@@ -298,6 +300,70 @@ def test_cancel_ends_a_job_within_a_second_and_others_wait_their_turn(builder: B
         assert time.monotonic() - begun < 5.0  # a second on an idle machine
         assert builder.get("job_state", job=job, seen=0)["state"] == "cancelled"
     assert builder.ask("recent").status == 200
+
+
+def test_velocity_ratios_and_the_torque_of_a_constant_speed() -> None:
+    data = example("slider_crank")
+    found, _ = work(ratios, data, independent=["theta"])
+    L1, L2 = 0.4, 1.0
+    beta = lambda theta: -math.asin(L1 / L2 * math.sin(theta))  # noqa: E731
+    theta = sb.assemble(
+        sb.form_equations(sb.load_model(examples_folder() / "slider_crank/slider_crank.toml"))
+    ).q["theta"]
+    by_hand = {
+        "beta_dot / theta_dot": -L1 * math.cos(theta) / (L2 * math.cos(beta(theta))),
+        "s_dot / theta_dot": -L1 * math.sin(theta) + L1 * math.cos(theta) * math.tan(beta(theta)),
+    }
+    assert found["ratios"] == pytest.approx(by_hand, rel=1e-9)
+    driven, _ = work(torque, data, coordinate="theta", rate=5.0)
+    # over one turn the energies come back, and nothing else acts: the torque does no work
+    assert abs(driven["mean"]) < 1e-3 * driven["largest"] and driven["smallest"] < 0.0 < driven["largest"]
+    assert driven["run"]["t_end"] == pytest.approx(2.0 * math.pi / 5.0)
+    for wrong in ({"coordinate": "theta", "rate": 0.0}, {"coordinate": "x", "rate": 1.0}):
+        with pytest.raises((TaskFailure, SymbodyError)):
+            work(torque, data, **wrong)
+
+
+class BrokenWorker:
+    """A worker, and a reserve of it, in which something fails that nobody foresaw."""
+
+    def __init__(self, taken: bool) -> None:
+        self.taken, self.killed = taken, 0
+
+    def take(self) -> Any:
+        if not self.taken:
+            raise OSError("no process is left")
+        return self
+
+    def kill(self) -> None:
+        self.killed += 1
+
+    def run(self, *_: Any) -> Any:
+        raise ZeroDivisionError("inside")
+
+
+def test_a_job_ends_whatever_happens_and_no_longer_counts() -> None:
+    broken = BrokenWorker(taken=True)
+    jobs = Jobs(broken, Limits(jobs=1))  # type: ignore[arg-type]
+    for turn in range(1, 4):  # one at a time is the limit
+        answer: dict[str, Any] = {"state": "running", "seen": -1}
+        job = jobs.start("simulate", {})
+        while answer["state"] == "running":
+            answer = jobs.state(job, answer["seen"])
+        (problem,) = answer["problems"]
+        assert (answer["state"], problem["code"]) == ("failed", "builder.fault")
+        assert "ZeroDivisionError" in problem["what"] and "inside" not in str(problem)
+        until = time.monotonic() + 10
+        while broken.killed < turn and time.monotonic() < until:
+            time.sleep(0.01)
+        assert broken.killed == turn
+
+
+def test_a_job_that_finds_no_process_is_none() -> None:
+    jobs = Jobs(BrokenWorker(taken=False), Limits(jobs=1))  # type: ignore[arg-type]
+    for _ in range(2):
+        with pytest.raises(OSError, match="no process"):
+            jobs.start("simulate", {})
 
 
 def _children(pid: int) -> set[int]:

@@ -9,7 +9,7 @@ import { HelpDialog } from "./dialogs/help";
 import { SimulateDialog } from "./dialogs/simulate";
 import { StartScreen } from "./dialogs/start";
 import { Palette } from "./panels/palette";
-import { Problems, useAllProblems } from "./panels/problems";
+import { isFault, Notes, Problems, useAllProblems } from "./panels/problems";
 import { Properties } from "./panels/properties";
 import { Trees } from "./panels/trees";
 import { Curves } from "./picture/curves";
@@ -19,12 +19,13 @@ import { Analyses } from "./results/analyses";
 import { Equations } from "./results/equations";
 import { Progress } from "./results/progress";
 import { useFocusPointer } from "./shell/focus";
-import { Header } from "./shell/header";
+import { Header, Panels } from "./shell/header";
 import { Icon } from "./shell/icons";
+import { useRoving } from "./shell/roving";
 import { ServerBar } from "./shell/server_bar";
 import { Splitter, useSizes } from "./shell/split";
 import { useTheme } from "./shell/theme";
-import { isDirty, useStore, type LeftTab, type Tab } from "./store";
+import { isDirty, useStore, type LeftTab, type Panel, type Tab } from "./store";
 
 export function App(): ReactElement {
   useTheme();
@@ -66,19 +67,23 @@ function Spoken(): ReactElement {
 
 function Editor(): ReactElement {
   const [sizes, change, style] = useSizes();
-  const wide = useStore((state) => state.wide);
+  const layout = useStore((state) => state.layout);
+  const panel = useStore((state) => state.panel);
+  const presents = useStore((state) => state.presents);
+  const id = useStore((state) => state.document?.id);
   return (
-    <div className={`editor${wide ? " wide" : ""}`} style={style}>
+    <div className={`editor layout-${layout} panel-${panel}${presents ? " presents" : ""}`} style={style}>
+      <SkipLinks />
       <Header />
-      <div className="bars"><ServerBar /><OutsideBar /></div>
+      <div className="bars"><ServerBar /><OutsideBar /><Panels /></div>
       <div className="columns">
         <LeftSide />
         <Splitter name="left" label="Width of the left side" upright sizes={sizes} change={change} />
         <main className="middle">
-          {!wide && <Diagram />}
-          {!wide && <Splitter name="lower" label="Height of the lower panels" upright={false} sizes={sizes} change={change} />}
+          {layout === "draw" && <Diagram />}
+          {layout === "draw" && <Splitter name="lower" label="Height of the lower panels" upright={false} sizes={sizes} change={change} />}
           <div className="lower">
-            <Picture />
+            <Picture key={id} />
             <Splitter name="picture" label="Width of the picture" upright sizes={sizes} change={change} />
             <LowerTabs />
           </div>
@@ -88,6 +93,26 @@ function Editor(): ReactElement {
         <Properties />
       </div>
     </div>
+  );
+}
+
+const PLACES: readonly (readonly [Panel, string, string])[] = [
+  ["left", "palette", ".left button:not([tabindex='-1']), .left input"],
+  ["diagram", "diagram", ".react-flow__node"],
+  ["right", "properties", ".properties input, .properties select, .properties button"],
+  ["results", "results", ".panel [role='tab'][aria-selected='true']"],
+];
+
+/** Ways past groups of controls, seen when the keyboard comes to them. */
+function SkipLinks(): ReactElement {
+  const skip = (panel: Panel, selector: string): void => {
+    useStore.setState({ panel, ...(panel === "diagram" ? { layout: "draw" } : {}) });
+    setTimeout(() => { document.querySelector<HTMLElement>(selector)?.focus(); }); // when the panel is seen
+  };
+  return (
+    <nav className="skips" aria-label="Skip to">
+      {PLACES.map(([panel, title, selector]) => <button key={panel} type="button" className="button small" onClick={() => { skip(panel, selector); }}>Skip to the {title}</button>)}
+    </nav>
   );
 }
 
@@ -109,9 +134,10 @@ const LEFT: readonly (readonly [LeftTab, string])[] = [["palette", "Palette"], [
 
 function LeftSide(): ReactElement {
   const tab = useStore((state) => state.leftTab);
+  const roving = useRoving('[role="tab"]');
   return (
     <aside className="left" aria-label="Palette and trees">
-      <div className="tabs"><div role="tablist" aria-label="Left side">
+      <div className="tabs"><div role="tablist" aria-label="Left side" {...roving}>
         {LEFT.map(([name, title]) => <button key={name} type="button" role="tab" aria-selected={tab === name} onClick={() => { useStore.setState({ leftTab: name }); }}>{title}</button>)}
       </div></div>
       {tab === "palette" ? <Palette /> : <Trees />}
@@ -120,30 +146,31 @@ function LeftSide(): ReactElement {
 }
 
 const LOWER: readonly (readonly [Tab, string])[] = [
-  ["positions", "Positions"], ["curves", "Curves"], ["equations", "Equations"], ["analyses", "Analyses"], ["problems", "Problems"],
+  ["positions", "Positions"], ["curves", "Curves"], ["equations", "Equations"], ["analyses", "Analyses"], ["problems", "Problems"], ["notes", "Notes"],
 ];
+const CONTENTS: Readonly<Record<Tab, () => ReactElement>> = {
+  positions: Positions, curves: Curves, equations: Equations, analyses: Analyses, problems: Problems, notes: Notes,
+};
 
 function LowerTabs(): ReactElement {
   const tab = useStore((state) => state.tab);
-  const wide = useStore((state) => state.wide);
-  const count = useAllProblems().length;
+  const large = useStore((state) => state.layout === "read");
+  const roving = useRoving('[role="tab"]');
+  const problems = useAllProblems();
+  const counts: Partial<Record<Tab, number>> = { problems: problems.filter(isFault).length, notes: problems.filter((each) => !isFault(each)).length };
+  const resize = (): void => { useStore.setState({ layout: large ? "draw" : "read" }); };
+  const Content = CONTENTS[tab];
   return (
     <section className="panel" aria-label="Results">
-      <div className="tabs">
-        <div role="tablist" aria-label="Results">{LOWER.map(([name, title]) => (
+      <div className="tabs" onDoubleClick={resize}>
+        <div role="tablist" aria-label="Results" {...roving}>{LOWER.map(([name, title]) => (
           <button key={name} type="button" role="tab" aria-selected={tab === name} onClick={() => { useStore.setState({ tab: name }); }}>
-            {title}{name === "problems" && count > 0 && <span className="count">{count}</span>}
+            {title}{(counts[name] ?? 0) > 0 && <span className={`count${name === "notes" ? " quiet" : ""}`}>{counts[name]}</span>}
           </button>
         ))}</div>
-        <button type="button" className="icon-button end" aria-pressed={wide} aria-label="Give results and picture the whole height" title="Give results and picture the whole height" onClick={() => { useStore.setState({ wide: !wide }); }}><Icon name="wide" size={15} /></button>
+        <button type="button" className="icon-button end" aria-pressed={large} aria-label="Give results the whole window" title="Give results the whole window (double-click the tabs)" onClick={resize}><Icon name="wide" size={15} /></button>
       </div>
-      <div className="tab-body" role="tabpanel" aria-label={LOWER.find(([name]) => name === tab)?.[1]}>
-        {tab === "positions" && <Positions />}
-        {tab === "curves" && <Curves />}
-        {tab === "equations" && <Equations />}
-        {tab === "analyses" && <Analyses />}
-        {tab === "problems" && <Problems />}
-      </div>
+      <div className="tab-body" role="tabpanel" aria-label={LOWER.find(([name]) => name === tab)?.[1]}><Content /></div>
     </section>
   );
 }

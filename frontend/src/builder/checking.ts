@@ -9,6 +9,7 @@ const ABSENT: readonly number[] = [0, 401];
 const WAIT = 60; // [ms] after the last change
 const REST = 400; // [ms] after the last change of parameters, whose picture comes before
 const SEEK_WAIT = 1500; // [ms]
+const LOOK_WAIT = 4; // of these waits: how often a server that answered is looked at while the page is seen
 
 let pending: ReturnType<typeof setTimeout> | null = null;
 let underWay: AbortController | null = null;
@@ -109,10 +110,13 @@ export function followChanges(): () => void {
   });
 }
 
-/** Look for a server that does not answer, until it is reached again; return what ends it. */
+/** Look whether the server answers, more often while it does not: nothing says Ready of a server that ended. Return what ends it. */
 export function seekServer(): () => void {
+  let waits = 0;
   const timer = setInterval(() => {
-    if (useStore.getState().server !== "here") void api.recent().catch(() => undefined);
+    waits += 1;
+    const due = waits % LOOK_WAIT === 0 && document.visibilityState === "visible";
+    if (useStore.getState().server !== "here" || due) void api.recent().catch(() => undefined);
   }, SEEK_WAIT);
   return () => { clearInterval(timer); };
 }

@@ -10,7 +10,11 @@ import type { Copied } from "./model/edit";
 import type { CheckAnswer, DocumentAnswer, JobKind, JobState, Model, Problem, SchemaAnswer } from "./types";
 
 export type ThemeChoice = "auto" | "light" | "dark" | "contrast";
-export type Tab = "positions" | "curves" | "equations" | "analyses" | "problems";
+export type Tab = "positions" | "curves" | "equations" | "analyses" | "problems" | "notes";
+/** What has the room: the diagram, the picture, or results. */
+export type Layout = "draw" | "watch" | "read";
+/** What a narrow window shows: of a phone one panel, below the width of three columns a side over the rest. */
+export type Panel = "diagram" | "picture" | "results" | "left" | "right";
 export type LeftTab = "palette" | "trees";
 export type Dialog = "start" | "open" | "saveAs" | "help" | "simulate" | null;
 
@@ -74,7 +78,11 @@ export interface State {
   readonly dialog: Dialog;
   readonly tab: Tab;
   readonly leftTab: LeftTab;
-  readonly wide: boolean;
+  readonly layout: Layout;
+  readonly panel: Panel;
+  /** Whether letters are large, for a projector. */
+  readonly presents: boolean;
+  readonly simulation: SimulationOptions;
   readonly theme: ThemeChoice;
   readonly focusPointer: string | null;
   readonly renaming: EntryId | null;
@@ -98,6 +106,18 @@ export interface State {
   readonly analysisPicture: { readonly scene: unknown; readonly motion: unknown; readonly title: string } | null;
 }
 
+/** What the next simulation takes. */
+export interface SimulationOptions {
+  readonly t_end: number;
+  readonly inputs: Readonly<Record<string, string>>;
+  /** Between stored samples [s]; null: every step of the solver. */
+  readonly step: number | null;
+  /** "": chosen as the motion is computed. */
+  readonly solver: "" | "explicit" | "stiff";
+  readonly rtol: number;
+}
+
+const FIVE_SECONDS: SimulationOptions = { t_end: 5, inputs: {}, step: null, solver: "", rtol: 1e-8 };
 const EMPTY: Model = {};
 
 export const useStore = create<State>()(
@@ -105,7 +125,7 @@ export const useStore = create<State>()(
     (): State => ({
       data: EMPTY, document: null, saved: EMPTY, schema: null, selection: [], check: null, checked: null, openProblems: [],
       server: "here", outside: false, copied: null, popup: null, dialog: "start", tab: "positions", leftTab: "palette",
-      wide: false, theme: "auto", focusPointer: null, renaming: null, spoken: "", notice: [], run: null, equations: null,
+      layout: "draw", panel: "diagram", presents: false, simulation: FIVE_SECONDS, theme: "auto", focusPointer: null, renaming: null, spoken: "", notice: [], run: null, equations: null,
       analysis: null, simulated: null, showsMotion: false, highlighted: [], glowing: [], posed: null, dragged: null, pictureNote: "",
       analysisPicture: null,
     }), // prettier-ignore

@@ -43,6 +43,8 @@ export interface SchemaAnswer {
 
 export interface Example {
   readonly name: string;
+  /** "examples", or the part of the gallery that it belongs to. */
+  readonly group: string;
   readonly title: string;
   readonly summary: string;
 }
@@ -93,6 +95,8 @@ export interface Chord {
 export interface Summary {
   readonly coordinates: readonly string[];
   readonly speeds: readonly string[];
+  /** Of coordinates: "rad", "m", or "" of quaternions. */
+  readonly units: Readonly<Record<string, string>>;
   readonly freedoms: number | null;
   readonly instant_freedoms: number | null;
   readonly constraints: number;
@@ -143,7 +147,7 @@ export interface DragAnswer extends PoseAnswer {
   readonly size: number;
 }
 
-export type JobKind = "equations" | "simulate" | "equilibrium" | "modes" | "singular" | "inverse" | "sweep";
+export type JobKind = "equations" | "simulate" | "equilibrium" | "modes" | "singular" | "ratios" | "torque" | "inverse" | "sweep";
 
 export interface JobState {
   /** What the next look at the job names as seen. */

@@ -8,7 +8,7 @@ import { curveColor, Plot } from "./plot";
 import { plainReading } from "./readable";
 import { formatTime } from "./transport";
 
-const LEAST_HEIGHT = 62;
+const LEAST_HEIGHT = 90; // [px]; what does not fit is scrolled to
 const TIME_AXIS = 20; // the height that the numbers of the time take under the last panel
 const GAP = 4;
 

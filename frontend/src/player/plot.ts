@@ -206,7 +206,8 @@ function valueRange(low: number | null, high: number | null): uPlot.Range.MinMax
 }
 
 function valueAxis(unit: string): uPlot.Axis {
-  const named = unit === "" ? {} : { label: unit, labelFont: FONT, labelSize: 18, labelGap: 0 };
+  // without a unit too: the axes of all panels begin at one place
+  const named = { label: unit === "" ? " " : unit, labelFont: FONT, labelSize: 18, labelGap: 0 };
   return { ...plainAxis(), ...named, size: 54, space: 22, values: (_, splits) => splits.map(formatTick) };
 }
 

@@ -58,6 +58,12 @@ describe("adding and removing", () => {
     expect(removeEntries(sliderCrank, ["ground"])).toBe(sliderCrank);
   });
 
+  it("removes initial values of automatic coordinates, and none of others", () => {
+    const free = withValue(sliderCrank, "/initial", { theta: "1", Rod_x: "1", Rod_qw_dot: "0", Rod_2: "1", Rod2_x: "1", Rodney: "1" });
+    expect(Object.keys(removeEntries(free, ["body/1"])["initial"] as object)).toEqual(["theta", "Rod2_x", "Rodney"]);
+    expect(removeEntries(withValue(sliderCrank, "/initial", { s: "1" }), ["joint/3"])["initial"]).toBeUndefined();
+  });
+
   it("joins to the body what was joined to a removed frame", () => {
     const cut = removeFrame(sliderCrank, "body/0", "B");
     expect(entryNamed(cut, "B")?.value["between"]).toEqual(["Crank", "Rod.B"]);

@@ -17,8 +17,8 @@ from starlette.exceptions import HTTPException
 
 from symbody.builder import requests as asked
 from symbody.builder.formulas import formula_mathml
-from symbody.builder.page_problems import page_problem, page_problems
-from symbody.builder.refusal import refusal, status_of
+from symbody.builder.page_problems import fault_problem, page_problem, page_problems
+from symbody.builder.refusal import status_of
 from symbody.builder.security import Application, LocalOnly
 from symbody.builder.services import Services
 from symbody.builder.settings import BuilderSettings
@@ -172,6 +172,11 @@ def _drag(request: asked.DragRequest, builder: Builder) -> Response:
     return _json_response(builder.drag(request))
 
 
+@api.post("/card")
+def _card(request: asked.CardRequest, builder: Builder) -> Answer:
+    return builder.card(request)
+
+
 @api.post("/formula")
 def _formula(request: asked.FormulaRequest) -> Answer:
     return {"mathml": formula_mathml(request.text, request.pointer)}
@@ -240,6 +245,4 @@ async def _http_answer(request: Request, error: Exception) -> Response:
 
 
 async def _fault_answer(request: Request, error: Exception) -> Response:
-    what, cure = f"an unforeseen {type(error).__name__}", "save the model, and report it with the model file"
-    fault = refusal("builder.fault", request.url.path, what, "this is a fault of symbody", cure)
-    return _problem_response(500, page_problems(fault.problems, {}))
+    return _problem_response(500, [fault_problem(error)])

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 from typing import Any, Final
 
+from symbody.builder.catalog import catalog
 from symbody.builder.copies import copy_files
 from symbody.builder.model_text import Opened, data_from_text, text_from_data
 from symbody.builder.page_problems import page_notes
@@ -67,6 +68,7 @@ class Documents:
         self._user = UserState(settings.state)
         self._open: dict[str, Document] = {}
         self._lock = Lock()
+        self._writing = Lock()
 
     def new(self) -> Answer:
         """Return an empty document."""
@@ -115,10 +117,28 @@ class Documents:
         return self._answer(Document(None, real.stem), _from_model(load_urdf(real)))
 
     def _open_example(self, name: str) -> Answer:
-        for path in self._examples():
-            if path.stem == name:
-                return self._answer(Document(None, path.stem, folder=str(path.parent)), _example(path))
+        path = self._example_path(name)
+        return self._answer(Document(None, path.stem, folder=str(path.parent)), _example(path))
+
+    def _example_path(self, name: str) -> Path:
+        for entry in catalog(self._settings.examples):
+            if entry.name == name:
+                return entry.path
         raise refusal("builder.unknown_example", name[:80], "there is no such example", fix="choose one")
+
+    def example(self, name: str) -> Opened:
+        """Return the data of an example, with the folder of its parts, without opening it.
+
+        Raises
+        ------
+        UsageError
+            If there is none of this name.
+        """
+        return _example(self._example_path(name))
+
+    def example_folder(self, name: str) -> str:
+        """Return the folder from which paths in an example begin."""
+        return str(self._example_path(name).parent)
 
     def _open_draft(self, draft: str) -> Answer:
         entry = self._user.draft(draft)
@@ -133,7 +153,7 @@ class Documents:
     def _draft_folder(self, entry: Mapping[str, Any], path: str | None) -> str:
         """Return the folder of a draft: that of its file, or of the example that it was."""
         folder = Path(str(entry.get("folder") or ""))
-        is_example = folder.parent == self._settings.examples and folder.is_dir()
+        is_example = folder.is_relative_to(self._settings.examples) and folder.is_dir()
         return os.path.dirname(path) if path is not None else str(folder) if is_example else ""
 
     def _answer(
@@ -164,6 +184,10 @@ class Documents:
         FormatError
             If it cannot be written.
         """
+        with self._writing:  # of pages that save at the same time the second finds what the first wrote
+            return self._save(request)
+
+    def _save(self, request: SaveRequest) -> Answer:
         document = self._document(request.document)
         real = with_ending(contained_path(request.path, self._settings.roots), _TOML)
         old = read_bytes(real) if real.exists() else None
@@ -228,7 +252,7 @@ class Documents:
 
     def examples(self) -> Answer:
         """Return the examples with a title and a sentence each."""
-        return {"examples": [_describe(path) for path in self._examples()]}
+        return {"examples": [entry.describe() for entry in catalog(self._settings.examples)]}
 
     def folder(self, path: str) -> Answer:
         """Return the folders and model files in a folder inside the roots."""
@@ -272,10 +296,6 @@ class Documents:
             folder = "" if real is None else os.path.dirname(real)
             self._open.setdefault(identifier, Document(real, name, mark, folder))
         return {}
-
-    def _examples(self) -> Iterator[Path]:
-        paths = [*self._settings.examples.glob("*/*.toml"), *self._settings.examples.glob("*/*.urdf")]
-        yield from sorted(paths, key=lambda path: path.stem)
 
     def _remember(self, path: str) -> None:
         try:
@@ -340,17 +360,6 @@ def _example(path: Path) -> Opened:
     if path.suffix == ".urdf":
         return _from_model(load_model(path))
     return data_from_text(path.read_text(encoding="utf-8"), path.name, str(path.parent))
-
-
-def _describe(path: Path) -> dict[str, str]:
-    title, summary = path.stem.replace("_", " "), "A robot from a URDF file"
-    if path.suffix == ".toml":
-        lines = path.read_text(encoding="utf-8").splitlines()
-        comments = [line.lstrip("# ") for line in lines[: next((k for k, x in enumerate(lines) if not x), 0)]]
-        summary = " ".join(comments)
-        named = next((line for line in lines if line.startswith("name")), "")
-        title = named.partition('"')[2].rpartition('"')[0] or title
-    return {"name": path.stem, "title": title, "summary": summary}
 
 
 def _folder_entry(entry: os.DirEntry[str]) -> dict[str, str] | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from threading import Condition, Thread
 from typing import Any, Final
 
-from symbody.builder.page_problems import page_problem
+from symbody.builder.page_problems import fault_problem, page_problem
 from symbody.builder.refusal import refusal
 from symbody.builder.settings import Limits
 from symbody.builder.task_failure import TaskFailure
@@ -90,10 +90,14 @@ class Jobs:
                     fix="wait for one of them, or cancel it",
                 )
             job = secrets.token_hex(16)
-            self._states[job] = JobState(kind)
             self._workers[job] = self._reserve.take()
+            self._states[job] = JobState(kind)
             self._forget()
-        Thread(target=self._run_job, args=(job, kind, payload), daemon=True).start()
+        try:
+            Thread(target=self._run_job, args=(job, kind, payload), daemon=True).start()
+        except RuntimeError as error:  # the system has no thread left
+            self._end(job, "failed", problems=(fault_problem(error),))
+            self._release(job)
         return job
 
     def state(self, job: str, seen: int) -> dict[str, Any]:
@@ -159,7 +163,10 @@ class Jobs:
             self._end(job, "failed", problems=(problem,))
         except SymbodyError as error:
             self._end(job, "failed", problems=tuple(page_problem(each, {}) for each in error.problems))
-        self._release(job)
+        except Exception as error:  # a fault of ours: the job ends, and the page reads why
+            self._end(job, "failed", problems=(fault_problem(error),))
+        finally:
+            self._release(job)
 
     def _note(self, job: str, stage: str, percent: int | None) -> None:
         with self._news:

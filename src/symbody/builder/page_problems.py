@@ -56,6 +56,16 @@ def page_notes(
     return [page_problem(Problem(code, _label(note, data), note), data, "note") for note in notes]
 
 
+def fault_problem(error: Exception) -> PageProblem:
+    """Return what the page reads of an exception that nobody foresaw, without the insides of the server."""
+    kind = type(error).__name__
+    what = (
+        "there is not enough memory for this" if isinstance(error, MemoryError) else f"an unforeseen {kind}"
+    )
+    cure = "save the model, and report it with the model file"
+    return page_problem(Problem("builder.fault", "", what, "this is a fault of symbody", cure), {})
+
+
 def pointer_parts(pointer: str) -> list[str]:
     """Return the keys of a JSON pointer.
 
@@ -134,6 +144,9 @@ def _repair(problem: Problem, pointer: str, data: Mapping[str, Any]) -> dict[str
     unknown = _UNKNOWN.search(problem.what)
     if problem.code == "names.unknown" and unknown and "[parameters]" in problem.fix:
         return _new_parameter(unknown.group(1), data)
+    if pointer.startswith("/initial/") and misspelled:  # its joint was deleted, or has other coordinates now
+        patch = {"op": "remove", "path": pointer}
+        return {"label": f"remove the initial value of {misspelled.group(1)}", "patch": [patch]}
     return None
 
 

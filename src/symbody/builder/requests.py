@@ -8,7 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 Data = dict[str, Any]
 Components = Annotated[list[float], Field(min_length=3, max_length=3)]
-JobKind = Literal["equations", "simulate", "equilibrium", "modes", "singular", "inverse", "sweep"]
+JobKind = Literal[
+    "equations", "simulate", "equilibrium", "modes", "singular", "ratios", "torque", "inverse", "sweep"
+]
 ExportKind = Literal["python", "c", "latex", "html", "fmu", "toml"]
 
 
@@ -105,6 +107,13 @@ class DragRequest(PageRequest):
     guess: dict[str, float] = {}
     page: str = Field(default="", max_length=64)
     document: str = Field(default="", max_length=64)
+
+
+class CardRequest(PageRequest):
+    """A small picture of an example."""
+
+    example: str = Field(max_length=100)
+    dark: bool = False
 
 
 class FormulaRequest(PageRequest):

@@ -14,9 +14,9 @@ from multiprocessing.connection import Connection, wait
 from types import MappingProxyType
 from typing import Any, Final
 
-from symbody.builder.page_problems import page_problem, page_problems
+from symbody.builder.page_problems import fault_problem, page_problems
 from symbody.builder.task_failure import Report, TaskFailure
-from symbody.errors import Problem, SymbodyError
+from symbody.errors import SymbodyError
 from symbody.expr.deadline import watch_stages
 from symbody.memory import memory_size
 
@@ -25,6 +25,7 @@ _SHARE: Final = 0.8  # of the memory, for the data of one process
 _TASKS: Final = MappingProxyType(
     {
         "check": "symbody.builder.tasks.check:check_model",
+        "card": "symbody.builder.tasks.cards:draw_card",
         "redraw": "symbody.builder.tasks.redraw:redraw_model",
         "pose": "symbody.builder.tasks.pose:find_pose",
         "drag": "symbody.builder.tasks.drag:drag_body",
@@ -35,6 +36,8 @@ _TASKS: Final = MappingProxyType(
         "equilibrium": "symbody.builder.tasks.analyses:equilibrium",
         "modes": "symbody.builder.tasks.analyses:modes",
         "singular": "symbody.builder.tasks.analyses:singular_positions",
+        "ratios": "symbody.builder.tasks.transmission:ratios",
+        "torque": "symbody.builder.tasks.transmission:torque",
         "inverse": "symbody.builder.tasks.analyses:inverse",
         "sweep": "symbody.builder.tasks.sweeps:sweep_parameter",
         "export": "symbody.builder.tasks.exports:export_model",
@@ -76,7 +79,7 @@ def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, A
     except SymbodyError as error:
         return "failed", page_problems(error.problems, payload.get("data") or {})
     except Exception as error:  # a fault of ours: it is told without the insides of the server
-        return "failed", [_fault(error)]
+        return "failed", [fault_problem(error)]
 
 
 def _json(value: Any) -> bytes:
@@ -87,15 +90,6 @@ def _json(value: Any) -> bytes:
 def _report_stages(report: Report) -> Iterator[None]:
     with watch_stages(lambda stage: report(stage, None)):
         yield
-
-
-def _fault(error: Exception) -> dict[str, Any]:
-    kind = type(error).__name__
-    what = (
-        "there is not enough memory for this" if isinstance(error, MemoryError) else f"an unforeseen {kind}"
-    )
-    cure = "save the model, and report it with the model file"
-    return page_problem(Problem("builder.fault", "", what, "this is a fault of symbody", cure), {})
 
 
 def _limit_memory() -> None:

@@ -47,6 +47,11 @@ export const COMMANDS = {
   equations: { title: "Derive the equations", keys: ["F6"], run: () => { void runJob("equations"); }, enabled: hasDocument, inText: true },
   simulate: { title: "Simulate", keys: ["F5"], run: () => { simulate(); }, enabled: hasDocument, inText: true },
   cancel: { title: "Cancel what is running", keys: ["Shift+Escape"], run: () => { void cancelJob(); }, enabled: ({ run }) => run !== null, inText: true },
+  drawLayout: { title: "Draw: the diagram has the room", keys: ["1"], run: () => { useStore.setState({ layout: "draw" }); }, enabled: hasDocument },
+  watchLayout: { title: "Watch: the picture has the room", keys: ["2"], run: () => { useStore.setState({ layout: "watch", panel: "picture" }); }, enabled: hasDocument },
+  readLayout: { title: "Read: results have the room", keys: ["3"], run: () => { useStore.setState({ layout: "read", panel: "results" }); }, enabled: hasDocument },
+  fullScreen: { title: "Full screen", keys: ["Alt+Enter"], run: toggleFullScreen, inText: true },
+  present: { title: "Large type, for a projector", keys: ["Shift+P"], run: () => { useStore.setState({ presents: !useStore.getState().presents }); } },
   help: { title: "Keys and gestures", keys: ["?"], run: () => { useStore.setState({ dialog: "help" }); } },
   escape: { title: "Close, back to the diagram, or select nothing", keys: ["Escape"], run: escape, inText: true },
 } satisfies Record<string, Command>;
@@ -55,6 +60,11 @@ export type CommandName = keyof typeof COMMANDS;
 
 export function commandNamed(name: CommandName): Command {
   return COMMANDS[name];
+}
+
+function toggleFullScreen(): void {
+  const change = document.fullscreenElement === null ? document.documentElement.requestFullscreen() : document.exitFullscreen();
+  change.catch(() => { useStore.setState({ spoken: "The browser does not allow full screen here." }); });
 }
 
 function escape(): void {

@@ -3,12 +3,14 @@
 import { api } from "../api";
 import { showNode } from "../diagram/flow";
 import { addElement, addFrame } from "../model/edit";
-import { entryAt, GROUND, type EntryId } from "../model/entries";
+import { entryAt, GROUND, referenceText, type EntryId } from "../model/entries";
 import { isObject } from "../model/pointers";
+import { portFor } from "../model/ports";
 import { definitionNode } from "../model/schema";
 import type { Spot } from "../model/layout";
 import { edit, endGesture, select, useStore } from "../store";
-import type { JsonObject, Model, PaletteElement } from "../types";
+import { withTemplates } from "../model/templates";
+import type { JsonObject, Model, PaletteElement, SchemaAnswer } from "../types";
 
 export type Ends = readonly [string, string];
 
@@ -23,27 +25,58 @@ export function joins(element: PaletteElement): boolean {
 /** Return what a new edge joins where nothing says so: the selected bodies, else the ground and the last body. */
 export function likelyEnds(data: Model, selection: readonly EntryId[]): Ends {
   const bodies = selection.filter((id) => id === GROUND || id.startsWith("body/"));
-  const names = bodies.map((id) => (id === GROUND ? GROUND : (entryAt(data, id)?.name ?? GROUND)));
-  if (names.length >= 2) return [names[0]!, names[1]!];
-  if (names.length === 1 && names[0] !== GROUND) return [GROUND, names[0]!];
+  const end = (id: EntryId): string => referenceText({ body: id === GROUND ? GROUND : (entryAt(data, id)?.name ?? GROUND), frame: portFor(data, id) });
+  if (bodies.length >= 2) return [end(bodies[0]!), end(bodies[1]!)];
   const list = data["body"];
-  const last = Array.isArray(list) ? entryAt(data, `body/${list.length - 1}`)?.name : undefined;
-  return [GROUND, last ?? GROUND];
+  const last = Array.isArray(list) && list.length > 0 ? `body/${list.length - 1}` : GROUND;
+  return [end(GROUND), end(bodies[0] !== undefined && bodies[0] !== GROUND ? bodies[0] : last)];
 }
 
 export function insertElement(section: string, type: string, spot: Spot | null = null, ends: Ends | null = null): void {
   const { schema, data, selection } = useStore.getState();
   if (schema === null) return;
-  const element = schema.elements.find((each) => each.section === section && each.type === type);
-  if (element === undefined) return;
-  const joined = joins(element) ? (ends ?? likelyEnds(data, selection)) : null;
-  const { data: next, ids } = addElement(schema.schema, data, element, joined, spot);
+  const element = offered(schema).find((each) => each.section === section && each.type === type);
+  if (element !== undefined) insert(schema, element, data, joins(element) ? (ends ?? likelyEnds(data, selection)) : null, spot);
+}
+
+function insert({ schema }: SchemaAnswer, element: PaletteElement, data: Model, joined: Ends | null, spot: Spot | null): void {
+  const { data: next, ids } = addElement(schema, data, element, joined, spot);
   endGesture();
   edit(() => next);
   useStore.setState({ popup: null });
+  if (joined !== null) localStorage.setItem(LAST_KEY, nameOf(element));
   const [id] = ids;
   select(ids, `${element.title} added`);
   if (spot === null && joined === null) showNode(id!);
+}
+
+/** What joins two bodies most often; the rest follows in its own order. */
+const USUAL: readonly string[] = ["revolute", "prismatic", "weld", "spherical", "spring"];
+const LAST_KEY = "symbody-last-connection";
+
+function nameOf({ section, type }: PaletteElement): string {
+  return type === "" ? section : type;
+}
+
+/** Return everything that can be added, bodies with a size among it. */
+export function offered(schema: SchemaAnswer): readonly PaletteElement[] {
+  return withTemplates(schema.elements);
+}
+
+/** Return elements with the usual connections in front, what was used last at the very first place. */
+export function usualFirst(elements: readonly PaletteElement[]): PaletteElement[] {
+  const names = [localStorage.getItem(LAST_KEY) ?? "", ...USUAL];
+  const place = (each: PaletteElement): number => (names.indexOf(nameOf(each)) + names.length + 1) % (names.length + 1);
+  const first = elements.filter((each) => names.includes(nameOf(each))).sort((one, other) => place(one) - place(other));
+  return [...first.map((each) => ({ ...each, group: "Usual" })), ...elements.filter((each) => !names.includes(nameOf(each)))];
+}
+
+/** Return elements as the palette lists them: of the joints the usual ones apart from the rest. */
+export function forPalette(elements: readonly PaletteElement[]): PaletteElement[] {
+  const joints = elements.filter((each) => each.section === "joint");
+  const usual = USUAL.flatMap((name) => joints.filter((each) => each.type === name));
+  const rest = joints.filter((each) => !usual.includes(each)).map((each) => ({ ...each, group: "More joints" }));
+  return elements.flatMap((each) => (each === joints[0] ? [...usual, ...rest] : each.section === "joint" ? [] : [each]));
 }
 
 /** Give a body, or the ground, another frame. */

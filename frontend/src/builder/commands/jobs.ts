@@ -1,7 +1,7 @@
 /** Long work of the server: started, followed, cancelled. */
 
 import { api, problemsOf } from "../api";
-import { endGesture, say, useStore } from "../store";
+import { endGesture, say, useStore, type SimulationOptions } from "../store";
 import type { JobKind, JobState, Json, JsonObject, Model } from "../types";
 
 function finished({ state }: JobState): boolean {
@@ -73,7 +73,7 @@ export async function cancelJob(): Promise<void> {
 }
 
 const LABELS: Readonly<Record<JobKind, string>> = {
-  equations: "Equations", simulate: "Simulation", equilibrium: "Equilibrium", modes: "Modes", singular: "Singular positions",
+  equations: "Equations", simulate: "Simulation", equilibrium: "Equilibrium", modes: "Modes", singular: "Dead positions", ratios: "Velocity ratios", torque: "Torque for constant speed",
   inverse: "Inverse dynamics", sweep: "Sweep",
 };
 
@@ -81,20 +81,10 @@ export function labelOfJob(kind: JobKind): string {
   return LABELS[kind];
 }
 
-/** What the next simulation takes, remembered for each page. */
-export interface SimulationOptions {
-  readonly t_end: number;
-  readonly inputs: Readonly<Record<string, string>>;
-}
-
-let lastOptions: SimulationOptions = { t_end: 5, inputs: {} };
-
-export function simulationOptions(): SimulationOptions {
-  return lastOptions;
-}
-
-export function simulate(options: SimulationOptions = lastOptions): void {
-  lastOptions = options;
+/** Simulate, by default as the last time. */
+export function simulate(options: SimulationOptions = useStore.getState().simulation): void {
+  useStore.setState({ simulation: options });
   const inputs = Object.fromEntries(Object.entries(options.inputs).filter(([, text]) => text.trim() !== ""));
-  void runJob("simulate", { t_end: options.t_end, inputs });
+  const samples = options.step === null ? {} : { samples: Math.max(2, Math.round(options.t_end / options.step) + 1) };
+  void runJob("simulate", { t_end: options.t_end, inputs, solver: options.solver, rtol: options.rtol, ...samples });
 }

@@ -7,8 +7,9 @@ import { entryAt, GROUND, PART, referenceText, type EntryId } from "../model/ent
 import { reconnect } from "../model/edit";
 import { diagramOf } from "../model/graph";
 import { GRID, snapped, spotsOf, withLayout, type Spot } from "../model/layout";
+import { portFor } from "../model/ports";
 import { edit, endGesture, say, select, useStore } from "../store";
-import { frameOf, spotAt, type BodyFlowNode, type JointFlowEdge } from "./flow";
+import { frameOf, handleOf, spotAt, type BodyFlowNode, type JointFlowEdge } from "./flow";
 
 export const DRAGGED = "application/x-symbody-element";
 
@@ -62,7 +63,7 @@ function nodeAt(x: number, y: number): EntryId | undefined {
   return document.elementFromPoint(x, y)?.closest<HTMLElement>(".react-flow__node")?.dataset["id"];
 }
 
-/** A drop on a body beside its ports joins its own axes. */
+/** A drop on a body beside its ports joins the nearest one that is free. */
 export function endConnection(event: globalThis.MouseEvent | TouchEvent, { isValid: taken, fromNode, fromHandle }: FinalConnectionState): void {
   const point = "changedTouches" in event ? event.changedTouches[0] : event;
   if (point === undefined) return;
@@ -71,7 +72,16 @@ export function endConnection(event: globalThis.MouseEvent | TouchEvent, { isVal
   if (taken || fromNode === null || target === undefined) return;
   if (target === fromNode.id) say("A body is not joined to itself.");
   else if (!takesJoints(target, null)) say("Joints and forces join bodies. A signal is used by writing its name.");
-  else connect({ source: fromNode.id, sourceHandle: fromHandle.id ?? null, target, targetHandle: "@" });
+  else connect({ source: fromNode.id, sourceHandle: fromHandle.id ?? null, target, targetHandle: handleOf(portFor(useStore.getState().data, target, distanceOf(target))) });
+}
+
+/** Return how far the ports of a node are from the pointer. */
+function distanceOf(id: EntryId): (frame: string) => number {
+  const [x, y] = lastPointer;
+  return (frame) => {
+    const port = document.querySelector(`.react-flow__node[data-id="${id}"] [data-handleid="${CSS.escape(handleOf(frame))}"]`)?.getBoundingClientRect();
+    return port === undefined ? 0 : Math.hypot(port.left + port.width / 2 - x, port.top + port.height / 2 - y);
+  };
 }
 
 export function reconnected(edge: JointFlowEdge, connection: Connection): void {

@@ -2,7 +2,7 @@
 
 import { useEffect, useLayoutEffect, useMemo, useRef, useState, type KeyboardEvent, type ReactElement, type ReactNode } from "react";
 import { COMMANDS, giveCommand, printedKeys, type Command, type CommandName } from "../commands/all";
-import { insertElement, joins } from "../commands/insert";
+import { insertElement, joins, offered, usualFirst } from "../commands/insert";
 import { GROUND } from "../model/entries";
 import { grouped, searched } from "../panels/palette";
 import { Icon } from "../shell/icons";
@@ -16,7 +16,7 @@ export function Popups(): ReactElement | null {
   return (
     <Floating key={popup.kind} x={popup.x} y={popup.y}>
       {popup.kind === "types"
-        ? <Chooser title={`Join ${popup.ends[0]} and ${popup.ends[1]} by`} accepts={joins} choose={(each) => { insertElement(each.section, each.type, null, popup.ends); }} />
+        ? <Chooser title={`Join ${popup.ends[0]} and ${popup.ends[1]} by`} accepts={joins} order={usualFirst} choose={(each) => { insertElement(each.section, each.type, null, popup.ends); }} />
         : <Chooser title="Add" accepts={(each) => each.section !== GROUND} choose={(each) => { insertElement(each.section, each.type, popup.spot); }} />}
     </Floating>
   );
@@ -56,16 +56,19 @@ function Floating({ x, y, children }: { readonly x: number; readonly y: number; 
 interface ChooserProps {
   readonly title: string;
   readonly accepts: (element: PaletteElement) => boolean;
+  readonly order?: (elements: readonly PaletteElement[]) => readonly PaletteElement[];
   readonly choose: (element: PaletteElement) => void;
 }
 
+const asTheyAre = (elements: readonly PaletteElement[]): readonly PaletteElement[] => elements;
+
 /** A search with a list under it: type, arrow keys, Enter. */
-function Chooser({ title, accepts, choose }: ChooserProps): ReactElement {
+function Chooser({ title, accepts, order = asTheyAre, choose }: ChooserProps): ReactElement {
   const schema = useStore((state) => state.schema);
   const [text, setText] = useState("");
   const [place, setPlace] = useState(0);
   const list = useRef<HTMLDivElement>(null);
-  const shown = useMemo(() => searched((schema?.elements ?? []).filter(accepts), text), [schema, text, accepts]);
+  const shown = useMemo(() => searched(schema === null ? [] : order(offered(schema).filter(accepts)), text), [schema, text, accepts, order]);
   const ordered = grouped(shown).flatMap(([, each]) => each);
   useEffect(() => { list.current?.querySelector('[aria-selected="true"]')?.scrollIntoView({ block: "nearest" }); }, [place]);
   const press = (event: KeyboardEvent): void => {

@@ -1,6 +1,6 @@
 /** The start: examples, recent files, drafts, a new model. */
 
-import { useEffect, useState, type ReactElement } from "react";
+import { useEffect, useId, useState, type ReactElement } from "react";
 import { api, problemsOf } from "../api";
 import { COMMANDS } from "../commands/all";
 import { mergedDrafts, openDraft } from "../commands/drafts";
@@ -10,7 +10,7 @@ import { Icon } from "../shell/icons";
 import { ServerBar } from "../shell/server_bar";
 import { useStore } from "../store";
 import type { Draft, Example, Problem, RecentFile } from "../types";
-import { SketchOf } from "./sketch";
+import { CardPicture, forgetCards } from "./card_picture";
 
 interface Offers {
   readonly examples: readonly Example[];
@@ -34,6 +34,7 @@ export function StartScreen(): ReactElement {
   const { offers, problems } = useOffers();
   const hasDocument = useStore((state) => state.document !== null);
   const notice = useStore((state) => state.notice);
+  useEffect(() => forgetCards, []);
   return (
     <main className="start" data-testid="start">
       <div className="start-inner">
@@ -52,12 +53,24 @@ export function StartScreen(): ReactElement {
         <ProblemLines problems={[...problems, ...notice]} />
         {offers !== null && offers.drafts.length > 0 && <Drafts drafts={offers.drafts} />}
         {offers !== null && offers.files.length > 0 && <Recent files={offers.files} />}
-        <section aria-labelledby="examples-head">
-          <h2 id="examples-head">Examples</h2>
-          <ul className="cards">{offers?.examples.map((each) => <ExampleCard key={each.name} example={each} />)}</ul>
-        </section>
+        {GROUPS.map(([group, title]) => <Cards key={group} title={title} examples={offers?.examples.filter((each) => each.group === group) ?? []} />)}
       </div>
     </main>
+  );
+}
+
+const GROUPS: readonly (readonly [string, string])[] = [
+  ["examples", "Examples"], ["linkages", "Gallery: linkages"], ["drives", "Gallery: drives and robots"], ["motions", "Gallery: motions"],
+];
+
+function Cards({ title, examples }: { readonly title: string; readonly examples: readonly Example[] }): ReactElement | null {
+  const id = useId();
+  if (examples.length === 0) return null;
+  return (
+    <section aria-labelledby={id}>
+      <h2 id={id}>{title}</h2>
+      <ul className="cards">{examples.map((each) => <ExampleCard key={each.name} example={each} />)}</ul>
+    </section>
   );
 }
 
@@ -65,7 +78,7 @@ function ExampleCard({ example }: { readonly example: Example }): ReactElement {
   return (
     <li>
       <button type="button" className="card" data-testid={`example-${example.name}`} onClick={() => { void openModel({ example: example.name }); }}>
-        <SketchOf name={example.name} />
+        <CardPicture name={example.name} />
         <b>{example.title}</b>
         <span className="soft">{example.summary}</span>
       </button>

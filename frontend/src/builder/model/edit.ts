@@ -4,11 +4,14 @@ import {
   endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, INPUTS, inputsOf, layoutNameOf, namesOf, PART, pointerOf, referenceOf,
   referenceText, symbolsOf, textOf, type EntryId,
 } from "./entries"; // prettier-ignore
+import { withoutFreePlaces, withoutInitialOf } from "./coordinates";
 import { diagramOf, SIGNALS } from "./graph";
 import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
+import { joinedBodies } from "./ports";
 import { renameInFormulas } from "./rename";
 import { choicesOf, definitionNode, isFormula, resolveNode, type SchemaNode } from "./schema";
+import { besideOthers, withTemplate } from "./templates";
 import type { Json, JsonObject, Model, PaletteElement } from "../types";
 
 const STEP = 40; // by which copies are shifted, or several times as far
@@ -79,7 +82,9 @@ export function addElement(
   const items = valueAt(data, `/${element.section}`);
   const list = isArray(items) ? items : [];
   const id = `${element.section}/${list.length}`;
-  const added = withValue(withLayout(data), `/${element.section}`, [...list, newEntry(schema, element, name, ends)]);
+  const before = withLayout(data);
+  const plain = (): Model => withValue(before, `/${element.section}`, [...list, newEntry(schema, element, name, ends)]);
+  const added = placed((element.section === "body" ? withTemplate(before, element.type) : null) ?? plain(), element, ends);
   const graph = diagramOf(added);
   const node = graph.nodes.find((each) => each.id === id);
   if (node === undefined) return { data: added, ids: [id] };
@@ -87,6 +92,12 @@ export function addElement(
   others.delete(id);
   const place = freeSpot(spot ?? nextSpot(others), node, graph, others);
   return { data: withLayout(added, new Map([[id, place]])), ids: [id] };
+}
+
+/** A body that nothing joins stands beside the others; one that is joined stands where its joint holds it. */
+function placed(data: Model, { section }: PaletteElement, ends: readonly [string, string] | null): Model {
+  if (section === "body") return besideOthers(data, joinedBodies(data));
+  return section === "joint" && ends !== null ? withoutFreePlaces(data, ends.map((each) => referenceOf(each).body)) : data;
 }
 
 /** Return the place to the right of all that is there. */
@@ -140,7 +151,7 @@ export function removeEntries(data: Model, ids: readonly EntryId[]): Model {
   const kept = Object.entries(before).map(([section, items]): [string, Json] => {
     return isArray(items) ? [section, items.filter((_, index) => !removed.has(`${section}/${index}`))] : [section, items];
   });
-  const cut: Model = Object.fromEntries(kept);
+  const cut = withoutInitialOf(Object.fromEntries(kept), [...removed].map((id) => entryAt(data, id)).filter((each) => each !== null));
   const left = new Set([...entriesOf(cut), ...inputsOf(cut)].map(({ id, name }) => layoutNameOf(id, name)));
   const spots = valueAt(cut, "/layout/nodes");
   if (!isObject(spots)) return cut;

@@ -3,7 +3,9 @@
 import {
   entriesOf, entryAt, GROUND, INPUTS, layoutNameOf, pointerOf, referenceOf, referenceText, textOf, type Entry, type EntryId,
 } from "./entries"; // prettier-ignore
+import { withRenamedInitial } from "./coordinates";
 import { SIGNALS } from "./graph";
+import { isSymbol } from "./names";
 import { isArray, isObject, valueAt, withKey, withValue } from "./pointers";
 import { mapFormulas } from "./schema";
 import { wiresOf } from "./wires";
@@ -33,8 +35,9 @@ export function renameEntry(schema: JsonObject, data: Model, id: EntryId, name: 
   if (entry.section === INPUTS) return renameInLayout(renameInput(schema, data, Number(id.split("/")[1]), name), layoutNameOf(id, entry.name), key);
   const read = renameOutputs(renameReadings(schema, data, entry, name), entry, name);
   const named = withValue(read, pointerOf(id, "name"), name);
-  if (entry.section !== "body") return renameInLayout(renameAutomatic(named, entry.name, name, entry.value), entry.name, key);
-  const referred = changedReferences(named, (text) => {
+  const started = withRenamedInitial(named, entry, name);
+  if (entry.section !== "body") return renameInLayout(started, entry.name, key);
+  const referred = changedReferences(started, (text) => {
     const reference = referenceOf(text);
     return reference.body === entry.name ? referenceText({ ...reference, body: name }) : text;
   });
@@ -66,11 +69,6 @@ function renameOutputs(data: Model, { id, name: before }: Entry, after: string, 
     const changed = words.map((word) => (isOwn(word) ? (frame === "" ? after + word.slice(before.length) : `${before}.${after}`) : word));
     return withValue(within, pointer, changed.join(" "));
   }, data);
-}
-
-/** A joint without names of coordinates lends its own to its only one. */
-function renameAutomatic(data: Model, before: string, after: string, value: JsonObject): Model {
-  return value["coordinate"] === undefined && value["coordinates"] === undefined ? renameInitial(data, before, after) : data;
 }
 
 export function renameFrame(data: Model, id: EntryId, before: string, after: string): Model {
@@ -114,10 +112,11 @@ export function renameInput(schema: JsonObject, data: Model, index: number, afte
   return renameInFormulas(schema, withValue(data, `/inputs/${index}`, after), before, after);
 }
 
-/** Return data in which a symbol has another name in every formula. */
+/** Return data in which a symbol has another name in every formula; a text that is none stands in no formula as a name. */
 export function renameInFormulas(schema: JsonObject, data: Model, before: string, after: string): Model {
-  if (before === "") return data;
-  const word = new RegExp(`(?<![\\w.])${before.replace(/[$()*+.?[\\\]^{|}]/g, "\\$&")}(_dot)?(?!\\w)`, "g");
+  if (!isSymbol(before) || !isSymbol(after)) return data;
+  const letter = "[\\w\\u0080-\\u{10ffff}]";
+  const word = new RegExp(`(?<!${letter}|\\.)${before}(_dot)?(?!${letter}|\\s*\\()`, "gu"); // before a bracket it is a function
   return mapFormulas(schema, schema, data, (text) => text.replace(word, (_, rate: string | undefined) => after + (rate ?? ""))) as Model;
 }
 

@@ -5,8 +5,8 @@ import { allReferences, entriesOf, entryOfPointer, GROUND, textOf } from "../mod
 import { fieldsOf, type Field as FieldOf, type FieldKind } from "../model/fields";
 import { isArray, isObject, joinPointer } from "../model/pointers";
 import { renameCoordinate } from "../model/rename";
-import { acceptName } from "../rename_command";
-import { edit, endGesture, useStore } from "../store";
+import { acceptName, acceptSymbol } from "../rename_command";
+import { endGesture, useStore } from "../store";
 import type { Json } from "../types";
 import { AxesControl, AxisControl, MatrixControl } from "./axis_control";
 import { EntriesControl } from "./entries_control";
@@ -60,7 +60,7 @@ type Common = Omit<ControlProps, "field"> & { readonly placeholder: string };
 
 /** Controls of one line, by kind. */
 const SINGLE_CONTROLS: Partial<Record<FieldKind["kind"], (common: Common, field: FieldOf) => ReactElement>> = {
-  name: ({ value, ...rest }) => <NameInput {...rest} value={textOf(value)} change={(text) => { acceptName(entryOfPointer(rest.pointer) ?? "", text); }} />,
+  name: ({ value, ...rest }) => <NameInput {...rest} value={textOf(value)} change={(text) => acceptName(entryOfPointer(rest.pointer) ?? "", text)} />,
   text: ({ value, ...rest }, { key }) => <SymbolInput {...rest} value={textOf(value)} coordinate={key === "coordinate"} />,
   choice: (common, field) => <ValueChoice common={common} field={field} />,
   names: (common, { key }) => <NamesControl {...common} of={key} />,
@@ -83,11 +83,11 @@ function ValueChoice({ common, field }: { readonly common: Common; readonly fiel
 
 /** A name of something in the model; a coordinate takes its initial values with it. */
 function SymbolInput({ coordinate, value, ...rest }: Omit<ControlProps, "field" | "value"> & { readonly value: string; readonly coordinate: boolean; readonly placeholder: string }): ReactElement {
-  const change = (text: string): void => {
-    const { schema } = useStore.getState();
+  const change = (text: string): string => {
+    if (coordinate && value !== "" && text !== "") return acceptSymbol(value, text, renameCoordinate);
     endGesture();
-    if (coordinate && value !== "" && text !== "" && schema !== null) edit((data) => renameCoordinate(schema.schema, data, value, text));
-    else setValue(rest.pointer, text === "" ? undefined : text);
+    setValue(rest.pointer, text === "" ? undefined : text);
+    return "";
   };
   return <NameInput {...rest} value={value} change={change} placeholder={rest.placeholder === "" ? "automatic" : rest.placeholder} />;
 }

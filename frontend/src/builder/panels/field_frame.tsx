@@ -2,6 +2,7 @@
 
 import { useId, type ReactElement, type ReactNode } from "react";
 import { repair } from "../commands/editing";
+import { isNameIn } from "../model/names";
 import { Icon } from "../shell/icons";
 import { useStore } from "../store";
 import type { Problem } from "../types";
@@ -65,9 +66,12 @@ export function What({ text }: { readonly text: string }): ReactElement {
   return <>{sentence(head)}{lines.length > 0 && <code className="place">{lines.map((each) => each.replace(/^ {4}/, "")).join("\n")}</code>}</>;
 }
 
-/** Return a text with a capital at its start and a full stop at its end. */
+/** Return a text with a full stop at its end and a capital at its start, unless it starts with a name of the model. */
 export function sentence(text: string): string {
   const trimmed = text.trim();
   if (trimmed === "") return "";
-  return trimmed.charAt(0).toUpperCase() + trimmed.slice(1) + (/[.!?:]$/.test(trimmed) ? "" : ".");
+  const [word = ""] = /^[\p{L}\p{N}_]*/u.exec(trimmed) ?? [];
+  const first = trimmed.charAt(0);
+  const start = isNameIn(useStore.getState().data, word) ? first : first.toUpperCase();
+  return start + trimmed.slice(1) + (/[.!?:]$/.test(trimmed) ? "" : ".");
 }

@@ -1,6 +1,6 @@
 /** Inputs of single values. */
 
-import { useEffect, useState, type KeyboardEvent, type ReactElement } from "react";
+import { useEffect, useId, useState, type KeyboardEvent, type ReactElement } from "react";
 import { api } from "../api";
 import { textOf } from "../model/entries";
 import { withValue } from "../model/pointers";
@@ -47,16 +47,24 @@ export function LiveInput({ value, change, list, disabled, ...rest }: TextProps)
   );
 }
 
-/** A name, which counts when the field is left or Enter is pressed. */
-export function NameInput({ value, change, list, disabled, ...rest }: TextProps): ReactElement {
+interface NameProps extends Omit<TextProps, "change"> {
+  /** Takes a name, and returns why it cannot be, or "". */
+  readonly change: (text: string) => string;
+}
+
+/** A name, which counts when the field is left or Enter is pressed; one that cannot be stays there with what is wrong. */
+export function NameInput({ value, change, list, disabled, ...rest }: NameProps): ReactElement {
   const [text, setText] = useState(value);
   const [given, setGiven] = useState(value);
+  const [refusal, setRefusal] = useState("");
+  const refused = useId();
   if (given !== value) { // while drawing: an effect after the first drawing would drop what was typed since
     setGiven(value);
     setText(value);
+    setRefusal("");
   }
   const accept = (): void => {
-    if (text.trim() !== value) change(text.trim());
+    setRefusal(text.trim() === value ? "" : change(text.trim()));
     endGesture();
     if (text.trim() === value) setText(value);
   };
@@ -65,13 +73,18 @@ export function NameInput({ value, change, list, disabled, ...rest }: TextProps)
     else if (event.key === "Escape" && text !== value) {
       event.stopPropagation(); // the first press rejects the name, the next leaves the field
       setText(value);
+      setRefusal("");
     }
   };
+  const wrong = refusal !== "" || rest.wrong === true;
   return (
-    <input
-      {...attributes(rest)} value={text} title={text} list={list} disabled={disabled} onBlur={accept} onKeyDown={press}
-      onChange={(event) => { setText(event.target.value); }}
-    />
+    <div className="name-input">
+      <input
+        {...attributes({ ...rest, wrong, ...(refusal === "" ? {} : { describedBy: refused }) })} value={text} title={text} list={list} disabled={disabled}
+        onBlur={accept} onKeyDown={press} onChange={(event) => { setText(event.target.value); }}
+      />
+      {refusal !== "" && <p id={refused} role="alert" className="field-problem error"><span>{refusal}</span></p>}
+    </div>
   );
 }
 

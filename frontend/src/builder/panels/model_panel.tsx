@@ -1,14 +1,14 @@
 /** The model's own properties: name, gravity, parameters, inputs, initial values. */
 
-import { useId, type ReactElement } from "react";
+import { useId, useState, type ReactElement } from "react";
 import { expectChanges } from "../checking";
 import { freeName, INPUTS, symbolsOf, textOf } from "../model/entries";
 import { isArray, isObject, joinPointer, valueAt, withValue } from "../model/pointers";
 import { renameInitial, renameParameter } from "../model/rename";
 import { Icon } from "../shell/icons";
-import { acceptName } from "../rename_command";
+import { acceptKey, acceptName, acceptSymbol } from "../rename_command";
 import { edit, endGesture, useStore } from "../store";
-import type { Json, Model } from "../types";
+import type { Json } from "../types";
 import { FieldFrame, FieldGroup, ProblemLines, useProblems } from "./field_frame";
 import { FormulaInput, LiveInput, NameInput, setValue, VectorInput } from "./inputs";
 
@@ -27,7 +27,7 @@ export function ModelPanel(): ReactElement {
       </FieldGroup>
       <Table section="parameters" title="Parameters" tip="Values, or formulas of other parameters." unnamed="p1" rename={renameOfParameter} />
       <Inputs />
-      <Table section="initial" title="Initial values" tip="Of coordinates and speeds; what is left out starts at zero, or where the loops close." unnamed="" rename={renameInitial} />
+      <Table section="initial" title="Initial values" tip="Of coordinates and speeds; what is left out starts at zero, or where the loops close." unnamed="" rename={renameOfInitial} />
     </div>
   );
 }
@@ -45,9 +45,12 @@ function GravityButtons(): ReactElement {
   );
 }
 
-function renameOfParameter(data: Model, before: string, after: string): Model {
-  const { schema } = useStore.getState();
-  return schema === null ? data : renameParameter(schema.schema, data, before, after);
+function renameOfParameter(before: string, after: string): string {
+  return acceptSymbol(before, after, renameParameter);
+}
+
+function renameOfInitial(before: string, after: string): string {
+  return acceptKey(useStore.getState().data["initial"], before, after, renameInitial);
 }
 
 interface TableProps {
@@ -56,7 +59,7 @@ interface TableProps {
   readonly tip: string;
   /** What a new row is called; nothing where names are those of coordinates. */
   readonly unnamed: string;
-  readonly rename: (data: Model, before: string, after: string) => Model;
+  readonly rename: (before: string, after: string) => string;
 }
 
 function Table({ section, title, tip, unnamed, rename }: TableProps): ReactElement {
@@ -93,32 +96,39 @@ function useInitialNames(section: string): readonly string[] {
 function TableRow({ section, name, value, list, rename }: { readonly section: string; readonly name: string; readonly value: Json; readonly list: string; rename: TableProps["rename"] }): ReactElement {
   const pointer = `/${section}${joinPointer(name)}`;
   const problems = useProblems(pointer);
-  const change = (text: string): void => {
-    if (text === "" || isTaken(section, text)) return;
-    endGesture();
-    edit((data) => rename(data, name, text));
-  };
   return (
     <div className="table-row">
-      <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={change} list={section === "initial" ? list : ""} />
+      <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={(text) => rename(name, text)} list={section === "initial" ? list : ""} />
       <span aria-hidden="true">=</span>
-      <div><FormulaInput pointer={pointer} value={value} label={name} wrong={problems.some((each) => each.severity === "error")} /></div>
+      <div><FormulaInput pointer={pointer} value={value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}</div>
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, pointer, undefined)); }}><Icon name="trash" size={14} /></button>
       <ProblemLines problems={problems} />
     </div>
   );
 }
 
-function isTaken(section: string, name: string): boolean {
-  return valueAt(useStore.getState().data, `/${section}${joinPointer(name)}`) !== undefined;
+const NUMBER = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(deg)?\s*$/i;
+
+/** A slider of a parameter that is a number: from nothing to twice its value, as in live pages; the picture follows. */
+function ParameterSlider({ pointer, name, value }: { readonly pointer: string; readonly name: string; readonly value: Json }): ReactElement | null {
+  const match = NUMBER.exec(textOf(value));
+  const now = Number(match?.[1] ?? NaN);
+  const [middle, setMiddle] = useState(now);
+  if (match === null || now === 0) return null;
+  const ends = [0, 2 * middle].sort((one, other) => one - other) as [number, number];
+  const inside = now >= ends[0] && now <= ends[1];
+  const change = (next: number): void => { setValue(pointer, `${Number(next.toPrecision(4))}${match[2] === undefined ? "" : " deg"}`); };
+  return (
+    <input
+      type="range" className="parameter-slider" aria-label={`Slider of ${name}`} min={0.02 * ends[1] || ends[0]} max={ends[1] || 0.02 * ends[0]} step="any" value={now}
+      onPointerDown={() => { if (!inside) setMiddle(now); }} onChange={(event) => { change(Number(event.target.value)); }} onBlur={() => { setMiddle(now); endGesture(); }}
+    />
+  );
 }
 
 function Inputs(): ReactElement {
   const value = useStore((state) => state.data["inputs"]);
   const names = isArray(value) ? value.map(textOf) : [];
-  const change = (index: number, text: string): void => {
-    acceptName(`${INPUTS}/${index}`, text);
-  };
   const add = (): void => {
     endGesture();
     edit((data) => withValue(data, "/inputs", [...names, freeName("u1", symbolsOf(data))]));
@@ -128,7 +138,7 @@ function Inputs(): ReactElement {
     <FieldGroup label="Inputs" tip="Quantities given from outside while it moves, such as motor torques." problems={useProblems("/inputs")}>
       {names.map((name, index) => (
         <div className="map-head" key={index}>
-          <NameInput pointer={`/inputs/${index}`} label={`Input ${index + 1}`} value={name} change={(text) => { change(index, text); }} />
+          <NameInput pointer={`/inputs/${index}`} label={`Input ${index + 1}`} value={name} change={(text) => acceptName(`${INPUTS}/${index}`, text)} />
           <button type="button" className="icon-button" aria-label={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, "/inputs", names.filter((_, place) => place !== index))); }}><Icon name="trash" size={14} /></button>
         </div>
       ))}

@@ -4,9 +4,10 @@ import { useState, type ReactElement } from "react";
 import { removeFrame } from "../model/edit";
 import { entryOfPointer, FRAME_NAMES, freeName, textOf } from "../model/entries";
 import { labelOf, type Field as FieldOf } from "../model/fields";
-import { isArray, isObject, joinPointer, withKey, withValue } from "../model/pointers";
+import { isArray, isObject, joinPointer, valueAt, withKey, withValue } from "../model/pointers";
 import { isFormula, type SchemaNode } from "../model/schema";
-import { renameCoordinate, renameFrame } from "../model/rename";
+import { renameCoordinate } from "../model/rename";
+import { acceptFrameName, acceptKey, acceptSymbol } from "../rename_command";
 import { Icon } from "../shell/icons";
 import { edit, endGesture, useStore } from "../store";
 import type { Json, JsonObject } from "../types";
@@ -72,13 +73,10 @@ interface RowProps extends Nesting {
   readonly frames: boolean;
 }
 
-function renameRow({ name, each, pointer, frames }: RowProps, text: string): void {
-  const { schema } = useStore.getState();
-  const id = entryOfPointer(pointer) ?? "";
-  if (text === "" || schema === null) return;
-  endGesture();
-  if (frames) edit((data) => renameFrame(data, id, name, text));
-  else edit((data) => (isObject(each) ? withKey(data, pointer, name, text) : renameCoordinate(schema.schema, data, name, text)));
+function renameRow({ name, each, pointer, frames }: RowProps, text: string): string {
+  if (frames) return acceptFrameName(entryOfPointer(pointer) ?? "", name, text);
+  if (!isObject(each)) return acceptSymbol(name, text, renameCoordinate);
+  return acceptKey(valueAt(useStore.getState().data, pointer), name, text, (data, before, after) => withKey(data, pointer, before, after));
 }
 
 function removeRow({ name, pointer, frames }: RowProps): void {
@@ -106,7 +104,7 @@ function RowHead(props: RowProps & { readonly open: boolean; readonly setOpen: (
   return (
     <div className="map-head">
       {frames && <button type="button" className="icon-button" aria-expanded={open} aria-label={`Frame ${name}`} onClick={() => { setOpen(!open); }}><Icon name={open ? "down" : "right"} size={14} /></button>}
-      <NameInput pointer={`${own}#name`} label={`Name of ${name}`} value={name} change={(text) => { renameRow(props, text); }} />
+      <NameInput pointer={`${own}#name`} label={`Name of ${name}`} value={name} change={(text) => renameRow(props, text)} />
       {frames && isObject(each) && !open && <FramePlace pointer={own} value={each} name={name} />}
       {isFormula(node) && <FormulaInput pointer={own} value={each} label={name} />}
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { removeRow(props); }}><Icon name="trash" size={14} /></button>
@@ -179,27 +177,28 @@ export function LawControl({ pointer, value, curve, label, Fields }: LawProps): 
 /** Names with commas between them. */
 export function NamesControl({ value, of, ...rest }: InputProps & { readonly value: Json | undefined; readonly of: string }): ReactElement {
   const names = isArray(value) ? value.map(textOf) : [];
-  const change = (text: string): void => {
-    const { schema } = useStore.getState();
+  const change = (text: string): string => {
     const next = text.split(",").map((each) => each.trim()).filter((each) => each !== "");
-    endGesture();
     const one = names.length === next.length ? names.findIndex((each, index) => each !== next[index]) : -1;
     const single = one >= 0 && names.every((each, index) => index === one || each === next[index]);
-    if (of === "coordinates" && single && schema !== null) edit((data) => renameCoordinate(schema.schema, data, names[one]!, next[one]!));
-    else setValue(rest.pointer, next.length === 0 ? undefined : next);
+    if (of === "coordinates" && single) return acceptSymbol(names[one]!, next[one]!, renameCoordinate);
+    endGesture();
+    setValue(rest.pointer, next.length === 0 ? undefined : next);
+    return "";
   };
   return <NameInput {...rest} value={names.join(", ")} change={change} placeholder="automatic" />;
 }
 
 /** What has no control of its own, as JSON. */
 export function JsonControl({ value, ...rest }: InputProps & { readonly value: Json | undefined }): ReactElement {
-  const change = (text: string): void => {
+  const change = (text: string): string => {
     endGesture();
     try {
       setValue(rest.pointer, text === "" ? undefined : (JSON.parse(text) as Json));
     } catch {
       setValue(rest.pointer, text); // the check says what is wrong
     }
+    return "";
   };
   return <NameInput {...rest} value={value === undefined ? "" : JSON.stringify(value)} change={change} />;
 }

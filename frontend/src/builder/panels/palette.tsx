@@ -1,9 +1,10 @@
 /** All elements, to drag or to click, with a search. */
 
 import { useMemo, useState, type DragEvent, type ReactElement } from "react";
-import { insertElement, joins } from "../commands/insert";
+import { forPalette, insertElement, joins, offered } from "../commands/insert";
 import { DRAGGED } from "../diagram/gestures";
 import { Icon } from "../shell/icons";
+import { useRoving } from "../shell/roving";
 import { useStore } from "../store";
 import type { PaletteElement } from "../types";
 
@@ -31,7 +32,8 @@ export function grouped(elements: readonly PaletteElement[]): [string, PaletteEl
 export function Palette(): ReactElement {
   const schema = useStore((state) => state.schema);
   const [text, setText] = useState("");
-  const shown = useMemo(() => searched((schema?.elements ?? []).filter((each) => each.section !== "ground"), text), [schema, text]);
+  const roving = useRoving(".palette-item");
+  const shown = useMemo(() => searched(schema === null ? [] : forPalette(offered(schema).filter((each) => each.section !== "ground")), text), [schema, text]);
   return (
     <div className="palette" data-testid="palette">
       <input
@@ -39,7 +41,7 @@ export function Palette(): ReactElement {
         onChange={(event) => { setText(event.target.value); }}
         onKeyDown={(event) => { if (event.key === "Enter" && shown[0] !== undefined) insertElement(shown[0].section, shown[0].type); }}
       />
-      <div className="palette-list">
+      <div className="palette-list" {...roving}>
         {grouped(shown).map(([group, elements]) => (
           <section key={group} aria-label={group}>
             <h3>{group}</h3>

@@ -28,8 +28,20 @@ export function useAllProblems(): readonly Problem[] {
   return [...problems].sort((a, b) => ORDER.indexOf(a.severity) - ORDER.indexOf(b.severity));
 }
 
+/** Whether something has to be done: notes only say what is. */
+export function isFault({ severity }: Problem): boolean {
+  return severity !== "note";
+}
+
+/** What is worth knowing though nothing is wrong. */
+export function Notes(): ReactElement {
+  const notes = useAllProblems().filter((each) => !isFault(each));
+  if (notes.length === 0) return <p className="soft pad">Nothing to note.</p>;
+  return <ul className="problem-list" aria-label="Notes">{notes.map((each, index) => <ProblemItem key={`${each.code}${each.pointer}${index}`} problem={each} />)}</ul>;
+}
+
 export function Problems(): ReactElement {
-  const problems = useAllProblems();
+  const problems = useAllProblems().filter(isFault);
   const checked = useStore((state) => state.checked !== null);
   if (problems.length === 0) {
     return <p className="soft pad good"><Icon name="check" size={16} /> {checked ? "Nothing is wrong." : "Checking…"}</p>;

@@ -1,6 +1,6 @@
 /** The mechanism in three dimensions: its start position, or its motion. */
 
-import { useEffect, useMemo, useRef, type ReactElement, type RefObject } from "react";
+import { useEffect, useMemo, useRef, useState, type ReactElement, type RefObject } from "react";
 import { Player } from "../../player/player";
 import { DEFAULTS } from "../../player/settings";
 import { castOf, decodeMotion, decodeScene, LiveSource, sourceOf, type Scene, type SceneElement } from "../../viewer";
@@ -76,6 +76,7 @@ function chosenInPicture(element: SceneElement | null): void {
 export function Picture(): ReactElement {
   const host = useRef<HTMLDivElement>(null);
   const picture = usePicture();
+  const [drawn, setDrawn] = useState(false);
   const scene = picture?.scene ?? null;
   const motion = picture?.motion ?? null;
   const moves = picture?.moves ?? false;
@@ -83,6 +84,7 @@ export function Picture(): ReactElement {
     const root = host.current;
     if (root === null || scene === null) return;
     showPicture(root, scene, motion, moves);
+    setDrawn(true);
   }, [scene, motion, moves]);
   useEffect(() => () => {
     pictureNow.shown?.player.dispose();
@@ -94,7 +96,7 @@ export function Picture(): ReactElement {
   return (
     <section className="picture" aria-label="Picture in three dimensions" data-testid="picture">
       <div ref={host} className="picture-host" />
-      {picture === null && <Empty />}
+      {picture === null && (drawn ? <p className="picture-old" role="status" data-testid="picture-old">Picture of the last valid model</p> : <Empty />)}
       <svg ref={svg} className="drag-thread" aria-hidden="true" data-testid="thread"><line /><circle r="5" /></svg>
       <PictureBar moves={moves} />
       <PictureNote />
@@ -128,7 +130,7 @@ function PictureNote(): ReactElement | null {
 function Empty(): ReactElement {
   const bodies = useStore((state) => entriesOf(state.data).some((each) => each.section === "body"));
   const problems = useStore((state) => state.check !== null);
-  return <p className="soft picture-empty">{bodies && !problems ? "Assembling…" : bodies ? "There is no picture until the errors are mended." : "The mechanism appears here as soon as it has a body."}</p>;
+  return <p className="soft picture-empty">{bodies && !problems ? "Assembling…" : bodies ? "The mechanism cannot be drawn yet: see Problems." : "The mechanism appears here as soon as it has a body."}</p>;
 }
 
 /** Show a picture; where only the places of bodies differ, they alone change. */

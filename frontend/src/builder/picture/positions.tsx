@@ -1,26 +1,59 @@
-/** Coordinates as sliders: one is dragged, and the loops follow. */
+/** Coordinates as sliders with a real range: one is moved, and the loops follow. */
 
-import type { ReactElement } from "react";
+import { useState, type ReactElement } from "react";
+import { plainReading } from "../../player/readable";
 import { api } from "../api";
+import { textOf } from "../model/entries";
+import { isObject } from "../model/pointers";
+import { quantityOf, textIn } from "../model/quantities";
+import { quaternionOf, turnsOf, type Quaternion, type Turns } from "../model/turns";
 import { useStore } from "../store";
+import type { Json } from "../types";
 import { backToStart, keepPose, pose } from "./posing";
+import { pictureNow } from "./shown";
 
-const NOTHING: Readonly<Record<string, number>> = {};
+type Values = Readonly<Record<string, number>>;
 
-function move(name: string, value: number): void {
+const NOTHING: Values = {};
+const DEGREES_KEY = "symbody-degrees";
+const PLACES = ["x", "y", "z"] as const;
+const PARTS = ["qw", "qx", "qy", "qz"] as const;
+const SAME = 1e-4; // of what the loops leave where it was
+
+function move(values: Values): void {
   useStore.setState({ showsMotion: false, analysisPicture: null });
-  pose((data, guess, document) => api.pose(document, data, { [name]: value }, guess));
+  pose((data, guess, document) => api.pose(document, data, values, guess));
+}
+
+/** Return the coordinates in the order of the model, those of a body that moves freely together under its name. */
+function groupsOf(names: readonly string[]): readonly (readonly [string, readonly string[]])[] {
+  const all = new Set(names);
+  const free = names.filter((each) => each.endsWith("_qw")).map((each) => each.slice(0, -3)).filter((body) => [...PLACES, ...PARTS].every((part) => all.has(`${body}_${part}`)));
+  const ownerOf = (name: string): string => free.find((body) => new RegExp(`^(?:[xyz]|q[wxyz])$`).test(name.slice(body.length + 1)) && name.startsWith(`${body}_`)) ?? "";
+  const single = names.filter((each) => ownerOf(each) === "").map((each) => ["", [each]] as const);
+  return [...single, ...free.map((body) => [body, names.filter((each) => ownerOf(each) === body)] as const)];
 }
 
 export function Positions(): ReactElement {
-  const values = useStore((state) => state.check?.values) ?? NOTHING;
+  const start = useStore((state) => state.check?.values) ?? NOTHING;
   const summary = useStore((state) => state.check?.summary);
   const posed = useStore((state) => (state.posed?.of === state.data ? state.posed : null));
-  const names = summary?.coordinates.filter((each) => values[each] !== undefined) ?? [];
+  const [degrees, setDegrees] = useState(() => localStorage.getItem(DEGREES_KEY) !== "no");
+  const names = summary?.coordinates.filter((each) => start[each] !== undefined) ?? [];
   if (names.length === 0) return <p className="soft pad">Coordinates appear here as soon as the mechanism can be assembled. Drag one, or a body in the picture, and the loops follow.</p>;
+  const now = posed?.values ?? start;
+  const choose = (next: boolean): void => {
+    localStorage.setItem(DEGREES_KEY, next ? "yes" : "no");
+    setDegrees(next);
+  };
+  const rowOf = (name: string): ReactElement => {
+    const base = summary?.units[name] ?? "";
+    return <Row key={name} name={name} label={plainReading(name)} base={base} unit={base === "rad" && degrees ? "deg" : base} start={start[name]!} now={now[name] ?? 0} change={(value) => { move({ [name]: value }); }} />;
+  };
   return (
     <div className="positions" data-testid="positions">
-      {names.map((name) => <Slider key={name} name={name} start={values[name]!} now={(posed?.values ?? values)[name] ?? 0} />)}
+      <label className="degrees"><input type="checkbox" checked={degrees} onChange={(event) => { choose(event.target.checked); }} /> Angles in degrees</label>
+      {groupsOf(names).map(([body, own]) => body === "" ? own.map(rowOf) : <FreeBody key={body} body={body} start={start} now={now} degrees={degrees} />)}
       {posed !== null && posed.problem !== "" && <p className="field-problem warning" role="alert">{posed.problem}</p>}
       <div className="row">
         <button type="button" className="button small" disabled={posed === null} onClick={backToStart}>Back to the start</button>
@@ -30,13 +63,74 @@ export function Positions(): ReactElement {
   );
 }
 
-function Slider({ name, start, now }: { readonly name: string; readonly start: number; readonly now: number }): ReactElement {
-  const reach = Math.max(Math.PI, 1.5 * Math.abs(start));
+function quaternionIn(values: Values, body: string): Quaternion {
+  return PARTS.map((part) => values[`${body}_${part}`] ?? 0) as unknown as Quaternion;
+}
+
+/** A body that nothing holds: where it is, and three turns; folded, as there may be many. */
+function FreeBody({ body, start, now, degrees }: { readonly body: string; readonly start: Values; readonly now: Values; readonly degrees: boolean }): ReactElement {
+  const [before, turns] = [turnsOf(quaternionIn(start, body)), turnsOf(quaternionIn(now, body))];
+  const turn = (axis: number, value: number): void => {
+    const next = turns.map((each, index) => (index === axis ? value : each)) as unknown as Turns;
+    const quaternion = quaternionOf(next);
+    move(Object.fromEntries(PARTS.map((part, index) => [`${body}_${part}`, quaternion[index]!])));
+  };
   return (
-    <label className="slider">
-      <span>{name}</span>
-      <input type="range" aria-label={name} min={start - reach} max={start + reach} step="any" value={now} onChange={(event) => { move(name, Number(event.target.value)); }} />
-      <output>{now.toFixed(4).replace(/^-(0\.0+)$/, "$1")}</output>
-    </label>
+    <details className="free-body">
+      <summary>{body} <span className="soft">free: 6 degrees of freedom</span></summary>
+      {PLACES.map((part) => {
+        const name = `${body}_${part}`;
+        return <Row key={part} name={name} label={part} base="m" unit="m" start={start[name] ?? 0} now={now[name] ?? 0} change={(value) => { move({ [name]: value }); }} />;
+      })}
+      {PLACES.map((part, axis) => <Row key={part} name={`${body}, turn about ${part}`} label={`turn ${part}`} base="rad" unit={degrees ? "deg" : "rad"} start={before[axis]!} now={turns[axis]!} change={(value) => { turn(axis, value); }} />)}
+    </details>
   );
+}
+
+/** Return the ends of a slider: a turn of an angle, of a length as far as the mechanism is large. */
+function rangeOf(base: string, start: number): readonly [number, number] {
+  const size = pictureNow.shown?.player.data.scene.size ?? 1;
+  const reach = base === "rad" ? Math.PI : base === "m" ? Math.max(size, 1e-6) : 1;
+  const most = Math.max(reach, 1.2 * Math.abs(start));
+  return [-most, most];
+}
+
+interface RowProps {
+  readonly name: string;
+  readonly label: string;
+  readonly base: string;
+  readonly unit: string;
+  readonly start: number;
+  readonly now: number;
+  readonly change: (value: number) => void;
+}
+
+function Row({ name, label, base, unit, start, now, change }: RowProps): ReactElement {
+  const [text, setText] = useState<string | null>(null);
+  const [least, most] = rangeOf(base, start);
+  const value = text === null ? now : quantityOf(text, base, unit);
+  const accept = (): void => {
+    if (text !== null && value !== null && textIn(now, unit) !== text) change(value);
+    setText(null);
+  };
+  return (
+    <div className="slider">
+      <span title={name}>{label}</span>
+      <input type="range" aria-label={name} min={least} max={most} step="any" value={Math.min(most, Math.max(least, now))} onChange={(event) => { change(Number(event.target.value)); }} />
+      <input
+        aria-label={`Value of ${name}`} aria-invalid={value === null} value={text ?? textIn(now, unit)} onBlur={accept}
+        onChange={(event) => { setText(event.target.value); }} onKeyDown={(event) => { if (event.key === "Enter") accept(); else if (event.key === "Escape") setText(null); }}
+      />
+      <span className="unit">{unit}</span>
+      <Moved name={name} base={base} unit={unit} start={start} />
+    </div>
+  );
+}
+
+/** Says where the file's own value could not be: the loops moved it. */
+function Moved({ name, base, unit, start }: Pick<RowProps, "name" | "base" | "unit" | "start">): ReactElement | null {
+  const written = useStore((state): Json | undefined => (isObject(state.data["initial"]) ? state.data["initial"][name] : undefined));
+  const wanted = written === undefined ? null : quantityOf(textOf(written), base);
+  if (wanted === null || Math.abs(wanted - start) <= SAME * Math.max(1, Math.abs(start))) return null;
+  return <small className="moved">The file says {textOf(written)}; the loops moved it to {textIn(start, unit)} {unit}.</small>;
 }

@@ -11,7 +11,8 @@ import { AnalysisResult } from "./analysis_result";
 const KINDS: readonly (readonly [JobKind, string])[] = [
   ["equilibrium", "Where it rests, and whether it stays there."],
   ["modes", "Frequencies, damping and shapes of small motions about an equilibrium; each can be watched."],
-  ["singular", "Positions in which the first coordinate does not determine the others."],
+  ["singular", "Singular positions, in which the first coordinate does not determine the others: a drive there cannot move the mechanism."],
+  ["ratios", "How fast all speeds are beside the independent ones, at the start."],
 ];
 
 export function Analyses(): ReactElement {
@@ -22,9 +23,29 @@ export function Analyses(): ReactElement {
       <div className="row">
         {KINDS.map(([kind, tip]) => <button key={kind} type="button" className="button" title={tip} disabled={busy} onClick={() => { void runJob(kind); }}>{labelOfJob(kind)}</button>)}
       </div>
+      <ConstantSpeed busy={busy} />
       <Sweep busy={busy} />
       <Inverse busy={busy} />
       {analysis !== null && <AnalysisResult kind={analysis.kind} result={analysis.result} />}
+    </div>
+  );
+}
+
+/** What drives a coordinate at a constant rate; no input has to be there for it. */
+function ConstantSpeed({ busy }: { readonly busy: boolean }): ReactElement | null {
+  const summary = useStore((state) => state.check?.summary);
+  const names = (summary?.coordinates ?? []).filter((each) => ["rad", "m"].includes(summary?.units[each] ?? ""));
+  const [name, setName] = useState("");
+  const [rate, setRate] = useState("10");
+  const chosen = names.includes(name) ? name : names[0];
+  if (chosen === undefined) return null;
+  const unit = summary?.units[chosen] === "rad" ? "rad/s" : "m/s";
+  const wrong = !Number.isFinite(Number(rate)) || Number(rate) === 0;
+  return (
+    <div className="row sweep" role="group" aria-label="Torque for constant speed">
+      <label>What drives <select value={chosen} onChange={(event) => { setName(event.target.value); }}>{names.map((each) => <option key={each}>{each}</option>)}</select></label>
+      <label>at <input value={rate} aria-invalid={wrong} onChange={(event) => { setRate(event.target.value); }} /> {unit}</label>
+      <button type="button" className="button small" disabled={busy || wrong} onClick={() => { void runJob("torque", { coordinate: chosen, rate: Number(rate) }); }}>Run</button>
     </div>
   );
 }

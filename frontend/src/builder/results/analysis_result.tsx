@@ -7,7 +7,7 @@ import { labelOfJob } from "../commands/jobs";
 import { textOf } from "../model/entries";
 import { labelOf } from "../model/fields";
 import { isArray, isObject } from "../model/pointers";
-import { resolvedTheme } from "../shell/theme";
+import { useShownTheme } from "../shell/theme";
 import { useStore } from "../store";
 import type { JobKind, Json, JsonObject } from "../types";
 
@@ -87,7 +87,7 @@ function Places({ places }: { readonly places: readonly JsonObject[] }): ReactEl
 /** The curves of all values of a parameter on each other. */
 function SweepPlot({ result, cases }: { readonly result: JsonObject; readonly cases: readonly JsonObject[] }): ReactElement {
   const host = useRef<HTMLDivElement>(null);
-  const theme = useStore((state) => state.theme);
+  const theme = useShownTheme();
   useEffect(() => {
     const root = host.current;
     if (root === null) return undefined;
@@ -95,7 +95,7 @@ function SweepPlot({ result, cases }: { readonly result: JsonObject; readonly ca
     root.replaceChildren(panel.element);
     return () => { panel.dispose(); };
   }, [result, cases, theme]);
-  return <div ref={host} className="sb-player sb-curves-only sweep-plot" data-theme={resolvedTheme(theme)} />;
+  return <div ref={host} className="sb-player sb-curves-only sweep-plot" data-theme={theme} />;
 }
 
 function sourceOfSweep(result: JsonObject, cases: readonly JsonObject[]): StateSource {

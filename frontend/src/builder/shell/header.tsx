@@ -4,18 +4,20 @@ import { useState, type ReactElement } from "react";
 import { COMMANDS, giveCommand, printedKeys, type CommandName } from "../commands/all";
 import { exportModel, EXPORTS } from "../commands/files";
 import { MenuList, menuItem, type MenuItem } from "../diagram/popups";
-import { isDirty, useHistory, useStore } from "../store";
-import type { Severity, Summary } from "../types";
+import { isDirty, useHistory, useStore, type Layout, type Panel } from "../store";
+import type { Problem, Severity, Summary } from "../types";
 import { Icon } from "./icons";
+import { useRoving } from "./roving";
 import { nextTheme } from "./theme";
 
 export function Header(): ReactElement {
   const { canUndo, canRedo } = useHistory();
+  const roving = useRoving("button");
   return (
     <header className="topbar">
       <FileMenu />
       <Title />
-      <div className="tools" role="toolbar" aria-label="Commands">
+      <div className="tools" role="toolbar" aria-label="Commands" {...roving}>
         <Tool name="undo" icon="undo" disabled={!canUndo} />
         <Tool name="redo" icon="redo" disabled={!canRedo} />
         <Tool name="save" icon="save" />
@@ -26,6 +28,7 @@ export function Header(): ReactElement {
         <Tool name="equations" icon="sum" text="Equations" />
         <SimulateButton />
       </div>
+      <Layouts />
       <Live />
       <button type="button" className="tool" aria-label="Light, dark, high contrast" title="Light, dark, high contrast" onClick={nextTheme}><Icon name="theme" /></button>
       <Tool name="help" icon="help" />
@@ -48,8 +51,59 @@ function SimulateButton(): ReactElement {
   return (
     <span className="split-button">
       <button type="button" className="tool go" disabled={busy} title="Simulate (F5)" data-testid="simulate" onClick={() => { giveCommand("simulate"); }}><Icon name="play" /><span>Simulate</span></button>
-      <button type="button" className="tool go" disabled={busy} aria-label="Simulate with other settings" title="Duration and inputs" onClick={() => { useStore.setState({ dialog: "simulate" }); }}><Icon name="down" size={14} /></button>
+      <Duration />
+      <button type="button" className="tool go" disabled={busy} aria-label="Simulate with other settings" title="Inputs, output step, solver" onClick={() => { useStore.setState({ dialog: "simulate" }); }}><Icon name="down" size={14} /></button>
     </span>
+  );
+}
+
+/** How long the next simulation is, beside its button. */
+function Duration(): ReactElement {
+  const simulation = useStore((state) => state.simulation);
+  const [text, setText] = useState<string | null>(null);
+  const accept = (): void => {
+    const seconds = Number(text);
+    if (text !== null && seconds > 0 && seconds <= 1e6) useStore.setState({ simulation: { ...simulation, t_end: seconds } });
+    setText(null);
+  };
+  return (
+    <label className="tool go duration" title="Duration of the simulation">
+      <input
+        aria-label="Duration of the simulation in seconds" size={3} value={text ?? String(simulation.t_end)} onBlur={accept}
+        onChange={(event) => { setText(event.target.value); }} onKeyDown={(event) => { if (event.key === "Enter") accept(); }}
+      />
+      <span aria-hidden="true">s</span>
+    </label>
+  );
+}
+
+const LAYOUTS: readonly (readonly [Layout, CommandName])[] = [["draw", "drawLayout"], ["watch", "watchLayout"], ["read", "readLayout"]];
+
+/** What has the room of the window. */
+function Layouts(): ReactElement {
+  const layout = useStore((state) => state.layout);
+  return (
+    <div className="segments layouts" role="radiogroup" aria-label="Layout">
+      {LAYOUTS.map(([name, command]) => (
+        <button key={name} type="button" role="radio" aria-checked={layout === name} title={`${COMMANDS[command].title} (${printedKeys(COMMANDS[command].keys[0] ?? "")})`} onClick={() => { giveCommand(command); }}>
+          {name.charAt(0).toUpperCase() + name.slice(1)}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+const PANELS: readonly (readonly [Panel, string])[] = [["diagram", "Diagram"], ["picture", "Picture"], ["results", "Results"], ["left", "Palette"], ["right", "Properties"]];
+
+/** In narrow windows: which panel is seen, or which side lies over the rest. */
+export function Panels(): ReactElement {
+  const panel = useStore((state) => state.panel);
+  return (
+    <nav className="panels" aria-label="Panels">
+      {PANELS.map(([name, title]) => (
+        <button key={name} type="button" className={`button small of-${name}`} aria-pressed={panel === name} onClick={() => { useStore.setState({ panel: panel === name ? "diagram" : name }); }}>{title}</button>
+      ))}
+    </nav>
   );
 }
 
@@ -68,11 +122,11 @@ function FileMenu(): ReactElement {
   const [open, setOpen] = useState(false);
   const names: readonly (CommandName | null)[] = ["new", "start", "open", null, "save", "saveAs", null];
   const items: (MenuItem | null)[] = names.map((name) => (name === null ? null : menuItem(name, COMMANDS[name].title)));
-  for (const [kind, title] of EXPORTS) items.push({ key: kind, text: `Write ${title}`, run: () => { void exportModel(kind); } });
+  for (const [kind, title] of EXPORTS) items.push({ key: kind, text: `Export ${title}`, run: () => { void exportModel(kind); } });
   return (
     <div className="file-menu" onBlur={(event) => { if (!event.currentTarget.contains(event.relatedTarget)) setOpen(false); }}>
-      <button type="button" className="tool brand" aria-haspopup="menu" aria-expanded={open} title="Files" onClick={() => { setOpen(!open); }}><Icon name="menu" /><span>symbody</span></button>
-      {open && <MenuList label="Files" items={items} done={() => { setOpen(false); }} />}
+      <button type="button" className="tool brand" aria-haspopup="menu" aria-expanded={open} title="New, open, save, export" onClick={() => { setOpen(!open); }}><Icon name="menu" /><span>File</span></button>
+      {open && <MenuList label="File" items={items} done={() => { setOpen(false); }} />}
     </div>
   );
 }
@@ -85,15 +139,23 @@ function plural(count: number, word: string): string {
 function Live(): ReactElement {
   const check = useStore((state) => state.check);
   const fresh = useStore((state) => state.checked === state.data);
-  const count = (severity: Severity): number => check?.problems.filter((each) => each.severity === severity).length ?? 0;
-  const [errors, warnings] = [count("error"), count("warning")];
-  const worst = errors > 0 ? "error" : warnings > 0 ? "warning" : "check";
+  const reached = useStore((state) => state.server === "here");
   return (
     <div className={`live${fresh ? "" : " stale"}`} data-testid="live" role="group" aria-label="What the mechanism is">
-      {check?.summary != null && errors === 0 && <Counts summary={check.summary} />}
-      {check !== null && <StateButton worst={worst} text={worst === "error" ? plural(errors, "error") : worst === "warning" ? plural(warnings, "warning") : "Ready"} />}
+      {check?.summary != null && countOf(check.problems, "error") === 0 && <Counts summary={check.summary} />}
+      {!reached ? <StateButton worst="warning" text="Not connected" /> : check !== null && <StateOf problems={check.problems} />}
     </div>
   );
+}
+
+function countOf(problems: readonly Problem[], severity: Severity): number {
+  return problems.filter((each) => each.severity === severity).length;
+}
+
+function StateOf({ problems }: { readonly problems: readonly Problem[] }): ReactElement {
+  const [errors, warnings] = [countOf(problems, "error"), countOf(problems, "warning")];
+  if (errors > 0) return <StateButton worst="error" text={plural(errors, "error")} />;
+  return warnings > 0 ? <StateButton worst="warning" text={plural(warnings, "warning")} /> : <StateButton worst="check" text="Ready" />;
 }
 
 function StateButton({ worst, text }: { readonly worst: "error" | "warning" | "check"; readonly text: string }): ReactElement {
@@ -107,7 +169,7 @@ function StateButton({ worst, text }: { readonly worst: "error" | "warning" | "c
 function Counts({ summary }: { readonly summary: Summary }): ReactElement {
   return (
     <span className="counts">
-      {summary.freedoms !== null && <b>{plural(summary.freedoms, "freedom")}</b>}
+      {summary.freedoms !== null && <b>{summary.freedoms === 1 ? "1 degree of freedom" : `${summary.freedoms} degrees of freedom`}</b>}
       <span>{plural(summary.coordinates.length, "coordinate")}</span>
       <span>{plural(summary.constraints, "constraint")}</span>
       {summary.redundant.length > 0 && <span className="warning">{summary.redundant.length} redundant</span>}

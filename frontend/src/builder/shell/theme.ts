@@ -25,12 +25,17 @@ export function nextTheme(): void {
   useStore.setState({ theme: next, spoken: `Colours: ${next}` });
 }
 
-/** Put the theme on the page and its picture, and follow the system's. */
-export function useTheme(): void {
+/** Return the theme that is shown, which follows the choice and, where that is "auto", the system. */
+export function useShownTheme(): ThemeName {
   const theme = useStore((state) => state.theme);
   const [, follow] = useState(0);
   useEffect(() => followTheme(() => { follow((count) => count + 1); }), []);
-  const name = resolvedTheme(theme);
+  return resolvedTheme(theme);
+}
+
+/** Put the theme on the page and its picture. */
+export function useTheme(): void {
+  const name = useShownTheme();
   useEffect(() => {
     document.documentElement.dataset["theme"] = name;
     pictureNow.shown?.player.settings.set("theme", name);

@@ -9,6 +9,7 @@ from typing import Any, Final
 from symbody.builder.formulas import model_formulas
 from symbody.builder.page_problems import PageProblem, page_notes, page_problem, page_problems
 from symbody.builder.task_failure import Report
+from symbody.builder.tasks.coincidence import coincidence_warnings
 from symbody.builder.tasks.mechanisms import mechanism_of, solver_of
 from symbody.builder.tasks.placement import draw_at, draw_unassembled
 from symbody.builder.tasks.reading import Data, Latest, ReadModel, model_key, read_model
@@ -83,6 +84,7 @@ def _check_model(read: ReadModel, data: Data, folder: str) -> Checked:
 _NO_EQUATIONS: Final[Mapping[str, Any]] = {
     "coordinates": [],
     "speeds": [],
+    "units": {},
     "freedoms": None,
     "instant_freedoms": None,
     "constraints": 0,
@@ -95,7 +97,7 @@ def _check_formed(model: Model, data: Data, folder: str) -> Checked:
     try:
         eqs = mechanism_of(data, folder, lambda: model).with_values(model)
         summary = equation_summary(eqs)
-        notes = page_notes(eqs.notes, data)
+        notes = [*coincidence_warnings(model, data), *page_notes(eqs.notes, data)]
     except SymbodyError as error:
         return Checked(_trees(model), None, page_problems(error.problems, data))
     try:

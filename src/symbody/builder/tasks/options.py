@@ -44,6 +44,7 @@ class SimulateOptions(JobOptions):
     times: list[float] | None = Field(default=None, max_length=200_000)
     inputs: dict[str, str] = {}
     rtol: float = Field(default=1e-8, gt=0.0, lt=1.0)
+    solver: Literal["", "explicit", "stiff"] = ""
     vectors: Literal["all", "applied", "none", ""] = ""
 
 
@@ -68,6 +69,29 @@ class SingularOptions(JobOptions):
 
     independent: list[str] = []
     over: dict[str, float | tuple[float, float]] = {}
+
+
+class RatioOptions(JobOptions):
+    """Velocity ratios: the independent speeds; by default those that determine the others best."""
+
+    independent: list[str] = []
+
+
+class TorqueOptions(JobOptions):
+    """What drives a coordinate at a constant rate, over one turn or a time."""
+
+    coordinate: str
+    rate: float = Field(allow_inf_nan=False)
+    t_end: float | None = Field(default=None, gt=0.0, le=1e6, allow_inf_nan=False)
+    samples: int = Field(default=361, ge=2, le=20_000)
+
+    @field_validator("rate")
+    @classmethod
+    def check_rate(cls, rate: float) -> float:
+        """Refuse a drive that stands still."""
+        if rate == 0.0:
+            raise ValueError("a rate other than 0 is needed")
+        return rate
 
 
 class InverseOptions(JobOptions):

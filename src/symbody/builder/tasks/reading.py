@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from threading import Lock
 from typing import Any, Final, Generic, TypeVar
 
-from symbody.builder.page_problems import PageProblem, page_problems, pointer_parts
+from symbody.builder.page_problems import PageProblem, page_problems, pointer_parts, value_at
 from symbody.builder.task_failure import TaskFailure
 from symbody.errors import SymbodyError
 from symbody.formats.native import from_data
@@ -22,6 +22,7 @@ Data = dict[str, Any]
 _UNKNOWN: Final = re.compile(r"there is no .*?'([^']+)'")
 _RATE: Final = re.compile(r"_d?dot$")
 _NAME: Final = re.compile(r"\w+")
+_IDENTITY: Final = frozenset({"name", "type", "between", "on", "reaction_on"})  # an entry is nothing without
 _ROUNDS: Final = 40  # faults that are taken out of an incomplete model one after the other
 
 
@@ -96,6 +97,7 @@ def read_model(data: Data, folder: str) -> ReadModel:
     }
     usable = {key: value for key, value in data.items() if key != "layout"}
     gone: set[str] = set()  # words of what was left out: that they are unknown is not a further fault
+    filled: dict[str, bool] = {}  # places whose values have stand-ins; whether the field was left out since
     for _ in range(_ROUNDS):
         try:
             return ReadModel(from_data(usable, folder=folder), problems)
@@ -104,9 +106,10 @@ def read_model(data: Data, folder: str) -> ReadModel:
         for fault in faults:
             placed = {**fault, "pointer": _original(fault["pointer"], places)}
             placed["repair"] = fault["repair"] if placed["pointer"] == fault["pointer"] else None
-            if not (_follows(fault, gone) or any(_is_same(placed, other) for other in problems)):
+            is_old = any(_is_same(placed, other) for other in problems)
+            if not (is_old or _follows(fault, gone) or _is_of_stand_in(placed["pointer"], filled)):
                 problems.append(placed)
-        smaller = _leave_out(usable, faults, places)
+        smaller = _leave_out(usable, faults, places, filled)
         if smaller is None:
             return ReadModel(None, problems)
         gone |= _words([entry for kind in places for entry in usable[kind] if entry not in smaller[kind]])
@@ -145,7 +148,50 @@ def _original(pointer: str, places: Mapping[str, list[int]]) -> str:
     return pointer
 
 
-def _leave_out(data: Data, faults: list[PageProblem], places: dict[str, list[int]]) -> Data | None:
+def _is_of_stand_in(pointer: str, filled: Mapping[str, bool]) -> bool:
+    """Return whether a fault concerns a stand-in: in its place, around it, or within it."""
+    return any(
+        f"{pointer}/".startswith(f"{place}/") or f"{place}/".startswith(f"{pointer}/") for place in filled
+    )
+
+
+def _stand_in(data: Data, pointer: str, original: str, filled: dict[str, bool]) -> Data | None:
+    """Return data with a stand-in for a value at fault within an entry, None if the entry has to go.
+
+    Which entries are there decides which joints close loops: a typing error in a mass changes no tree.
+    A quantity is taken as 1, a component of a place as 0; what cannot be that is left to its default.
+    """
+    parts = pointer_parts(pointer)
+    around = next((place for place in filled if _is_of_stand_in(original, {place: True})), None)
+    if len(parts) < 2 or (len(parts) < 3 and around is None):
+        return None
+    field = pointer_parts(around)[2] if around is not None and len(parts) < 3 else parts[2]
+    if field in _IDENTITY or (around is not None and filled[around]):
+        return None
+    value, neutral = value_at(pointer, data), "0" if "at" in parts[2:] else "1"
+    if around is None and isinstance(value, str) and value != neutral:
+        filled[original] = False
+        changed: Data = _with_value(data, parts, neutral)
+        return changed
+    filled[around or original] = True
+    shorter: Data = _with_value(data, [*parts[:2], field], None)
+    return shorter
+
+
+def _with_value(data: Any, parts: list[str], value: str | None) -> Any:
+    """Return data with a text at a place, or without what is there."""
+    key, *rest = parts
+    if isinstance(data, list):
+        return [_with_value(each, rest, value) if str(k) == key and rest else value if str(k) == key else each
+                for k, each in enumerate(data)]  # fmt: skip
+    if not rest and value is None:
+        return {name: each for name, each in data.items() if name != key}
+    return {**data, key: _with_value(data[key], rest, value) if rest else value}
+
+
+def _leave_out(
+    data: Data, faults: list[PageProblem], places: dict[str, list[int]], filled: dict[str, bool]
+) -> Data | None:
     """Return data without what is at fault, None if nothing of it can be left out."""
     unknown = {_symbol(fault) for fault in faults} - {""}
     parameters = data.get("parameters")
@@ -157,6 +203,10 @@ def _leave_out(data: Data, faults: list[PageProblem], places: dict[str, list[int
     for fault in faults:
         parts = pointer_parts(fault["pointer"])
         if len(parts) > 1 and parts[0] in places and parts[1].isdecimal():
+            changed = _stand_in(result, fault["pointer"], _original(fault["pointer"], places), filled)
+            if changed is not None:
+                result = changed
+                continue
             dropped.setdefault(parts[0], set()).add(int(parts[1]))
         elif (
             len(parts) > 1

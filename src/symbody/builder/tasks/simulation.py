@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
@@ -16,6 +17,8 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.outputs.joint_outputs import effort_names
 from symbody.errors import Problem, UsageError
+from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
 from symbody.visual.scene import coordinate_courses, make_motion, make_scene, motion_to_json, scene_to_json
@@ -23,6 +26,9 @@ from symbody.visual.scene.scene import Scene, SceneMotion
 
 Answer = dict[str, Any]
 
+_SOLVERS: Final[Mapping[str, type[Explicit | Stiff]]] = MappingProxyType(
+    {"explicit": Explicit, "stiff": Stiff}
+)
 _MOST_CURVES: Final = 24  # that come with the motion; others are computed when they are wanted
 
 
@@ -73,6 +79,7 @@ def simulate_model(payload: Mapping[str, Any], report: Report) -> Answer:
         options.t_end,
         inputs=options.inputs,
         times=_times(options),
+        integrator=None if options.solver == "" else _SOLVERS[options.solver](),
         rtol=options.rtol,
         progress=PipeProgress(report, "integrating"),
     )

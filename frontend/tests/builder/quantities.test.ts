@@ -1,0 +1,64 @@
+import { describe, expect, it } from "vitest";
+import { curveTree, firstTicks, inPrint } from "../../src/builder/model/curve_tree";
+import { quantityOf, textIn } from "../../src/builder/model/quantities";
+import { quaternionOf, turnsOf, type Turns } from "../../src/builder/model/turns";
+
+describe("quantities", () => {
+  it("are read with their units, or with the one that is shown", () => {
+    expect(quantityOf("30 deg", "rad")).toBeCloseTo(Math.PI / 6, 15);
+    expect(quantityOf("30", "rad", "deg")).toBeCloseTo(Math.PI / 6, 15);
+    expect(quantityOf("0.5 rad", "rad", "deg")).toBe(0.5);
+    expect(quantityOf("−40mm", "m")).toBeCloseTo(-0.04, 15);
+    expect(quantityOf(".5", "m")).toBe(0.5);
+    for (const wrong of ["", "a", "3 kg", "3 deg deg", "1e", "--1"]) expect(quantityOf(wrong, "m"), wrong).toBeNull();
+    expect(quantityOf("1 m", "rad")).toBeNull();
+  });
+
+  it("are written with six digits, and read back", () => {
+    expect(textIn(Math.PI / 6, "deg")).toBe("30");
+    expect(textIn(-1e-15, "m")).toBe("0");
+    expect(quantityOf(textIn(1.234567, "deg"), "rad", "deg")).toBeCloseTo(1.234567, 5);
+  });
+
+  it("are printed with powers of ten", () => {
+    expect([3e-8, 1e-10, 0, 12.34, 1.5e7].map((each) => inPrint(each))).toEqual(["3·10⁻⁸", "10⁻¹⁰", "0", "12", "1.5·10⁷"]);
+  });
+});
+
+describe("turns", () => {
+  /** The rotation about an axis, as a matrix, and their product: an independent way. */
+  const about = (axis: number, angle: number): number[][] => {
+    const [c, s] = [Math.cos(angle), Math.sin(angle)];
+    const [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
+    const matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    matrix[i]![i] = c; matrix[j]![j] = c; matrix[i]![j] = -s; matrix[j]![i] = s;
+    return matrix;
+  };
+  const times = (a: number[][], b: number[][]): number[][] => a.map((row) => [0, 1, 2].map((k) => row.reduce((sum, each, index) => sum + each * b[index]![k]!, 0)));
+  const matrixOf = ([w, x, y, z]: readonly number[]): number[][] => {
+    const [a, b, c, d] = [w!, x!, y!, z!];
+    return [[1 - 2 * (c * c + d * d), 2 * (b * c - a * d), 2 * (b * d + a * c)], [2 * (b * c + a * d), 1 - 2 * (b * b + d * d), 2 * (c * d - a * b)], [2 * (b * d - a * c), 2 * (c * d + a * b), 1 - 2 * (b * b + c * c)]];
+  };
+
+  it("are about x, the new y and the new z, there and back, also where the middle one is a quarter", () => {
+    const cases: Turns[] = [[0, 0, 0], [0.3, -0.4, 1.2], [-2, 1, 3], [0.7, Math.PI / 2, 0], [0.7, -Math.PI / 2, 0]];
+    for (const turns of cases) {
+      const quaternion = quaternionOf(turns);
+      const expected = times(times(about(0, turns[0]), about(1, turns[1])), about(2, turns[2]));
+      matrixOf(quaternion).flat().forEach((each, index) => { expect(each).toBeCloseTo(expected.flat()[index]!, 12); });
+      turnsOf(quaternion).forEach((each, index) => { expect(each).toBeCloseTo(turns[index]!, 7); });
+    }
+  });
+});
+
+describe("the tree of curves", () => {
+  it("has kinds, of reactions joints, and begins with positions and speeds", () => {
+    const names = ["theta", "s", "theta_dot", "s_dot", "theta_ddot", "F", "energy", "effort A", "reaction A Fx", "reaction B pin Mz", "lambda_B_1", "constraint_violation", "sin(theta)"];
+    const tree = curveTree(names.map((name) => ({ name, unit: "" })), { coordinates: ["theta", "s"], speeds: ["theta_dot", "s_dot"], inputs: ["F"] });
+    expect(tree.map(({ title, curves, branches }) => [title, ...curves.map((each) => each.name), ...branches.map((each) => each.title)])).toEqual([
+      ["Positions", "theta", "s"], ["Speeds", "theta_dot", "s_dot"], ["Accelerations", "theta_ddot"], ["Inputs", "F"], ["Energies", "energy"], ["Forces and torques", "effort A"],
+      ["Reactions", "A", "B pin"], ["Multipliers and constraint error", "lambda_B_1", "constraint_violation"], ["Others", "sin(theta)"],
+    ]);
+    expect(firstTicks(tree)).toEqual(["theta", "s", "theta_dot", "s_dot"]);
+  });
+});
