@@ -10,9 +10,10 @@ from typing import Final
 import numpy as np
 
 from symbody.equations.equation_set import EquationSet
+from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.sequence import Output
 from symbody.fmu.conditions import Condition
-from symbody.fmu.functions import Floats, ModelFunction, dependencies
+from symbody.fmu.functions import Floats, ModelFunction
 from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples

@@ -12,6 +12,8 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.native_call import check_status
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
+from symbody.expr.sequences.dependencies import dependencies
+from symbody.expr.sequences.program import written_out
 from symbody.kernels.events import watch_block as at
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
@@ -87,7 +89,7 @@ class EventFunctions:
             0 if projector is None else projector.out_size,
             empty if projector is None else projector.scales,
         )
-        return make_watch_block([event_numbers(eqs, event) for event in self.events], numbers)
+        return make_watch_block(numbers_of_events(eqs, self.events, self._values), numbers)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
@@ -155,11 +157,22 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
         raise UsageError(*problems)
 
 
-def event_numbers(eqs: EquationSet, event: Event) -> WatchedEvent:
-    """Return an event as numbers."""
+def event_numbers(eqs: EquationSet, event: Event, of_time: bool) -> WatchedEvent:
+    """Return an event as numbers; `of_time` if its value reads no state."""
     text = str(event.expression)
     action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
     wraps = any(name in text for name in eqs.measured_angles)
     targets = tuple(eqs.state_names.index(name) for name in event.mapping)
     level = event.level if isinstance(event, LevelEvent) else 0.0
-    return WatchedEvent(event.direction, action, wraps, targets, level)
+    return WatchedEvent(event.direction, action, wraps, targets, level, of_time)
+
+
+def numbers_of_events(
+    eqs: EquationSet, events: Sequence[Event], values: CompiledFunction
+) -> tuple[WatchedEvent, ...]:
+    """Return events as numbers; `values` computes theirs."""
+    if not any(event.mapping for event in events):
+        return tuple(event_numbers(eqs, event, False) for event in events)
+    reads = dependencies(written_out(values.sequence))
+    of_time = [{group for group, _ in read}.isdisjoint(("q", "u", "s")) for read in reads]
+    return tuple(event_numbers(eqs, event, alone) for event, alone in zip(events, of_time, strict=True))

@@ -20,7 +20,7 @@ from symbody.simulation.events.event_functions import (
     action_outputs,
     check_action_shapes,
     check_value_shapes,
-    event_numbers,
+    numbers_of_events,
 )
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
@@ -123,9 +123,7 @@ def case_watch(
     check_value_shapes(events, values)
     check_action_shapes(events, actions)
     labels = tuple(event.label for event in events)
-    return CaseWatch(
-        values, actions, labels, tuple(event_numbers(eqs, event) for event in events), eqs.state_names
-    )
+    return CaseWatch(values, actions, labels, numbers_of_events(eqs, events, values), eqs.state_names)
 
 
 def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, first: FirstStates) -> Floats:
