@@ -15,14 +15,13 @@ from symbody.kernels.events.event_slopes import (
     slope_along,
     take_rates,
 )
-from symbody.kernels.events.event_starts import LOWEST, goes_on
+from symbody.kernels.events.event_starts import LOWEST, judge_action
 from symbody.kernels.events.watch_block import (
     ACTED,
     ACTION,
     ACTION_VALUES,
     ACTIONS,
     AFTER,
-    AT_START,
     BAD_PLACE,
     BAD_VALUE,
     BEFORE,
@@ -35,7 +34,6 @@ from symbody.kernels.events.watch_block import (
     CURRENT,
     CUT,
     DIRECTION,
-    DONE,
     ENDS,
     EVENT_SIZE,
     EVENTS,
@@ -49,7 +47,6 @@ from symbody.kernels.events.watch_block import (
     MOST_RECENT,
     NO_ROOM,
     NOTHING_YET,
-    OF_TIME,
     PEAK,
     PENDING,
     PENDING_COUNT,
@@ -279,16 +276,13 @@ def let_happen(
             return SPOILS
         take_rates(W)
         W[RATE_KNOWN] = 1.0
-        W[row + DONE] = 0.0
         step = int(W[CURRENT])
-        after = part(W, int(W[AFTER]), n)
         longest = abs(breaks[step + 1] - breaks[step])
-        if goes_on(e, a, W, place, W[CUT], after, direction, longest) != 0:
-            W[row + DONE] = direction
-            if W[row + AT_START] != 0.0 and W[row + OF_TIME] == 0.0:
-                W[CULPRIT] = float(place + 1)
-                W[UNTURNED] = 1.0
-                return CHATTERS
+        after = part(W, int(W[AFTER]), n)
+        if judge_action(e, a, W, place, W[CUT], after, direction, longest) != 0:
+            W[CULPRIT] = float(place + 1)
+            W[UNTURNED] = 1.0
+            return CHATTERS
     return NOTHING_YET
 
 

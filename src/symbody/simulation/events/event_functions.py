@@ -14,6 +14,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Sequence as Operations
 from symbody.kernels.events import watch_block as at
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
@@ -89,7 +90,7 @@ class EventFunctions:
             0 if projector is None else projector.out_size,
             empty if projector is None else projector.scales,
         )
-        return make_watch_block(numbers_of_events(eqs, self.events, self._values), numbers)
+        return make_watch_block(numbers_of_events(eqs, self.events, self._values.sequence), numbers)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
@@ -168,11 +169,11 @@ def event_numbers(eqs: EquationSet, event: Event, of_time: bool) -> WatchedEvent
 
 
 def numbers_of_events(
-    eqs: EquationSet, events: Sequence[Event], values: CompiledFunction
+    eqs: EquationSet, events: Sequence[Event], values: Operations
 ) -> tuple[WatchedEvent, ...]:
     """Return events as numbers; `values` computes theirs."""
     if not any(event.mapping for event in events):
         return tuple(event_numbers(eqs, event, False) for event in events)
-    reads = dependencies(written_out(values.sequence))
+    reads = dependencies(written_out(values))
     of_time = [{group for group, _ in read}.isdisjoint(("q", "u", "s")) for read in reads]
     return tuple(event_numbers(eqs, event, alone) for event, alone in zip(events, of_time, strict=True))

@@ -123,7 +123,9 @@ def case_watch(
     check_value_shapes(events, values)
     check_action_shapes(events, actions)
     labels = tuple(event.label for event in events)
-    return CaseWatch(values, actions, labels, numbers_of_events(eqs, events, values), eqs.state_names)
+    return CaseWatch(
+        values, actions, labels, numbers_of_events(eqs, events, values.sequence), eqs.state_names
+    )
 
 
 def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, first: FirstStates) -> Floats:
