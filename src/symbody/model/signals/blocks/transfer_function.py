@@ -114,12 +114,11 @@ def _sampled_signals(
 
 
 def realize(
-    name: str, given: str, numerator: Sequence[str], denominator: Sequence[str], unit: str = ""
+    name: str, given: str, numerator: Sequence[str], denominator: Sequence[str]
 ) -> tuple[Signal, ...]:
     """Return a transfer function as a chain of integrators ``name_1 .. name_n`` and the output `name`.
 
-    With a(s) x_1 = u, x_k is the derivative of x_1 of order k - 1: the controllable canonical form. Where
-    time is counted in a `unit`, the polynomials are those of s times it.
+    With a(s) x_1 = u, x_k is the derivative of x_1 of order k - 1: the controllable canonical form.
     """
     n = len(denominator) - 1
     b = ["0"] * (n + 1 - len(numerator)) + list(numerator)
@@ -127,7 +126,6 @@ def realize(
     states = [f"{name}_{k + 1}" for k in range(n)]
     fed_back = "".join(f" - {a}*{x}" for a, x in zip(lower, states, strict=True))
     rates = [*states[1:], f"({given}{fed_back})/{first}"]
-    rates = [f"{rate}/{unit}" for rate in rates] if unit else rates
     chain = [Signal(state, rate=rate) for state, rate in zip(states, rates[:n], strict=True)]
     terms = []
     for k, state in enumerate(states):
