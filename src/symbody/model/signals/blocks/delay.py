@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from math import factorial, sqrt
 from typing import ClassVar, Final, final
@@ -11,7 +12,8 @@ from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
-from symbody.model.signals.signal import Signal, check_sample
+from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand
+from symbody.model.signals.signal import Signal
 
 _HIGHEST: Final = 10  # above that the fastest pole costs more steps than the delay gains in exactness
 _MOST: Final = 1000  # samples
@@ -33,12 +35,13 @@ class Delay(SignalBlock):
     time: Quantity = Quantity("How long it is delayed.", unit="s")
     order: Quantity = Quantity("Order of the approximation, 1 to 10.", default=3)
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples, of which the delay is a multiple; continuous without.", unit="s"
-    )
+        "Time between samples, of which the delay is a multiple; continuous without.", unit="s",
+        fits=SAMPLE_TIME,
+    )  # fmt: skip
 
     def check(self, arguments: Arguments) -> None:
         """Note an order that is none, and a delay that is not a number of samples."""
-        check_sample(arguments, self.sample)
+        SignalBlock.check(self, arguments)
         if self.sample is not None and self._samples is None:
             arguments.add(
                 "block.delay_samples", "time",
@@ -52,6 +55,10 @@ class Delay(SignalBlock):
                 "block.order", "order", f"{self.order} is not an order of an approximation",
                 "the delay becomes a ratio of two polynomials of this degree", f"write 1 to {_HIGHEST}",
             )  # fmt: skip
+
+    def joint_demands(self) -> Iterator[Demand]:
+        """Yield the demand on the time: sampled, a delay may be none."""
+        yield Demand("time", self.time, TIME if self.sample is None else NOT_NEGATIVE)
 
     @property
     def signals(self) -> tuple[Signal, ...]:
