@@ -44,7 +44,7 @@ def _message(call: ast.Call) -> Iterator[tuple[str, str, str]]:
 
 def _template(node: ast.expr) -> str:
     if isinstance(node, ast.Constant):
-        return node.value if isinstance(node.value, str) else "…"
+        return re.sub(r"\{[a-z]+\}", "…", node.value) if isinstance(node.value, str) else "…"
     if isinstance(node, ast.JoinedStr):
         return "".join(_template(part) for part in node.values)
     return "…"

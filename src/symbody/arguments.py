@@ -99,7 +99,7 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def foreign_cause(error: BaseException) -> BaseException | None:
-    """Return the exception behind an error that was raised outside of symbody, as by a function of the caller.
+    """Return the exception behind an error that was raised outside symbody, as by a function of the caller.
 
     A message of symbody says what was wrong itself: how it was found, in which of its files, is not shown.
     """

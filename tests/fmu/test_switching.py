@@ -15,6 +15,7 @@ from fmpy.validation import validate_fmu
 
 import symbody as sb
 from tests.fmu.importer import EXAMPLES, KINDS, VERSIONS, example, instance, simulate, states
+from tests.laws.test_cradles import first_values, hits, in_rounds, names_of, rail
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 SLIP = sb.Friction(0.3, mu_static=0.4)
@@ -231,3 +232,47 @@ def test_events_that_set_values_are_refused_where_joints_stick(tmp_path: Path) -
     with pytest.raises(sb.UsageError) as caught:
         sb.save_fmu(block(), tmp_path / "block.fmu", events=[event])
     assert caught.value.problems[0].code == "fmu.motion"
+
+
+def log_of(path: Path, kind: str, end: float, capsys: pytest.CaptureFixture[str]) -> list[str]:
+    """Return the names of events, in their order, as an FMU logs them."""
+    capsys.readouterr()
+    fmpy.simulate_fmu(
+        str(path), stop_time=end, output_interval=end / 10, relative_tolerance=1e-10, fmi_type=kind,
+        debug_logging=True, record_events=False,
+    )  # fmt: skip
+    return re.findall(r"event\.(\w+) at t", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_balls_that_touch_hit_each_other(
+    version: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As by `simulate`: two balls of five come with a speed, two leave with it."""
+    eqs, start = rail(5), first_values(np.array([1.0, 1.0, 0.0, 0.0, 0.0]), 0.0)
+    watched = [sb.Event(e.expression, e.direction, e.action, f"p{e.name}") for e in hits(5)]
+    made = sb.save_fmu(eqs, tmp_path / "cradle.fmu", version, events=watched, initial=start)
+    run = sb.simulate(eqs, 0.1, start, events=hits(5))
+    for kind in KINDS:
+        seen = simulate(made.path, kind, 0.1, eqs.state_names, 1e-9)
+        assert np.abs(seen[:, -1] - states(run)[:, -1]).max() < 1e-9, kind
+        names = [int(name[1:]) for name in log_of(made.path, kind, 0.1, capsys)]
+        assert in_rounds(names) == in_rounds(names_of(run)), kind
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_ball_on_its_floor_bounces_or_chatters(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = sb.Body("Ball", mass=1)
+    fall = sb.Prismatic("fall", "ground", body, axis="y", coordinate="y")
+    eqs = sb.form_equations(sb.Model("ball", [body, fall], (0, -9.81, 0), {"e": 0.7}))
+    bounce = sb.Event("y", -1, {"y_dot": "-e*y_dot"}, "bounce")
+    thrown = sb.save_fmu(eqs, tmp_path / "thrown.fmu", events=[bounce], initial={"y": 0, "y_dot": -1})
+    assert log_of(thrown.path, kind, 0.05, capsys) == ["bounce"]
+    seen = simulate(thrown.path, kind, 0.05, ["y", "y_dot"], 1e-9)
+    assert seen[:, -1] == pytest.approx([0.7 * 0.05 - 9.81 * 0.05**2 / 2.0, 0.7 - 9.81 * 0.05], abs=1e-6)
+    lies = sb.save_fmu(eqs, tmp_path / "lies.fmu", events=[bounce], initial={"y": 0, "y_dot": 0})
+    with pytest.raises(Exception, match="rror|ailed"):
+        simulate(lies.path, kind, 0.05, ["y", "y_dot"], 1e-9)
+    assert "bounce happens at t = 0 where its value is zero" in capsys.readouterr().out

@@ -109,9 +109,7 @@ def test_a_controller_without_proportional_part_needs_a_time_at_its_limits() -> 
         refused(lambda g=gains: sb.PID("servo", "-theta", g, limits=(-1, 1)), words=words)  # type: ignore[misc]
     zero = sb.PID("servo", "-theta", {"p": "km", "i": 1}, limits=(-1, 1))
     eqs = sb.form_equations(arm(zero, torque="servo"))
-    refused(
-        lambda: sb.compile(eqs, "xdot", {"km": 0}), words="block servo, rate of its signal servo_integral"
-    )
+    refused(lambda: sb.compile(eqs, "xdot", {"km": 0}), words="p = km is 0, and there is no tracking")
 
 
 def test_fixed_states_of_signals_are_no_question_of_equilibrium() -> None:

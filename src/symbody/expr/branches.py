@@ -7,13 +7,15 @@ into 0 * inf. So weights are kept apart by the conditions under which they hold 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from symbody.expr.canonical import ZERO, add, apply, mul, select
 from symbody.expr.graph import Graph
-from symbody.expr.opcodes import LT, MAX, MIN, SELECT
+from symbody.expr.opcodes import LE, LT, MAX, MIN, SELECT
 
 Branch = frozenset[tuple[int, bool]]  # conditions, and whether they hold
+Literals = tuple[tuple[int, bool], ...]
 Weights = dict[Branch, int]
 
 ALWAYS: Final[Branch] = frozenset()
@@ -22,16 +24,32 @@ ALWAYS: Final[Branch] = frozenset()
 _MAX_BRANCHES: Final = 16
 
 
-def alternatives(graph: Graph, node: int) -> tuple[int, int, int] | None:
-    """Return (condition, value if it holds, value if not) of a select, min or max, else None."""
+def alternatives(graph: Graph, node: int) -> tuple[tuple[Literals, int | None], ...]:
+    """Return what a select, min or max is: conditions with their values, and the operand that they choose.
+
+    No operand stands where numbers cannot be compared: one of them is nan, so is the node, and its slope is
+    to be, in whatever order the operands are. Nothing is returned of other nodes.
+    """
     op = graph.ops[node]
     if op == SELECT:
         condition, then, otherwise = graph.operands(node)
-        return condition, then, otherwise
+        return (((condition, True),), then), (((condition, False),), otherwise)
     if op not in (MIN, MAX):
-        return None
+        return ()
     a, b = graph.operands(node)
-    return (apply(graph, LT, a, b) if op == MIN else apply(graph, LT, b, a)), a, b
+    left, right = (a, b) if op == MIN else (b, a)
+    first, second = apply(graph, LT, left, right), apply(graph, LE, right, left)
+    others: Literals = ((first, False), (second, False))
+    return (((first, True),), a), (((first, False), (second, True)), b), (others, None)
+
+
+def chosen_tangent(graph: Graph, node: int, known: Mapping[int, int]) -> int | None:
+    """Return the tangent of a select, min or max from those of its operands, None for other nodes."""
+    result: int | None = None
+    for conditions, operand in reversed(alternatives(graph, node)):
+        value = node if operand is None else known.get(operand, ZERO)
+        result = value if result is None else select(graph, conditions[-1][0], value, result)
+    return result
 
 
 def hand_on(graph: Graph, weights: Weights, slope: int, onto: Weights) -> None:
@@ -40,11 +58,12 @@ def hand_on(graph: Graph, weights: Weights, slope: int, onto: Weights) -> None:
         onto[branch] = add(graph, onto.get(branch, ZERO), mul(graph, weight, slope))
 
 
-def hand_on_within(graph: Graph, weights: Weights, condition: int, holds: bool, onto: Weights) -> None:
-    """Add the `weights` to `onto` where `condition` has the value `holds`."""
+def hand_on_within(graph: Graph, weights: Weights, conditions: Literals, onto: Weights) -> None:
+    """Add the `weights` to `onto` where `conditions` hold."""
+    opposite = {(condition, not holds) for condition, holds in conditions}
     for branch, weight in weights.items():
-        if (condition, not holds) not in branch:
-            inner = branch | {(condition, holds)}
+        if opposite.isdisjoint(branch):
+            inner = branch.union(conditions)
             onto[inner] = add(graph, onto.get(inner, ZERO), weight)
 
 

@@ -10,8 +10,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 
 from symbody.errors import FormulationError, Problem
-from symbody.expr.branches import ALWAYS, Weights, alternatives, hand_on, hand_on_within, join_branches, total
-from symbody.expr.canonical import ONE, ZERO, add, mul, select, sub
+from symbody.expr.branches import (
+    ALWAYS,
+    Weights,
+    alternatives,
+    chosen_tangent,
+    hand_on,
+    hand_on_within,
+    join_branches,
+    total,
+)
+from symbody.expr.canonical import ONE, ZERO, add, mul, sub
 from symbody.expr.graph import Graph, KernelNode, SymbolKind
 from symbody.expr.opcodes import PICK, SADDLE, SYMBOL
 from symbody.expr.partials import partials
@@ -147,12 +156,16 @@ def _hand_down(
     graph: Graph, node: int, weights: Weights, relevant: AbstractSet[int], adjoint: dict[int, Weights]
 ) -> None:
     """Hand the weights of `node` on to its operands."""
-    choice = alternatives(graph, node)
-    if choice is not None:
-        condition, then, otherwise = choice
-        for operand, holds in ((then, True), (otherwise, False)):
-            if operand in relevant:
-                hand_on_within(graph, weights, condition, holds, adjoint.setdefault(operand, {}))
+    choices = alternatives(graph, node)
+    for conditions, operand in choices:
+        given = weights
+        if operand is None:
+            given = {}
+            hand_on(graph, weights, node, given)
+        for onto in graph.operands(node) if operand is None else (operand,):
+            if onto in relevant:
+                hand_on_within(graph, given, conditions, adjoint.setdefault(onto, {}))
+    if choices:
         return
     for operand, slope in partials(graph, node):
         if operand in relevant:
@@ -160,10 +173,9 @@ def _hand_down(
 
 
 def _tangent(graph: Graph, node: int, known: Mapping[int, int]) -> int:
-    choice = alternatives(graph, node)
-    if choice is not None:
-        condition, then, otherwise = choice
-        return select(graph, condition, known.get(then, ZERO), known.get(otherwise, ZERO))
+    chosen = chosen_tangent(graph, node, known)
+    if chosen is not None:
+        return chosen
     result = ZERO
     for operand, slope in partials(graph, node):
         weight = known.get(operand, ZERO)

@@ -21,7 +21,6 @@ from symbody.kernels import block
 from symbody.simulation.native.description import RightHandSide
 
 Floats = NDArray[np.float64]
-Symbols = frozenset[tuple[str, int]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,18 +102,6 @@ def make_function(
     arguments = RightHandSide(1, n_u, np.zeros(len(eqs.input_names)), values, constants, work)
     sizes = tuple(len(output.values) for output in sequence.outputs)
     return ModelFunction(name, text, sequence, arguments, max(values_work, int(head.output_size > 0)), sizes)
-
-
-def dependencies(sequence: Sequence) -> tuple[Symbols, ...]:
-    """Return which arguments, as (group, position), each result depends on, in the order of the results."""
-    read: list[Symbols] = []
-    for code, operands, datum in sequence.operations:
-        if code == op.SYMBOL:
-            source = sequence.inputs[datum]
-            read.append(frozenset([(source.group, source.position)]))
-        else:
-            read.append(frozenset().union(*(read[k] for k in operands)))
-    return tuple(read[k] for output in sequence.outputs for k in output.values)
 
 
 def are_symbols(sequence: Sequence) -> tuple[bool, ...]:

@@ -17,6 +17,7 @@ from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import block
 from symbody.kernels.configurations import assembly as assembly_block
+from symbody.kernels.events import watch_block
 from symbody.kernels.implicit import implicit_block
 from symbody.kernels.samples import sample_block
 
@@ -33,6 +34,7 @@ _KERNELS: Final = (
     ("solve_saddle", ("solve_saddle",)),
     ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
 )
+_ACTING_KERNELS: Final = (("event_starts", ("starting_event", "end_action")),)
 _IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
 _BLOCK_PLACES: Final = (
     "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",
@@ -42,6 +44,7 @@ _BLOCK_PLACES: Final = (
     "PROJECTOR", "P_FUNCTION", "P_OUT", "P_OUT_SIZE", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED",
     "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "LENGTH",
 )  # fmt: skip
+_WATCH_PLACES: Final = ("TABLE", "EVENT_SIZE", "CAME", "LARGEST", "AT_START")
 _SAMPLER_PLACES: Final = ("START", "NEXT", "RECORDED", "VALUES", "STEPS", "TAKEN", "GROUPS")
 _IMPLICIT_FUNCTIONS: Final = {
     "turn": implicit_block.RATE_FUNCTION,
@@ -66,7 +69,11 @@ typedef struct {
 def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str) -> str:
     """Return the header of a mechanism."""
     kernels: dict[str, KernelTree] = {}
-    for file, roots in (*_KERNELS, *(_IMPLICIT_KERNELS if program.is_implicit else ())):
+    rare = [
+        *(_ACTING_KERNELS if program.actions else ()),
+        *(_IMPLICIT_KERNELS if program.is_implicit else ()),
+    ]
+    for file, roots in (*_KERNELS, *rare):
         kernels |= read_kernels(file, *roots)
     pool, places = _pool(program)
     filled = np.flatnonzero(pool)
@@ -104,11 +111,12 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     """Return the numbers of an instance at first, and where those of each function begin."""
     motion, assembly = program.block(), program.assembly()
     sampler = program.samples.block(len(program.eqs.speed_names))
-    implicit = program.implicit()
-    parts, places = [motion, assembly, sampler, implicit], {"motion": int(motion[block.FUNCTION])}
+    implicit, watch = program.implicit(), program.watch()
+    parts, places = [motion, assembly, sampler, implicit, watch], {"motion": int(motion[block.FUNCTION])}
     places["sampler"] = motion.size + assembly.size
     places["implicit"] = places["sampler"] + sampler.size
-    size = places["implicit"] + implicit.size
+    places["watch"] = places["implicit"] + implicit.size
+    size = places["watch"] + watch.size
     for name, function in program.functions.items():
         if name == "projection":
             projector = int(motion[block.PROJECTOR])
@@ -121,6 +129,9 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
             places[name] = size
             parts.append(function.numbers)
             size += function.numbers.size
+    if watch.size:  # numbers of functions lie before and behind it
+        watch[watch_block.NUMBERS] = places["indicators"] - places["watch"]
+        watch[watch_block.ACTIONS] = places["motion"] - places["watch"]
     scratch = max(function.values_work for function in program.functions.values())
     return np.concatenate([*parts, np.zeros(scratch + 1)]), places | {"scratch": size}
 
@@ -146,6 +157,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_HELD": assembly_block.HELD, "SB_IS_CLOSED": int("assembly" in functions),
         "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
         "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
+        "SB_WATCH": places["watch"],
         "SB_DENSE_ROWS": dense, "SB_PIECES": dense * n, "SB_LOOKS": _LOOKS, "SB_MOST_EVENTS": _MOST_EVENTS,
     }  # fmt: skip
     indices = {
@@ -153,12 +165,14 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     }
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
+    numbers |= {f"SB_W_{name}": getattr(watch_block, name) for name in _WATCH_PLACES}
     numbers |= {f"SB_Z_{name}": getattr(sample_block, name) for name in _SAMPLER_PLACES}
     texts = {
         "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
         "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),
         "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
+        "SB_WATCHED_FUNCTION": f"{FUNCTION}{'indicators' if program.events else 'motion'}",
         "SB_SAMPLE_FUNCTION": f"{FUNCTION}{'samples' if program.samples.values else 'motion'}",
         "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip

@@ -12,8 +12,8 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.language.formula import Formula
+from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.sequence import Sequence
-from symbody.fmu.functions import dependencies
 from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import resolve_parameters
 

@@ -10,14 +10,18 @@ from typing import Final
 import numpy as np
 
 from symbody.equations.equation_set import EquationSet
+from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.sequence import Output
 from symbody.fmu.conditions import Condition
-from symbody.fmu.functions import Floats, ModelFunction, dependencies
+from symbody.fmu.functions import Floats, ModelFunction
 from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
 from symbody.kernels import block
+from symbody.kernels.events import watch_block
+from symbody.simulation.events.event_functions import numbers_of_events
 from symbody.simulation.events.events import Event
+from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
 from symbody.simulation.methods.constraints import make_projector, residual_share
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -152,6 +156,23 @@ class FmuProgram:
         """Event and state of each new value that an event sets."""
         places = {name: k for k, name in enumerate(self.eqs.state_names)}
         return tuple((k, places[name]) for k, event in enumerate(self.events) for name in event.mapping)
+
+    def watch(self) -> Floats:
+        """Return the block of a watch that judges events at starts; empty where none sets values.
+
+        Its functions take their numbers from elsewhere in the pool.
+        """
+        if not self.actions:
+            return np.zeros(0)
+        eqs, nothing, n = self.eqs, np.zeros(0), len(self.eqs.state_names)
+        events = numbers_of_events(eqs, self.events, self.functions["indicators"].sequence)
+        room_for_work = n + 1  # which the rules of events leave out
+        sizes = WatchNumbers(
+            room_for_work, len(eqs.speed_names), 0, nothing, np.zeros(1), nothing, 0, nothing
+        )
+        made = make_watch_block(events, sizes)
+        made[[watch_block.DIRECTION, watch_block.ACTION_VALUES]] = 1.0, n
+        return made
 
     def block(self) -> Floats:
         """Return the block of the integrator at the first state."""

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from symbody.analysis.configurations.ropes import with_taut
 from symbody.equations.equation_set import EquationSet
+from symbody.expr.sequences.dependencies import Symbols, dependencies
 from symbody.expr.sequences.evaluate import evaluate_sequence
-from symbody.fmu.functions import Floats, ModelFunction, Symbols, are_symbols, dependencies
+from symbody.fmu.functions import Floats, ModelFunction, are_symbols
 from symbody.fmu.names import entry_name, rate_name, unique_names, variable_name
 from symbody.fmu.program import FmuProgram
 

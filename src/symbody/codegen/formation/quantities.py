@@ -15,6 +15,8 @@ from symbody.model.inertia import is_possible_inertia
 from symbody.model.joint import Joint
 from symbody.model.lengths import model_lengths
 from symbody.model.model import Model
+from symbody.model.signals.block import SignalBlock
+from symbody.model.signals.signal import Signal
 
 _THREE: Final = 3
 
@@ -53,7 +55,7 @@ class QuantityPlan:
     ----------
     judged : set of str
         Parameters that are read by what plain quantities do not show to be possible: axes, rotations, joints,
-        products of inertia.
+        products of inertia, arguments of blocks.
     """
 
     def __init__(self, eqs: EquationSet) -> None:
@@ -78,9 +80,11 @@ def quantity_plan(eqs: EquationSet) -> QuantityPlan:
 
 
 def _names_to_judge(model: Model) -> Iterator[str]:
-    """Yield the parameters of axes, rotations and joints, and of bodies with products of inertia."""
+    """Yield the parameters of axes, rotations, joints, signals and blocks, and of bodies with products."""
     for element in model.elements:
-        if isinstance(element, Joint) or (isinstance(element, Body) and _is_special(element)):
+        if isinstance(element, Joint | Signal | SignalBlock) or (
+            isinstance(element, Body) and _is_special(element)
+        ):
             for use in element.formula_sites():
                 yield from use.formula.names
 

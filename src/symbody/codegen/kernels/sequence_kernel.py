@@ -183,6 +183,8 @@ class _PieceWriter:
             self._values[k] = names[-1]
         elif code == op.SELECT:
             self._choose(k, values[0], values[1], values[2])
+        elif code in (op.MIN, op.MAX):
+            self._extremum(k, code, values[0], values[1])
         elif code == op.SIGN:
             self._sign(k, values[0])
         else:
@@ -192,8 +194,6 @@ class _PieceWriter:
         match code:
             case op.FMA:
                 return _apply("+", _apply("*", values[0], values[1]), values[2])
-            case op.MIN | op.MAX:  # the second where either is nan
-                return _apply("min" if code == op.MIN else "max", values[1], values[0])
             case op.ATAN2:
                 return _apply("atan2", _apply("+", values[0], Literal(0.0, Type.REAL)), values[1])
             case op.FLOOR:
@@ -211,6 +211,14 @@ class _PieceWriter:
         self.variables[name] = Type.REAL
         self._body.append(Choose(condition, (Assign(name, then),), (Assign(name, otherwise),)))
         self._values[k] = Variable(name, Type.REAL)
+
+    def _extremum(self, k: int, code: int, a: Expression, b: Expression) -> None:
+        """Set the smaller or larger of two numbers, nan where either is."""
+        pair = (a, b) if code == op.MIN else (b, a)
+        first = Apply("<", pair, Type.TRUTH)
+        is_number = Apply("==", (a, a), Type.TRUTH)
+        is_chosen = Apply("or", (first, Apply("not", (is_number,), Type.TRUTH)), Type.TRUTH)
+        self._choose(k, is_chosen, a, b)
 
     def _sign(self, k: int, value: Expression) -> None:
         zero = Literal(0.0, Type.REAL)

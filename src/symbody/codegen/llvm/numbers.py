@@ -43,10 +43,20 @@ INSTRUCTIONS: Final = {
     op.SELECT: "select {B} {0}, {T} {1}, {T} {2}",
 }
 
-# {k}: name of the result. min(a, b) is a where a < b, else b, so b where either is nan; max with b < a.
+# {k}: name of the result. min(a, b) is a where a < b or a is nan, else b: nan where either is.
 COMPOSED: Final = {
-    op.MIN: ("{k}.l = fcmp olt {T} {0}, {1}", "{k} = select {B} {k}.l, {T} {0}, {T} {1}"),
-    op.MAX: ("{k}.l = fcmp olt {T} {1}, {0}", "{k} = select {B} {k}.l, {T} {0}, {T} {1}"),
+    op.MIN: (
+        "{k}.l = fcmp olt {T} {0}, {1}",
+        "{k}.m = select {B} {k}.l, {T} {0}, {T} {1}",
+        "{k}.u = fcmp uno {T} {0}, {0}",
+        "{k} = select {B} {k}.u, {T} {0}, {T} {k}.m",
+    ),
+    op.MAX: (
+        "{k}.l = fcmp olt {T} {1}, {0}",
+        "{k}.m = select {B} {k}.l, {T} {0}, {T} {1}",
+        "{k}.u = fcmp uno {T} {0}, {0}",
+        "{k} = select {B} {k}.u, {T} {0}, {T} {k}.m",
+    ),
     # x + 0 where x is neither positive nor negative: nan stays, -0 becomes 0.
     op.SIGN: (
         "{k}.p = fcmp ogt {T} {0}, {zero}",

@@ -36,8 +36,9 @@ _EXPRESSIONS: Final = operation_formats(
         op.POW: "ca.power({0}, {1})",
         op.ABS: "ca.fabs({0})",
         op.ATAN2: "_angle({0}, {1})",
-        op.MIN: "ca.if_else({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
-        op.MAX: "ca.if_else({1} < {0}, {0}, {1})",
+        # Nan where either is, as for max: CasADi takes x != x for false.
+        op.MIN: "ca.if_else({0} < {1}, {0}, ca.if_else({1} <= {0}, {1}, {0} + {1}))",
+        op.MAX: "ca.if_else({1} < {0}, {0}, ca.if_else({0} <= {1}, {1}, {0} + {1}))",
         op.AND: "ca.logic_and({0}, {1})",
         op.OR: "ca.logic_or({0}, {1})",
         op.NOT: "ca.logic_not({0})",

@@ -52,8 +52,8 @@ _EXPRESSIONS: Final = operation_formats(
         op.FLOOR: "aint({0}) - merge(1.0_dp, 0.0_dp, {0} < aint({0}))",
         # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
         op.ATAN2: "atan2({0} + 0.0_dp, {1})",
-        op.MIN: "merge({0}, {1}, {0} < {1})",  # the second where either is nan, as for max
-        op.MAX: "merge({0}, {1}, {1} < {0})",
+        op.MIN: "merge({0}, {1}, {0} < {1} .or. {0} /= {0})",  # nan where either is, as for max
+        op.MAX: "merge({0}, {1}, {1} < {0} .or. {0} /= {0})",
         op.AND: "{0} .and. {1}",
         op.OR: "{0} .or. {1}",
         op.NOT: ".not. {0}",

@@ -39,8 +39,8 @@ _EXPRESSIONS: Final = operation_formats(
         op.SIGN: "{0} > 0 ? 1 : {0} < 0 ? -1 : {0} + 0",
         # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
         op.ATAN2: "Math.atan2({0} + 0, {1})",
-        op.MIN: "{0} < {1} ? {0} : {1}",  # the second where either is nan, as for max
-        op.MAX: "{1} < {0} ? {0} : {1}",
+        op.MIN: "{0} < {1} || {0} !== {0} ? {0} : {1}",  # nan where either is, as for max
+        op.MAX: "{1} < {0} || {0} !== {0} ? {0} : {1}",
         op.EQ: "{0} === {1}",
         op.SELECT: "{0} ? {1} : {2}",
     },

@@ -44,8 +44,8 @@ _EXPRESSIONS: Final = operation_formats(
         op.SQRT: "symbody_positive(sqrt, {0})",
         # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
         op.ATAN2: "atan({0} + 0.0, {1})",
-        op.MIN: "ifelse({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
-        op.MAX: "ifelse({1} < {0}, {0}, {1})",
+        op.MIN: "ifelse(({0} < {1}) | ({0} != {0}), {0}, {1})",  # nan where either is, as for max
+        op.MAX: "ifelse(({1} < {0}) | ({0} != {0}), {0}, {1})",
         op.AND: "{0} & {1}",
         op.OR: "{0} | {1}",
         op.SELECT: "ifelse({0}, {1}, {2})",

@@ -45,8 +45,8 @@ _EXPRESSIONS: Final = operation_formats(
         op.SQRT: "symbody_real(sqrt({0}))",
         # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
         op.ATAN2: "atan2({0} + 0.0, {1})",
-        op.MIN: "symbody_select({0} < {1}, {0}, {1})",  # the second where either is nan, as for max
-        op.MAX: "symbody_select({1} < {0}, {0}, {1})",
+        op.MIN: "symbody_select({0} < {1} || {0} ~= {0}, {0}, {1})",  # nan where either is, as for max
+        op.MAX: "symbody_select({1} < {0} || {0} ~= {0}, {0}, {1})",
         op.NOT: "~{0}",
         op.SELECT: "symbody_select({0}, {1}, {2})",
     },

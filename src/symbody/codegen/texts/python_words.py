@@ -26,8 +26,8 @@ def numpy_formats(prefix: str, angle: str) -> dict[int, str]:
             op.ACOS: f"{prefix}arccos({{0}})",
             op.ATAN: f"{prefix}arctan({{0}})",
             op.ATAN2: angle,
-            op.MIN: f"{prefix}where({{0}} < {{1}}, {{0}}, {{1}})",  # the second where either is nan
-            op.MAX: f"{prefix}where({{1}} < {{0}}, {{0}}, {{1}})",
+            op.MIN: f"{prefix}where(({{0}} < {{1}}) | ({{0}} != {{0}}), {{0}}, {{1}})",  # nan where either is
+            op.MAX: f"{prefix}where(({{1}} < {{0}}) | ({{0}} != {{0}}), {{0}}, {{1}})",
             op.AND: f"{prefix}logical_and({{0}}, {{1}})",
             op.OR: f"{prefix}logical_or({{0}}, {{1}})",
             op.NOT: f"{prefix}logical_not({{0}})",

@@ -37,8 +37,8 @@ _EXPRESSIONS: Final = operation_formats(
         op.SIGN: "if {0} > 0.0 {{ 1.0 }} else if {0} < 0.0 {{ -1.0 }} else {{ {0} + 0.0 }}",
         # y + 0: the angle of a point on the negative x axis is pi, also where y is -0.
         op.ATAN2: "f64::atan2({0} + 0.0, {1})",
-        op.MIN: "if {0} < {1} {{ {0} }} else {{ {1} }}",  # the second where either is nan, as for max
-        op.MAX: "if {1} < {0} {{ {0} }} else {{ {1} }}",
+        op.MIN: "if {0} < {1} || {0} != {0} {{ {0} }} else {{ {1} }}",  # nan where either is, as for max
+        op.MAX: "if {1} < {0} || {0} != {0} {{ {0} }} else {{ {1} }}",
         op.SELECT: "if {0} {{ {1} }} else {{ {2} }}",
         op.FMA: "f64::mul_add({0}, {1}, {2})",
     },

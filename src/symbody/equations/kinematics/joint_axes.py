@@ -9,9 +9,9 @@ from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import axis_rotations
 from symbody.expr.calculus import derivative, gradient
 from symbody.expr.expression import Expr, number, sqrt
-from symbody.expr.trigonometry.normal_form import trigonometric_form
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import substitute
+from symbody.expr.trigonometry.normal_form import trigonometric_form
 from symbody.graph.curved_shifts import is_curved
 from symbody.model.joint import Joint
 from symbody.spatial.frame import FrameTree

@@ -191,8 +191,8 @@ LOGIC: Final[dict[int, Callable[..., Number]]] = {
     op.SUB: lambda a, b: a - b,
     op.MUL: lambda a, b: a * b,
     op.ABS: abs,
-    op.MIN: lambda a, b: a if a < b else b,
-    op.MAX: lambda a, b: a if b < a else b,
+    op.MIN: lambda a, b: a if a < b or a != a else b,  # nan where either is, as for max
+    op.MAX: lambda a, b: a if b < a or a != a else b,
     op.LT: lambda a, b: a < b,
     op.LE: lambda a, b: a <= b,
     op.EQ: lambda a, b: a == b,

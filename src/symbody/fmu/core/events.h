@@ -23,6 +23,13 @@ static int has_happened(const Motion *m, int k, double value)
     return (before > 0 && now <= 0 && sb_directions[k] <= 0) || (before < 0 && now >= 0 && sb_directions[k] >= 0);
 }
 
+/* What a start remembers of an event. */
+static double *start_of(Motion *m, int k)
+{
+    double *W = m->pool + SB_WATCH;
+    return W + (int)W[SB_W_TABLE] + k * SB_W_EVENT_SIZE;
+}
+
 /* Note which events have happened since the side of each was looked at; return whether any has. */
 static int note_events(Motion *m)
 {
@@ -32,7 +39,10 @@ static int note_events(Motion *m)
         double value = m->indicators[k];
         int now = side_of_watched(m, k, value), before = m->side[k];
         int has_passed = (before > 0 && now <= 0) || (before < 0 && now >= 0);
-        if (has_happened(m, k, value)) m->pending[k] = any = 1;
+        if (has_happened(m, k, value)) {
+            m->pending[k] = any = 1;
+            if (SB_ACTIONS && k < SB_EVENTS) start_of(m, k)[SB_W_CAME] = -before;
+        }
         if (now != 0 && (before != 0 || has_left(m, k, value))) m->side[k] = now;
         else if (has_passed && k < SB_EVENTS) m->side[k] = 0;
     }
@@ -77,6 +87,20 @@ static int set_states(Motion *m, int *must_stop)
     if (need(m, HAS_INDICATORS) == SOLVED)
         for (k = 0; k < SB_EVENTS; k++)
             m->side[k] = has_left(m, k, m->indicators[k]) ? side_of(m->indicators[k]) : 0;
+#if SB_ACTIONS
+    for (k = 0; k < SB_EVENTS; k++) {
+        int acts = 0;
+        for (j = 0; j < SB_ACTIONS; j++) acts |= m->pending[k] && sb_action_events[j] == k;
+        if (!acts) continue;
+        if (m->largest[k] > start_of(m, k)[SB_W_LARGEST]) start_of(m, k)[SB_W_LARGEST] = m->largest[k];
+        renew_arguments(m);
+        if (symbody_end_action(SB_WATCHED_FUNCTION, mechanism_motion, m->pool + SB_WATCH, k, clock_of(m), m->x,
+                SB_STRAIGHT * SB_TIME_SCALE)) {
+            m->unturned = k + 1;
+            return -1;
+        }
+    }
+#endif
     return 1;
 }
 
@@ -96,5 +120,29 @@ static int act(Motion *m, int *must_stop)
         look_at_sides(m);
     }
     memset(m->pending, 0, sizeof m->pending);
+    return changed;
+}
+
+/* Let events act whose value is zero and leaves zero in their direction. Returns whether values changed, -1 for a
+   fault. */
+static int act_at_start(Motion *m)
+{
+    int changed = 0;
+#if SB_ACTIONS
+    int round, must_stop;
+    for (round = 0; round <= SB_MOST_ROUNDS; round++) {
+        int k;
+        renew_arguments(m);
+        k = symbody_starting_event(SB_WATCHED_FUNCTION, mechanism_motion, m->pool + SB_WATCH, clock_of(m), m->x,
+                SB_STRAIGHT * SB_TIME_SCALE);
+        if (k == 0) return changed;
+        m->unturned = round == SB_MOST_ROUNDS ? k : 0;
+        if (m->unturned) return -1;
+        m->pending[k - 1] = changed = 1;
+        if (act(m, &must_stop) < 0) return -1;
+    }
+#else
+    (void)m;
+#endif
     return changed;
 }

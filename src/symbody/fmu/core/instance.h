@@ -276,6 +276,19 @@ static void log_events(Instance *instance)
 
 #define UNMET "the constraints do not admit what the action of an event sets"
 
+/* Fail because of what an event did: its action turned nothing, or `otherwise`. */
+static int fail_at_event(Instance *instance, const char *function, const char *otherwise)
+{
+    Motion *m = &instance->motion;
+    char text[512];
+    if (!m->unturned) return fail(instance, STATUS_ERROR, function, otherwise);
+    snprintf(text, sizeof text, "%s happens at t = %.17g where its value is zero, and after its action the value "
+        "is zero again and goes the same way; let the action turn the value back or move it off zero",
+        sb_names[AT_INDICATORS + m->unturned - 1], m->time);
+    m->unturned = 0;
+    return fail(instance, STATUS_ERROR, function, text);
+}
+
 /* One update of discrete states; `next` becomes the time of the next event, infinite without one. */
 static int update(Instance *instance, const char *function, int *has_changed, int *must_stop, double *next)
 {
@@ -295,12 +308,17 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     }
     acted = act(m, must_stop);
     log_events(instance);
-    if (acted < 0) return fail(instance, STATUS_ERROR, function, m->is_unmet ? UNMET : "the state after an event has no solution");
+    if (acted < 0)
+        return fail_at_event(instance, function, m->is_unmet ? UNMET : "the state after an event has no solution");
     *has_changed |= acted;
     look_for_jump(m);
     acted = sample(m, &stops);
     log_events(instance);
-    if (acted < 0) return fail(instance, STATUS_ERROR, function, "a sampled value, or the state behind it, is not finite");
+    if (acted < 0) return fail_at_event(instance, function, "a sampled value, or the state behind it, is not finite");
+    *has_changed |= acted;
+    acted = act_at_start(m);
+    log_events(instance);
+    if (acted < 0) return fail_at_event(instance, function, "the state after an event has no solution");
     *has_changed |= acted;
     *must_stop |= stops;
     *next = m->jump < next_sample(m) ? m->jump : next_sample(m);
@@ -346,6 +364,7 @@ static int do_step(Instance *instance, const char *function, double start, doubl
     code = go_to(m, start + length, must_stop);
     log_events(instance);
     if (code == SB_RUNNING) return STATUS_OK;
+    if (m->unturned) return fail_at_event(instance, function, "");
     snprintf(text, sizeof text, "the motion cannot go on from t = %.17g: %s", m->time,
         m->is_unmet ? UNMET
         : code == SB_SINGULAR ? "the accelerations have no solution"

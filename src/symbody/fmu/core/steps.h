@@ -139,7 +139,10 @@ static int go_to(Motion *m, double target, int *must_stop)
     while (!has_come(m, target)) {
         double end;
         if (B[SB_T_END] < target) B[SB_T_END] = target + SB_SPAN;
-        if (m->is_fresh) begin_steps(m);
+        if (m->is_fresh) {
+            if (act_at_start(m) < 0) return SB_NOT_FINITE;
+            begin_steps(m);
+        }
         while (m->code == SB_RUNNING && m->to <= m->time) take_step(m);
         if (m->code != SB_RUNNING && m->code != SB_FINISHED) return m->code;
         if (m->to <= m->time) { /* the end of an earlier goal: begin anew towards the next */

@@ -2,28 +2,36 @@
 
 An implicit method knows places and speeds to its tolerance each, so that between its samples a place may fall
 while its speed rises. At a start the rates decide: those that the function of actions writes behind its
-values, or the first rows of the step's polynomial.
+values, or the first rows of the step's polynomial where no event acts.
 """
 
 from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.events.event_location import TOUCHING, compute_values
+from symbody.kernels.events.event_location import TOUCHING, compute_values, sign
 from symbody.kernels.events.watch_block import (
     ACTED,
     ACTION_VALUES,
+    ACTIONS,
+    BLUR,
     CURRENT,
     DIRECTION,
+    EVENT_SIZE,
+    EVENTS,
+    FAULT,
+    HERE,
     PIECE_ROWS,
     RATE,
     RESOLUTION,
     SCRATCH,
+    SPEEDS,
     STATES,
+    TABLE,
     VALUES,
 )
 from symbody.kernels.language import Function, Reals, part
-from symbody.kernels.runge_kutta import copy
+from symbody.kernels.runge_kutta import call, copy
 from symbody.kernels.step_bounds import EPSILON
 
 ROUNDED: Final = 1e-4  # of a change by `TOUCHING`: what polynomials make of roundings
@@ -32,28 +40,52 @@ SHORTEST: Final = 1e-6  # of a step
 LONGER: Final = 16.0
 
 
-def rounding_error(e: Function, W: Reals, place: int, t: float, here: float, state: Reals) -> float:
-    """Return how much a value changes where time or one state does by a share of `TOUCHING`.
+def disturb_values(e: Function, W: Reals, t: float, state: Reals) -> None:
+    """Note the values at a state, and how much each changes where time or one state does by `TOUCHING`.
 
     A value that is the difference of larger ones is not known better; one of a small state alone is.
     """
     n = int(W[STATES])
-    values = part(W, int(W[VALUES]), place + 1)
+    m = int(W[EVENTS])
+    table = part(W, int(W[TABLE]), EVENT_SIZE * m)
+    values = part(W, int(W[VALUES]), m)
     x = part(W, int(W[SCRATCH]) + n, n)
     copy(n, state, x)
-    most = 0.0
+    compute_values(e, W, t, x)
+    for k in range(m):
+        table[EVENT_SIZE * k + HERE] = values[k]
+        table[EVENT_SIZE * k + BLUR] = 0.0
     change = -TOUCHING
     for _side in range(2):
         compute_values(e, W, t * (1.0 + change), x)
-        most = max(most, abs(values[place] - here))
+        widen_blurs(W)
         for i in range(n):
             kept = x[i]
             x[i] = kept * (1.0 + change)
             compute_values(e, W, t, x)
-            most = max(most, abs(values[place] - here))
+            widen_blurs(W)
             x[i] = kept
         change = -change
-    return most
+
+
+def widen_blurs(W: Reals) -> None:
+    """Note where a value differs more from that of the state than before."""
+    for k in range(int(W[EVENTS])):
+        row = int(W[TABLE]) + EVENT_SIZE * k
+        W[row + BLUR] = max(W[row + BLUR], abs(W[int(W[VALUES]) + k] - W[row + HERE]))
+
+
+def compute_action(a: Function, W: Reals, t: float, x: Reals, values: Reals) -> None:
+    """Compute the energy, what actions set, and the rates of the states."""
+    status = call(a, int(W[SPEEDS]), part(W, int(W[ACTIONS]), 1), t, x, values)
+    if status != 0:
+        W[FAULT] = float(status)
+
+
+def find_rates(a: Function, W: Reals, t: float, state: Reals) -> None:
+    """Keep the rates of a state by the equations of motion."""
+    compute_action(a, W, t, state, part(W, int(W[ACTED]), int(W[ACTION_VALUES])))
+    take_rates(W)
 
 
 def take_rates(W: Reals) -> None:
@@ -75,15 +107,16 @@ def take_rates_of_step(W: Reals, breaks: Reals, pieces: Reals) -> None:
 def slope_along(e: Function, W: Reals, place: int, t: float, state: Reals, longest: float) -> float:
     """Return how fast a value changes, as the motion goes on, where states move straight on at `RATE`.
 
-    The way is as short as its change shows above rounding, at most `longest`, which is negative where it
-    leads back. Where nothing shows the slope is 0, and `RESOLUTION` is the one that would have.
+    `disturb_values` has seen the state. The way is as short as its change shows above rounding, at most
+    `longest`, which is negative where it leads back. Where nothing shows the slope is 0, and `RESOLUTION` is
+    the one that would have.
     """
     n = int(W[STATES])
     values = part(W, int(W[VALUES]), place + 1)
     x = part(W, int(W[SCRATCH]) + n, n)
-    compute_values(e, W, t, state)
-    here = values[place]
-    rounded = ROUNDED * rounding_error(e, W, place, t, here, state)
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    here = W[row + HERE]
+    rounded = ROUNDED * W[row + BLUR]
     most = max(abs(longest), EPSILON / SHORTEST * abs(t))
     way = SHORTEST * most
     slope = 0.0
@@ -100,3 +133,33 @@ def slope_along(e: Function, W: Reals, place: int, t: float, state: Reals, longe
         W[RESOLUTION] = VISIBLE * rounded / way
         way = way * LONGER
     return slope
+
+
+def bend_along(
+    e: Function, a: Function, W: Reals, place: int, t: float, state: Reals, longest: float
+) -> float:
+    """Return the sign of the second rate of a value whose first one is zero, as the motion goes on.
+
+    `RATE` holds the rates at the state, which `disturb_values` has seen. The mean of these and of the rates
+    at the end of the way leads to a state that is right to second order; the way is that of a slope.
+    """
+    n = int(W[STATES])
+    values = part(W, int(W[VALUES]), place + 1)
+    x = part(W, int(W[SCRATCH]) + n, n)
+    later = part(W, int(W[ACTED]) + int(W[ACTION_VALUES]) - (n - 1), n - 1)
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    most = max(abs(longest), EPSILON / SHORTEST * abs(t))
+    way = SHORTEST * most
+    while way <= most:
+        length = way * W[DIRECTION]
+        copy(n, state, x)
+        for i in range(n - 1):
+            x[i] = x[i] + length * W[int(W[RATE]) + i]
+        compute_action(a, W, t + length, x, part(W, int(W[ACTED]), int(W[ACTION_VALUES])))
+        for i in range(n - 1):
+            x[i] = state[i] + length * (0.5 * (W[int(W[RATE]) + i] + later[i]))
+        compute_values(e, W, t + length, x)
+        if abs(values[place] - W[row + HERE]) > VISIBLE * ROUNDED * W[row + BLUR]:
+            return sign(values[place] - W[row + HERE])
+        way = way * LONGER
+    return 0.0

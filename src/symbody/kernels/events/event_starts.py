@@ -1,4 +1,8 @@
-"""How values that are zero where a smooth motion begins leave zero: no event, unless they come back."""
+"""How values that are zero where a smooth motion begins leave zero.
+
+An event that sets values happens there if its value goes in the event's direction: the first rate that is not
+zero decides, of the first and second. Events that record or stop happen if the value comes back.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +11,28 @@ from typing import Final
 from symbody.kernels.events.event_location import TOUCHING, add_root, add_zero, find_extremum, sign, value_at
 from symbody.kernels.events.event_slopes import (
     ROUNDED,
-    rounding_error,
+    bend_along,
+    disturb_values,
+    find_rates,
     slope_along,
     take_rates_of_step,
 )
 from symbody.kernels.events.watch_block import (
+    ACTION,
+    ACTIONS,
+    AT_START,
     AT_ZERO,
     BAND,
+    BLUR,
     CAME,
     CURRENT,
+    DONE,
     EVENT_SIZE,
     EVENTS,
     FIRST_STEP,
     G_LAST,
     GOES_THROUGH,
+    HERE,
     HIT,
     JUST_HAPPENED,
     LARGEST,
@@ -31,21 +43,30 @@ from symbody.kernels.events.watch_block import (
     MOST_RECENT,
     NO_NUMBER,
     NO_NUMBER_TIME,
+    NO_SIDE,
+    OF_TIME,
     PEAK,
+    PENDING_COUNT,
     RATE_KNOWN,
     RECENT,
     RECENT_COUNT,
     REPEATS,
     RESOLUTION,
+    RESTS,
     ROUNDING,
     SCRATCH,
     SEEN,
+    SETS,
     SLOPE_BEFORE,
     STATES,
     STEP_NODES,
     T_BEFORE,
     T_LAST,
     TABLE,
+    WAITS,
+    WAITS_TIME,
+    WAS,
+    WAY,
     WRAPS,
 )
 from symbody.kernels.language import Function, Reals, part
@@ -69,43 +90,78 @@ def settle_start(e: Function, W: Reals) -> None:
     n = int(W[STATES])
     leaf = part(W, int(W[LEAF]), LEAF_VALUES + m * STEP_NODES)
     state = part(W, int(W[SCRATCH]) + 2 * n, n)
+    doubtful = 0
     for i in range(m):
         row = int(W[TABLE]) + EVENT_SIZE * i
-        first = leaf[LEAF_VALUES + i * STEP_NODES]
-        largest = 0.0
-        for k in range(STEP_NODES):
-            largest = max(largest, abs(leaf[LEAF_VALUES + i * STEP_NODES + k]))
         W[row + HIT] = 0.0
         W[row + AT_ZERO] = 0.0
         W[row + PEAK] = 0.0
         W[row + ROUNDING] = 0.0
-        if W[row + JUST_HAPPENED] != 0.0:
-            error = rounding_error(e, W, i, leaf[0], first, state)
-            W[row + ROUNDING] = ROUNDED * error
-            W[row + BAND] = max(ROUNDED * error, 2.0 * abs(first))
-            W[row + AT_ZERO] = 1.0 - was_moved_away(first, max(largest, W[row + LARGEST]), error)
-        elif W[row + GOES_THROUGH] != 0.0:
-            settle_side(e, W, i, leaf[0], first, state)
-        elif first == 0.0:  # steps may begin so short that only rounding changes the value
-            W[row + BAND] = ROUNDED * rounding_error(e, W, i, leaf[0], first, state)
-            W[row + AT_ZERO] = 1.0
-        elif abs(first) <= TOUCHING * largest:
-            if abs(first) <= rounding_error(e, W, i, leaf[0], first, state):
-                W[row + BAND] = 2.0 * abs(first)
-                W[row + AT_ZERO] = 1.0
+        if may_be_zero(W, i) != 0:
+            doubtful = 1
+    if doubtful == 0:
+        return
+    disturb_values(e, W, leaf[0], state)
+    for i in range(m):
+        settle_value(W, i, leaf[0], leaf[LEAF_VALUES + i * STEP_NODES])
 
 
-def settle_side(e: Function, W: Reals, place: int, t: float, first: float, state: Reals) -> None:
+def settle_value(W: Reals, place: int, t: float, first: float) -> None:
+    """Mark an event whose value is zero at the start of a smooth motion, up to rounding."""
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    error = W[row + BLUR]
+    if W[row + JUST_HAPPENED] != 0.0:
+        largest = max(largest_sample(W, place), W[row + LARGEST])
+        W[row + ROUNDING] = ROUNDED * error
+        W[row + BAND] = max(ROUNDED * error, 2.0 * abs(first))
+        W[row + AT_ZERO] = 1.0 - was_moved_away(first, largest, error)
+    elif W[row + GOES_THROUGH] != 0.0:
+        if W[row + GOES_THROUGH] * first < 0.0:
+            settle_side(W, place, t, first)
+    elif abs(first) <= error and may_be_zero(W, place) != 0:
+        W[row + BAND] = 2.0 * abs(first)
+        if first == 0.0 or W[row + ACTION] == SETS:  # steps may be so short that only rounding changes it
+            W[row + BAND] = max(ROUNDED * error, W[row + BAND])
+        W[row + AT_ZERO] = 1.0
+
+
+def largest_sample(W: Reals, place: int) -> float:
+    """Return the largest value of an event in the leaf."""
+    samples = part(W, int(W[LEAF]) + LEAF_VALUES + place * STEP_NODES, STEP_NODES)
+    largest = 0.0
+    for k in range(STEP_NODES):
+        largest = max(largest, abs(samples[k]))
+    return largest
+
+
+def may_be_zero(W: Reals, place: int) -> int:
+    """Return 1 if rounding decides whether a value is zero at a start, else 0.
+
+    Of values that rest there all samples are rounding. Only actions make it worth to look at those.
+    """
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    first = W[int(W[LEAF]) + LEAF_VALUES + place * STEP_NODES]
+    if W[row + JUST_HAPPENED] != 0.0:
+        return 1
+    if W[row + GOES_THROUGH] != 0.0:
+        if W[row + GOES_THROUGH] * first < 0.0:
+            return 1
+        return 0
+    if W[row + ACTION] == SETS or abs(first) <= TOUCHING * largest_sample(W, place):
+        return 1
+    return 0
+
+
+def settle_side(W: Reals, place: int, t: float, first: float) -> None:
     """Keep a value on the side of zero where it was, unless it has jumped through: then it has a zero there.
 
     A value that differs by rounding alone has not jumped. Angles jump by whole turns.
     """
     row = int(W[TABLE]) + EVENT_SIZE * place
-    if W[row + GOES_THROUGH] * first < 0.0:
-        if abs(first) > rounding_error(e, W, place, t, first, state):
-            W[row + GOES_THROUGH] = 0.0
-            if W[row + WRAPS] == 0.0:
-                add_zero(W, t, place, sign(first))
+    if abs(first) > W[row + BLUR]:
+        W[row + GOES_THROUGH] = 0.0
+        if W[row + WRAPS] == 0.0:
+            add_zero(W, t, place, sign(first))
 
 
 def was_moved_away(first: float, largest: float, error: float) -> float:
@@ -118,15 +174,21 @@ def was_moved_away(first: float, largest: float, error: float) -> float:
     return 1.0
 
 
-def begin_samples(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
-    """Take the first sample of a smooth motion; values that are zero there have to leave zero."""
+def begin_samples(e: Function, a: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
+    """Take the first sample of a smooth motion, and judge the values that are zero there."""
     m = int(W[EVENTS])
+    n = int(W[STATES])
     leaf = part(W, int(W[LEAF]), LEAF_VALUES + m * STEP_NODES)
+    state = part(W, int(W[SCRATCH]) + 2 * n, n)
+    longest = abs(breaks[int(W[CURRENT]) + 1] - leaf[0])
     W[T_LAST] = leaf[0]
     W[T_BEFORE] = leaf[0]
     W[SEEN] = 1.0
-    if W[RATE_KNOWN] == 0.0:
-        take_rates_of_step(W, breaks, pieces)
+    if W[RATE_KNOWN] == 0.0 and any_at_zero(W) != 0:
+        if W[ACTIONS] != 0.0:
+            find_rates(a, W, leaf[0], state)
+        else:
+            take_rates_of_step(W, breaks, pieces)
     for i in range(m):
         row = int(W[TABLE]) + EVENT_SIZE * i
         W[row + G_LAST] = leaf[LEAF_VALUES + i * STEP_NODES]
@@ -135,9 +197,72 @@ def begin_samples(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
             W[row + G_LAST] = W[row + GOES_THROUGH] * BESIDE_ZERO
         if W[row + AT_ZERO] != 0.0:
             W[row + G_LAST] = 0.0
-            W[row + LEAVES] = find_way_out(e, W, i, leaf[0], breaks[int(W[CURRENT]) + 1])
+            W[row + LEAVES] = find_way_out(e, W, i, leaf[0], state, longest)
+            if W[row + ACTION] == SETS:
+                start_event(e, a, W, i, leaf[0], state, longest)
+        else:
+            leave_side(W, i, W[row + G_LAST])
         W[row + LARGEST] = max(W[row + LARGEST], abs(W[row + G_LAST]))
     W[RATE_KNOWN] = 0.0
+
+
+def any_at_zero(W: Reals) -> int:
+    """Return 1 if some value is zero where the smooth motion begins, else 0."""
+    for i in range(int(W[EVENTS])):
+        if W[int(W[TABLE]) + EVENT_SIZE * i + AT_ZERO] != 0.0:
+            return 1
+    return 0
+
+
+def leave_side(W: Reals, place: int, value: float) -> None:
+    """Note on which side of zero a value is, where no event has happened yet."""
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    W[row + DONE] = 0.0
+    if sign(value) != 0.0:
+        W[row + WAS] = sign(value)
+        if W[row + WAY] * value < 0.0:  # it comes back from the side from which the event happens
+            W[row + WAITS] = 0.0
+
+
+def start_event(
+    e: Function, a: Function, W: Reals, place: int, t: float, state: Reals, longest: float
+) -> None:
+    """Let an event that sets values happen at a start where its value leaves zero in the event's direction.
+
+    It happens once for each time that the value goes through zero: after its own action only if something has
+    turned the value back in between. If the event has no direction, the side on which its value was decides.
+    """
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    way = W[row + LEAVES]
+    if way == 0.0:
+        way = bend_along(e, a, W, place, t, state, longest)
+    wanted = W[row + WAY]
+    if wanted == 0.0:
+        wanted = -W[row + WAS]
+    if way != W[row + DONE]:
+        W[row + DONE] = 0.0
+    if way != 0.0 and way == wanted and W[row + DONE] == 0.0:
+        W[row + AT_START] = 1.0
+        add_zero(W, t, place, way)
+    elif W[row + WAITS] == 0.0 and happened_at(W, place, t) == 0:
+        if way == 0.0:
+            W[row + WAITS] = RESTS
+        elif wanted == 0.0:
+            W[row + WAITS] = NO_SIDE
+        W[row + WAITS_TIME] = t
+
+
+def happened_at(W: Reals, place: int, t: float) -> int:
+    """Return 1 if an event that sets values happened last where the smooth motion begins, else 0."""
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    count = int(W[row + RECENT_COUNT])
+    if W[row + JUST_HAPPENED] != 0.0:
+        return 1
+    if count == 0:
+        return 0
+    if W[int(W[RECENT]) + MOST_RECENT * place + count - 1] == t:
+        return 1
+    return 0
 
 
 def note_value(W: Reals, place: int, t: float, value: float) -> None:
@@ -148,16 +273,15 @@ def note_value(W: Reals, place: int, t: float, value: float) -> None:
         W[row + NO_NUMBER_TIME] = t
 
 
-def find_way_out(e: Function, W: Reals, place: int, t: float, end: float) -> float:
-    """Return the direction in which a value leaves zero, 0 if it has none of first order.
+def find_way_out(e: Function, W: Reals, place: int, t: float, state: Reals, longest: float) -> float:
+    """Return the direction in which a value leaves zero at a state, 0 if it has none of first order.
 
     Before it has left, it may change by what times are rounded.
     A slope that an action has made zero may be rounding of the one before. Where bounces are so low that
     slopes do not show any more, the value is to go back where it came from.
     """
-    n = int(W[STATES])
     row = int(W[TABLE]) + EVENT_SIZE * place
-    slope = slope_along(e, W, place, t, part(W, int(W[SCRATCH]) + 2 * n, n), abs(end - t))
+    slope = slope_along(e, W, place, t, state, longest)
     W[row + BAND] = max(W[row + BAND], ROUNDED_TIMES * EPSILON * abs(t) * abs(slope))
     if W[row + JUST_HAPPENED] == 0.0 or W[RATE_KNOWN] == 0.0:
         return sign(slope)
@@ -167,6 +291,89 @@ def find_way_out(e: Function, W: Reals, place: int, t: float, end: float) -> flo
     if slope == 0.0 and W[row + REPEATS] != 0.0 and before <= BOUNCES * W[RESOLUTION]:
         return -W[row + CAME]
     return sign(slope)
+
+
+def goes_on(
+    e: Function, a: Function, W: Reals, place: int, t: float, state: Reals, direction: float, longest: float
+) -> int:
+    """Return 1 if a value is still zero in the state after its event's action and goes on as before, else 0.
+
+    `RATE` holds the rates there.
+    """
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    disturb_values(e, W, t, state)
+    if was_moved_away(W[row + HERE], W[row + LARGEST], W[row + BLUR]) != 0.0:
+        return 0
+    way = find_way_out(e, W, place, t, state, longest)
+    if way == 0.0:
+        way = bend_along(e, a, W, place, t, state, longest)
+    if way * direction > 0.0:
+        return 1
+    return 0
+
+
+def judge_action(
+    e: Function, a: Function, W: Reals, place: int, t: float, state: Reals, direction: float, longest: float
+) -> int:
+    """Note whether a value goes on as before in the state after its event's action; return 1 if it chatters.
+
+    It does where the event happened at a start, and its action turned nothing that it could have turned.
+    """
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    W[row + DONE] = 0.0
+    if goes_on(e, a, W, place, t, state, direction, longest) == 0:
+        return 0
+    W[row + DONE] = direction
+    if W[row + AT_START] != 0.0 and W[row + OF_TIME] == 0.0:
+        return 1
+    return 0
+
+
+def starting_event(e: Function, a: Function, W: Reals, t: float, x: Reals, longest: float) -> int:
+    """Return which event happens at once because of how its value leaves zero, from 1; 0 if none does.
+
+    For motions whose steps another program takes: W has functions, the table and room, but sees no steps.
+    """
+    disturb_values(e, W, t, x)
+    find_rates(a, W, t, x)
+    W[RATE_KNOWN] = 1.0
+    W[PENDING_COUNT] = 0.0
+    for i in range(int(W[EVENTS])):
+        row = int(W[TABLE]) + EVENT_SIZE * i
+        W[row + AT_START] = 0.0
+        W[row + LARGEST] = max(W[row + LARGEST], abs(W[row + HERE]))
+        if W[row + ACTION] == SETS:
+            if is_zero(W, i) == 0:
+                W[row + JUST_HAPPENED] = 0.0
+                leave_side(W, i, W[row + HERE])
+            else:
+                W[row + LEAVES] = find_way_out(e, W, i, t, x, longest)
+                start_event(e, a, W, i, t, x, longest)
+                if W[row + AT_START] != 0.0:
+                    W[row + CAME] = sign(W[row + WAY])
+                    if W[row + CAME] == 0.0:
+                        W[row + CAME] = -W[row + WAS]
+                    return i + 1
+    return 0
+
+
+def is_zero(W: Reals, place: int) -> int:
+    """Return 1 if a value is zero in the state that `disturb_values` has seen, else 0."""
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    if W[row + JUST_HAPPENED] != 0.0:
+        return int(1.0 - was_moved_away(W[row + HERE], W[row + LARGEST], W[row + BLUR]))
+    if abs(W[row + HERE]) <= W[row + BLUR]:
+        return 1
+    return 0
+
+
+def end_action(e: Function, a: Function, W: Reals, place: int, t: float, x: Reals, longest: float) -> int:
+    """Note that an event has acted, beside `starting_event`; return 1 if it chatters."""
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    W[row + JUST_HAPPENED] = 1.0
+    W[row + WAS] = -W[row + CAME]
+    find_rates(a, W, t, x)
+    return judge_action(e, a, W, place, t, x, W[row + CAME], longest)
 
 
 def leave_zero(
@@ -182,6 +389,10 @@ def leave_zero(
     if value != value:
         return value
     W[row + AT_ZERO] = 0.0
+    if W[row + LEAVES] == 0.0:
+        leave_side(W, place, value)
+    else:
+        leave_side(W, place, W[row + LEAVES])
     if W[row + LEAVES] * value < 0.0:
         find_missed_return(e, W, breaks, pieces, place, t)
     return value

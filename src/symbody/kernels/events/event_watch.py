@@ -20,6 +20,7 @@ from symbody.kernels.events.event_location import (
 )
 from symbody.kernels.events.event_starts import begin_samples, leave_zero, note_value, settle_start
 from symbody.kernels.events.watch_block import (
+    AT_START,
     AT_ZERO,
     CURRENT,
     CUT,
@@ -79,6 +80,7 @@ def start_stretch(W: Reals, first: int) -> None:
         W[int(W[TABLE]) + EVENT_SIZE * k + HIT] = 0.0
         W[int(W[TABLE]) + EVENT_SIZE * k + AT_ZERO] = 0.0
         W[int(W[TABLE]) + EVENT_SIZE * k + GOES_THROUGH] = 0.0
+        W[int(W[TABLE]) + EVENT_SIZE * k + AT_START] = 0.0
 
 
 def sample_leaf(e: Function, W: Reals, breaks: Reals, pieces: Reals, begin: float, end: float) -> None:
@@ -115,7 +117,7 @@ def is_rough(W: Reals) -> int:
     return 0
 
 
-def take_leaf(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
+def take_leaf(e: Function, a: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
     """Sample the next part of a step, halved until its values are resolved."""
     stack = part(W, int(W[STACK]), 2 * (DEEPEST + 2))
     top = int(W[STACKED]) - 1
@@ -139,7 +141,7 @@ def take_leaf(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
     W[LEAF_END] = stack[2 * top]
     W[NODE] = 1.0
     if W[SEEN] == 0.0:
-        begin_samples(e, W, breaks, pieces)
+        begin_samples(e, a, W, breaks, pieces)
 
 
 def take_sample(e: Function, W: Reals, breaks: Reals, pieces: Reals) -> None:
@@ -230,7 +232,7 @@ def look(
         if int(W[NODE]) < STEP_NODES:
             take_sample(e, W, breaks, pieces)
         elif int(W[STACKED]) > 0:
-            take_leaf(e, W, breaks, pieces)
+            take_leaf(e, a, W, breaks, pieces)
         elif int(W[SAMPLED]) < steps:
             take_step(W, breaks, pieces)
         else:

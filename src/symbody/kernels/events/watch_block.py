@@ -62,7 +62,7 @@ T_BEFORE: Final = 39  # the two before it
 T_OLDER: Final = 40
 HAPPENED: Final = 41  # how often something has happened
 CUT: Final = 42  # when the motion is cut [s]
-CULPRIT: Final = 43  # the event that happens again and again, or spoils a state, from 1
+CULPRIT: Final = 43  # the event that happens again and again, or spoils a state, from 1; see `UNTURNED`
 FAULT: Final = 44
 RESUMED: Final = 45  # one more than what the run returned before there was no room for what happened
 CUT_FIT: Final = 46
@@ -73,7 +73,8 @@ FIRST_LENGTH: Final = 50  # of many motions: what the first step of each is to b
 BAD_VALUE: Final = 51  # that an action sets, and which of its values, from 1; 0 if all are finite
 BAD_PLACE: Final = 52
 UNMET: Final = 53  # whether the constraints do not admit what an action sets
-HEADER: Final = 54
+UNTURNED: Final = 54  # whether the culprit's value goes on as before its action at a start
+HEADER: Final = 55
 
 # The fit of a cut: for each row of a piece a share of a step, the matrix from states there to the rows, and
 # these states.
@@ -110,11 +111,23 @@ NO_NUMBER: Final = 21  # whether the value was not a number, and when first
 NO_NUMBER_TIME: Final = 22
 POLE: Final = 23  # whether it passed a pole, and where first
 POLE_TIME: Final = 24
-PEAK: Final = 25  # the largest value since the smooth motion began, and what is rounding there
-ROUNDING: Final = 26
-SIDE: Final = 27  # the sign of the value before the last sample of held values, 0 before it had one
-GOES_THROUGH: Final = 28  # the side of zero on which the value was where a motion goes on, 0 if it begins
-EVENT_SIZE: Final = 29
+WAITS: Final = 25  # why an event that acts did not happen where its value was zero, and where first
+WAITS_TIME: Final = 26
+PEAK: Final = 27  # the largest value since the smooth motion began, and what is rounding there
+ROUNDING: Final = 28
+SIDE: Final = 29  # the sign of the value before the last sample of held values, 0 before it had one
+GOES_THROUGH: Final = 30  # the side of zero on which the value was where a motion goes on, 0 if it begins
+HERE: Final = 31  # the value at the state that was last disturbed, and by how much that changed it
+BLUR: Final = 32
+OF_TIME: Final = 33  # whether the value reads no state
+WAS: Final = 34  # the side of zero on which the value was last, 0 if it never was on one
+DONE: Final = 35  # the direction of a zero at which the event has happened, while the value goes on there
+AT_START: Final = 36  # whether the event happens because of how its value leaves zero at a start
+EVENT_SIZE: Final = 37
+
+# Why an event waits.
+RESTS: Final = 1.0  # its value has no first and no second rate
+NO_SIDE: Final = 2.0  # it has no direction, and its value has not been on a side of zero yet
 
 # What an event does.
 RECORDS: Final = 0.0

@@ -42,6 +42,7 @@ from symbody.kernels.events.watch_block import (
     NO_NUMBER,
     NUMBERS,
     TABLE,
+    UNTURNED,
 )
 from symbody.kernels.events.watched_motion import advance_watched
 from symbody.kernels.language import Function, Reals, part
@@ -49,11 +50,12 @@ from symbody.kernels.many_motions import conclude, prepare, set_numbers
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.step_machine import begin
 
-# A row of `looks`, then four numbers of each event: `NO_NUMBER` and those behind it.
+# A row of `looks`, then six numbers of each event: `NO_NUMBER` and those behind it.
 LOOK_HAPPENED: Final = 0
 LOOK_CULPRIT: Final = 1
-LOOK_EVENTS: Final = 2
-LOOK_SIZE: Final = 4
+LOOK_UNTURNED: Final = 2
+LOOK_EVENTS: Final = 3
+LOOK_SIZE: Final = 6
 
 
 def prepare_watch(B: Reals, W: Reals, size: int, fresh: Reals, row: Reals) -> None:
@@ -77,6 +79,7 @@ def note_looks(W: Reals, look: Reals) -> None:
     """Write down what the search has seen of a case."""
     look[LOOK_HAPPENED] = W[HAPPENED]
     look[LOOK_CULPRIT] = W[CULPRIT]
+    look[LOOK_UNTURNED] = W[UNTURNED]
     for k in range(int(W[EVENTS])):
         row = part(W, int(W[TABLE]) + EVENT_SIZE * k + NO_NUMBER, LOOK_SIZE)
         copy(LOOK_SIZE, row, part(look, LOOK_EVENTS + LOOK_SIZE * k, LOOK_SIZE))

@@ -10,8 +10,14 @@ from typing import Final
 from symbody.kernels.configurations.assembly import ASSEMBLED
 from symbody.kernels.configurations.closing import close_state, hold
 from symbody.kernels.events.event_location import BESIDE, state_at, value_at
-from symbody.kernels.events.event_slopes import slope_along, take_rates
-from symbody.kernels.events.event_starts import LOWEST
+from symbody.kernels.events.event_slopes import (
+    compute_action,
+    disturb_values,
+    find_rates,
+    slope_along,
+    take_rates,
+)
+from symbody.kernels.events.event_starts import LOWEST, judge_action
 from symbody.kernels.events.watch_block import (
     ACTED,
     ACTION,
@@ -31,7 +37,6 @@ from symbody.kernels.events.watch_block import (
     ENDS,
     EVENT_SIZE,
     EVENTS,
-    FAULT,
     GOES_ON,
     HAPPENED,
     HAPPENED_ROOM,
@@ -56,7 +61,6 @@ from symbody.kernels.events.watch_block import (
     SETS,
     SLOPE_BEFORE,
     SPAN,
-    SPEEDS,
     SPOILS,
     STATES,
     STOPS,
@@ -64,13 +68,16 @@ from symbody.kernels.events.watch_block import (
     TABLE,
     TARGETS,
     UNMET,
+    UNTURNED,
+    WAITS,
+    WAS,
     WAY,
     WRAPS,
     ZERO_SIZE,
     ZEROS_PER_EVENT,
 )
 from symbody.kernels.language import Function, Reals, is_finite, part
-from symbody.kernels.runge_kutta import call, copy
+from symbody.kernels.runge_kutta import copy
 
 SIMULTANEOUS: Final = 1e-12
 # A value that changes by such a share of its largest has jumped.
@@ -209,7 +216,7 @@ def happen(
     while number >= 0:
         zero = part(W, int(W[PENDING]) + ZERO_SIZE * number, ZERO_SIZE)
         place = int(zero[1])
-        code = let_happen(a, c, W, H, place, zero[0], zero[2])
+        code = let_happen(e, a, c, W, breaks, H, place, zero[0], zero[2])
         if code != NOTHING_YET:
             return code
         remove_zero(W, number)
@@ -225,8 +232,8 @@ def find_slopes_before(e: Function, a: Function, W: Reals, breaks: Reals, t: flo
         return
     n = int(W[STATES])
     before = part(W, int(W[BEFORE]), n)
-    compute_action(a, W, W[CUT], before, part(W, int(W[ACTED]), int(W[ACTION_VALUES])))
-    take_rates(W)
+    find_rates(a, W, W[CUT], before)
+    disturb_values(e, W, W[CUT], before)
     step = int(W[CURRENT])
     for k in range(int(W[PENDING_COUNT])):
         zero = part(W, int(W[PENDING]) + ZERO_SIZE * k, ZERO_SIZE)
@@ -236,7 +243,10 @@ def find_slopes_before(e: Function, a: Function, W: Reals, breaks: Reals, t: flo
             W[row + SLOPE_BEFORE] = slope_along(e, W, int(zero[1]), W[CUT], before, longest)
 
 
-def let_happen(a: Function, c: Function, W: Reals, H: Reals, place: int, t: float, direction: float) -> int:
+def let_happen(
+    e: Function, a: Function, c: Function, W: Reals, breaks: Reals, H: Reals, place: int, t: float,
+    direction: float,
+) -> int:  # fmt: skip
     """Note one event and do what it does."""
     n = int(W[STATES])
     row = int(W[TABLE]) + EVENT_SIZE * place
@@ -247,6 +257,9 @@ def let_happen(a: Function, c: Function, W: Reals, H: Reals, place: int, t: floa
     W[HAPPENED] = W[HAPPENED] + 1.0
     W[row + JUST_HAPPENED] = 1.0
     W[row + CAME] = direction
+    W[row + WAITS] = 0.0
+    if direction != 0.0:
+        W[row + WAS] = -direction
     if chatters(W, place, t) != 0 or is_too_low(W, place, direction) != 0:
         W[CULPRIT] = float(place + 1)
         return CHATTERS
@@ -262,6 +275,13 @@ def let_happen(a: Function, c: Function, W: Reals, H: Reals, place: int, t: floa
             return MISSES
         take_rates(W)
         W[RATE_KNOWN] = 1.0
+        step = int(W[CURRENT])
+        longest = abs(breaks[step + 1] - breaks[step])
+        after = part(W, int(W[AFTER]), n)
+        if judge_action(e, a, W, place, W[CUT], after, direction, longest) != 0:
+            W[CULPRIT] = float(place + 1)
+            W[UNTURNED] = 1.0
+            return CHATTERS
     return NOTHING_YET
 
 
@@ -315,13 +335,6 @@ def act(a: Function, c: Function, W: Reals, place: int, t: float) -> None:
     close_held(c, W, t, x, int(W[row + SET_COUNT]), part(W, int(W[TARGETS]) + first, 1))
     compute_action(a, W, t, x, values)
     x[n - 1] = x[n - 1] + (values[0] - energy)
-
-
-def compute_action(a: Function, W: Reals, t: float, x: Reals, values: Reals) -> None:
-    """Compute the energy and what actions set."""
-    status = call(a, int(W[SPEEDS]), part(W, int(W[ACTIONS]), 1), t, x, values)
-    if status != 0:
-        W[FAULT] = float(status)
 
 
 def close_held(c: Function, W: Reals, t: float, x: Reals, count: int, places: Reals) -> None:

@@ -15,6 +15,8 @@ from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.inertia import determinant, is_possible_inertia, may_be_about
 from symbody.model.joint import Joint
 from symbody.model.numeric_checks import NumericChecks, check_angle, check_axis
+from symbody.model.signals.block import SignalBlock
+from symbody.model.signals.signal import Signal
 
 # What entries of an exact matrix leave that are off by 1e-9 each: 2 * 1e-9 times the sum of a row's entries.
 _ORTHONORMAL: Final = 4e-9
@@ -148,13 +150,13 @@ def _check_size(
 def value_problems(
     elements: Mapping[str, Element], values: Mapping[str, Constant], changed: Set[str]
 ) -> list[Problem]:
-    """Return what is impossible about bodies and joints, by label, that read parameters given anew."""
+    """Return what is impossible about bodies, joints, signals and blocks that read parameters given anew."""
     check = NumericChecks(values)
     for label, element in elements.items():
         if changed.isdisjoint(name for site in element.formula_sites() for name in site.formula.names):
             continue
         if isinstance(element, Body):
             check_body(check, element, label)
-        elif isinstance(element, Joint):
+        elif isinstance(element, Joint | Signal | SignalBlock):
             element.check_numbers(check, label)
     return check.problems

@@ -142,10 +142,16 @@ class OptionalQuantity(Field[Value | None, Formula | None]):
     _: KW_ONLY
     default: Any = None
     scope: Scope = Scope.CONSTANT
+    fits: NumberCheck | None = None
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Formula | None:
         """Return the formula, or None for None."""
         return arguments.optional_formula(value, path)
+
+    def check_numbers(self, check: NumericChecks, owner: object, value: Formula | None, where: str) -> None:
+        """Note a value that does not fit."""
+        if self.fits is not None and value is not None:
+            self.fits(check, value, where)
 
     def formula_sites(self, owner: object, value: Formula | None, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""

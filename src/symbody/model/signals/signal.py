@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar, final
 
-from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.element_fields import element
 from symbody.model.declarations.fields import OptionalQuantity, OptionalText, Quantity, SymbolElementName
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.element import Element
+from symbody.model.numeric_checks import NumericChecks
+from symbody.model.signals.domains import SAMPLE_TIME, Demand
 
 
 @final
@@ -39,8 +41,9 @@ class Signal(Element):
         "Value at the start, of a state; of a held value that before the first sample.", default=0
     )
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; the value or output is held from each to the next.", unit="s"
-    )
+        "Time between samples; the value or output is held from each to the next.", unit="s",
+        fits=SAMPLE_TIME,
+    )  # fmt: skip
 
     @property
     def is_state(self) -> bool:
@@ -52,6 +55,11 @@ class Signal(Element):
         """Whether the value is held from sample to sample."""
         return self.sample is not None
 
+    def demands(self) -> Iterator[Demand]:
+        """Yield the time between samples with its domain."""
+        if self.sample is not None:
+            yield Demand("sample", self.sample, SAMPLE_TIME)
+
     def check(self, arguments: Arguments) -> None:
         """Note a signal that is not exactly one of the three, and an initial value of what has none."""
         forms = {"value": self.value, "output": self.output, "rate": self.rate}
@@ -60,7 +68,10 @@ class Signal(Element):
             what = f"{' and '.join(given)} are given" if given else "neither value, output nor rate is given"
             why = "a signal is a name for one formula, for one output, or a state with one rate"
             arguments.add("signal.one_of", "", what, why, "give exactly one of value, output and rate")
-        check_sample(arguments, self.sample)
+        check = NumericChecks({})
+        self.check_numbers(check, "signal")
+        for problem in check.problems:
+            arguments.add(problem.code, "sample", problem.what, problem.why, problem.fix)
         if self.sample is not None and self.rate is not None:
             why = "a rate is integrated from instant to instant, a held value stays the same between samples"
             cure = f"write the value after one sample: value = {self._next_value!r}, or leave sample out"
@@ -75,13 +86,3 @@ class Signal(Element):
     @property
     def _next_value(self) -> str:
         return f"{self.name} + {self.sample}*({self.rate})"
-
-
-def check_sample(arguments: Arguments, sample: Formula | None) -> None:
-    """Note a time between samples that is a number, but not a positive one."""
-    number = None if sample is None else sample.constant()
-    if number is not None and not number > 0:
-        arguments.add(
-            "signal.sample", "sample", f"the time between samples is {sample}",
-            "samples are taken at the start and after every such time", "give seconds, such as sample = 0.01",
-        )  # fmt: skip

@@ -13,6 +13,9 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.native_call import check_status
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
+from symbody.expr.sequences.dependencies import dependencies
+from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Sequence as Operations
 from symbody.kernels.events import watch_block as at
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
@@ -94,7 +97,7 @@ class EventFunctions:
             empty if self._actions is None else self._numbers(self._actions),
             empty if self._closing is None else self._close_by(self._closing),
         )
-        return make_watch_block([event_numbers(eqs, event) for event in self.events], numbers)
+        return make_watch_block(numbers_of_events(eqs, self.events, self._values.sequence), numbers)
 
     def _close_by(self, function: CompiledFunction) -> Floats:
         """Return the block of what closes states with a function."""
@@ -168,13 +171,13 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
         raise UsageError(*problems)
 
 
-def event_numbers(eqs: EquationSet, event: Event) -> WatchedEvent:
-    """Return an event as numbers."""
+def event_numbers(eqs: EquationSet, event: Event, of_time: bool) -> WatchedEvent:
+    """Return an event as numbers; `of_time` if its value reads no state."""
     action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
     wraps = _reads_measured_angle(eqs, str(event.expression))
     targets = tuple(eqs.state_names.index(name) for name in event.mapping)
     level = event.level if isinstance(event, LevelEvent) else 0.0
-    return WatchedEvent(event.direction, action, wraps, targets, level)
+    return WatchedEvent(event.direction, action, wraps, targets, level, of_time)
 
 
 def _reads_measured_angle(eqs: EquationSet, expression: str) -> bool:
@@ -184,3 +187,14 @@ def _reads_measured_angle(eqs: EquationSet, expression: str) -> bool:
     names = eqs.formed.readable_names
     angles = {names.value(name).index for name in eqs.measured_angles}
     return not angles.isdisjoint(eqs.formed.graph.reachable(eqs.roots(expression).nodes))
+
+
+def numbers_of_events(
+    eqs: EquationSet, events: Sequence[Event], values: Operations
+) -> tuple[WatchedEvent, ...]:
+    """Return events as numbers; `values` computes theirs."""
+    if not any(event.mapping for event in events):
+        return tuple(event_numbers(eqs, event, False) for event in events)
+    reads = dependencies(written_out(values))
+    of_time = [{group for group, _ in read}.isdisjoint(("q", "u", "s")) for read in reads]
+    return tuple(event_numbers(eqs, event, alone) for event, alone in zip(events, of_time, strict=True))

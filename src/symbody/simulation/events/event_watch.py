@@ -58,6 +58,7 @@ class EventWatch:
         for row, given in zip(event_rows(self._block), sides, strict=False):
             row[[at.GOES_THROUGH, at.SIDE]] = given.side
             row[[at.JUST_HAPPENED, at.LARGEST]] = given.has_happened, given.largest
+            row[[at.WAS, at.DONE]] = given.was, given.done
         self._happened = np.zeros((_FIRST_ROOM + at.ZEROS_PER_EVENT * len(functions.events), self._row))
 
     @property
@@ -79,7 +80,7 @@ class EventWatch:
     def notes(self) -> tuple[str, ...]:
         """Where values were not numbers, or passed a pole: nothing happened there."""
         labels = [event.label for event in self._functions.events]
-        return value_notes(labels, event_rows(self._block)[:, at.NO_NUMBER : at.POLE_TIME + 1])
+        return value_notes(labels, event_rows(self._block)[:, at.NO_NUMBER : at.WAITS_TIME + 1])
 
     def sides_at(self, t: float) -> tuple[EventSide, ...]:
         """Return where the values stand at the end of the run [s]: those of the last samples."""
@@ -94,7 +95,8 @@ class EventWatch:
             stands = is_left and not has_happened
             value = row[at.G_LAST] if stands else 0.0
             side = float((value > 0.0) - (value < 0.0))
-            sides.append(EventSide(side, float(has_happened), row[at.LARGEST]))
+            was, done = (side, 0.0) if side else (row[at.WAS], row[at.DONE])
+            sides.append(EventSide(side, float(has_happened), row[at.LARGEST], was, done))
         return tuple(sides)
 
     @property
@@ -185,7 +187,7 @@ class EventWatch:
         elif place:
             self.ending = spoiled_note(event, place - 1, float(block[at.BAD_VALUE]))
         else:
-            self.ending = f"event {event.label!r} happens again and again"
+            self.ending = chattering_note(event.label, block[at.UNTURNED] != 0.0)
 
     def _make_room(self) -> None:
         self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
@@ -209,16 +211,29 @@ def spoiled_note(event: Event, place: int, value: float) -> str:
     )
 
 
+def chattering_note(label: str, goes_on: bool) -> str:
+    """Return what to say about an event that chatters; `goes_on` if its action at a start turned nothing."""
+    if goes_on:
+        return (
+            f"event {label!r} happens at a start where its value is zero, and after its action the value is "
+            "zero again and goes the same way; let the action turn the value back or move it off zero, or "
+            "begin beside zero"
+        )
+    return f"event {label!r} happens again and again"
+
+
 def value_notes(labels: Sequence[str], seen: Floats) -> tuple[str, ...]:
-    """Return notes on values that were not numbers, or had poles.
+    """Return notes on values that were not numbers, had poles, or rested at zero.
 
     Parameters
     ----------
-    seen : (events, 4) array
-        Whether and when a value was first no number, whether and when it had its first pole [s].
+    seen : (events, 6) array
+        Whether and when a value was first no number, whether and when it had its first pole [s], why and
+        since when an event waits for its value to leave zero.
     """
-    notes = []
-    for label, (is_none, since, has_pole, t) in zip(labels, seen.tolist(), strict=True):
+    notes: list[str] = []
+    waiting: dict[tuple[float, float], list[str]] = {}
+    for label, (is_none, since, has_pole, t, why, when) in zip(labels, seen.tolist(), strict=True):
         if is_none:
             notes.append(
                 f"event {label!r}: its value is not a number at t = {since:.6g} s, so it cannot happen "
@@ -229,4 +244,21 @@ def value_notes(labels: Sequence[str], seen: Floats) -> tuple[str, ...]:
                 f"event {label!r}: its value has a pole at t = {t:.6g} s, where its sign changes, but no "
                 "zero; give it a formula without poles, such as the denominator"
             )
-    return tuple(notes)
+        if why:
+            waiting.setdefault((why, when), []).append(repr(label))
+    return (*notes, *(_waiting_note(found, *key) for key, found in waiting.items()))
+
+
+def _waiting_note(labels: Sequence[str], why: float, t: float) -> str:
+    name = (
+        f"event {labels[0]}: its value is" if len(labels) == 1 else f"events {', '.join(labels)}: values are"
+    )
+    if why == at.RESTS:
+        return (
+            f"{name} zero at t = {t:.6g} s with first and second rates of zero: nothing happens there before "
+            "another action, sample or jump changes these rates, or zero has been left"
+        )
+    return (
+        f"{name} zero at t = {t:.6g} s without a sign before, and direction = 0 does not say from which "
+        "side zero is passed: nothing happens there before zero has been left; give direction = 1 or -1"
+    )

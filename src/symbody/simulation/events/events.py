@@ -47,11 +47,17 @@ class EventSide(NamedTuple):
         1 if the event has happened there and its value has not left zero yet.
     largest : float
         The largest value so far.
+    was : float
+        The sign of the value where it was last on a side.
+    done : float
+        The direction in which the value goes on through a zero at which the event has happened, else 0.
     """
 
     side: float = 0.0
     has_happened: float = 0.0
     largest: float = 0.0
+    was: float = 0.0
+    done: float = 0.0
 
 
 @checked_fields
@@ -59,8 +65,14 @@ class EventSide(NamedTuple):
 class Event:
     """A moment when an expression passes zero.
 
-    A value that is zero at the start, or after an action, has to leave zero before the event can happen. A
-    value that touches zero from one side counts if `direction` is 0. Angles of cut joints are measured
+    An event that sets values also happens where its value is zero at a start, or where a motion goes on after
+    an action, a sample or a jump, and leaves zero in the event's direction: the first rate that is not zero
+    decides, of the first and second. So balls that touch hit each other. If the value is zero again after
+    that action and goes the same way, as that of a ball that lies on its floor, the motion ends as
+    `Status.CHATTERING`. An event that records or stops, and one of direction 0 whose value had no sign yet,
+    happens once its value has left zero.
+
+    A value that touches zero from one side counts if `direction` is 0. Angles of cut joints are measured
     within half a turn; their jump from one end to the other does not count.
 
     Attributes

@@ -43,6 +43,8 @@ class WatchedEvent(NamedTuple):
         The states that it sets.
     level : float
         What is taken from its value.
+    of_time : bool
+        Whether its value reads no state, so that no action changes where it goes.
     """
 
     direction: int
@@ -50,6 +52,7 @@ class WatchedEvent(NamedTuple):
     wraps: bool
     targets: tuple[int, ...]
     level: float = 0.0
+    of_time: bool = False
 
 
 class WatchNumbers(NamedTuple):
@@ -124,6 +127,7 @@ def _event_table(events: Sequence[WatchedEvent]) -> Floats:
     first = 0
     for row, event in zip(table, events, strict=True):
         row[[at.WAY, at.ACTION, at.WRAPS]] = event.direction, event.action, event.wraps
+        row[at.OF_TIME] = event.of_time
         row[[at.SET_COUNT, at.SET_FIRST, at.LEVEL]] = len(event.targets), first, event.level
         row[at.MOST] = _MOST_RECORDED if event.action == at.RECORDS else _MOST_ACTING
         first += len(event.targets)

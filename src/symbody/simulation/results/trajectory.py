@@ -133,8 +133,8 @@ class Trajectory(SampleTable):
 
     def __getattr__(self, name: str) -> NoReturn:
         """Refuse an attribute that does not exist; outputs are read by their names in brackets."""
-        kind = type(self).__name__
-        is_set = not name.startswith("_") and name not in type(self).__dataclass_fields__  # none before it is made
+        kind, fields = type(self).__name__, type(self).__dataclass_fields__
+        is_set = not name.startswith("_") and name not in fields  # none before it is made
         if is_set and name in (*self.coordinate_names, *self.speed_names, *self.units):
             raise AttributeError(f"a {kind} has its outputs in brackets: run[{name!r}]", name=name, obj=self)
         raise AttributeError(f"{kind!r} object has no attribute {name!r}", name=name, obj=self)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.formation.values import constant_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -188,6 +189,7 @@ def held_signals(
         return HeldSignals(eqs, (), span[0])
     _check_direction(signals, span)
     _check_inputs(signals, inputs)
+    parameter_set(eqs, parameters).require_possible()
     given = initial or {}
     steps = constant_values(eqs, {s.name: s.sample for s in signals if s.sample is not None}, parameters)
     starts = constant_values(eqs, {s.name: given.get(s.name, s.initial) for s in signals}, parameters)

@@ -12,6 +12,7 @@ from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import Callback, InputLaws, input_laws
 from symbody.simulation.inputs.tables import table_numbers
@@ -109,6 +110,7 @@ def step_problem(
     sizes: Sizes | None = None,
 ) -> StepProblem:
     """Return the equations with values of parameters; `sizes` follow from a state x if there are none."""
+    parameter_set(settings.eqs, parameters).require_possible()
     laws = own_laws(settings, numbers.t)
     problem = SimulationProblem(
         settings.moving,

@@ -28,6 +28,9 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, CompileError, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model, value_problems
+from symbody.model.signals.block import SignalBlock
+from symbody.model.signals.domains import Demand
+from symbody.model.signals.signal import Signal
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.sweeps.case_scales import CaseScales, case_scales, case_values
 from symbody.simulation.sweeps.case_table import CaseTable
@@ -95,7 +98,7 @@ def first_states(
 
 
 def impossible_cases(eqs: EquationSet, table: CaseTable) -> dict[int, str]:
-    """Return the cases in which masses or inertias are none, and why."""
+    """Return the cases in which masses, inertias or arguments of blocks are none, and why."""
     model = eqs.model
     if not isinstance(model, Model) or not table.parameter_names:
         return {}
@@ -105,8 +108,13 @@ def impossible_cases(eqs: EquationSet, table: CaseTable) -> dict[int, str]:
             formulas |= {f"{name} {k} {i}": formula for i, formula in enumerate(own)}
     armatures = [formula for joint in model.joints for formula in joint.armature.values()]
     formulas |= {f"armature {k}": formula for k, formula in enumerate(armatures)}
+    demands = _block_demands(model)
+    formulas |= {f"demand {k}": formula for k, (_, formula, _) in enumerate(demands)}
     values = case_values(eqs, table, formulas)
     doubtful = np.zeros(table.count, dtype=np.bool_)
+    for k, demand in enumerate(demands):
+        column = np.broadcast_to(values[f"demand {k}"], doubtful.shape)
+        doubtful |= np.array([not demand.domain.has(value) for value in column.tolist()])
     for name, column in values.items():
         if name.startswith(("mass", "armature")):
             doubtful |= column < 0.0
@@ -119,6 +127,14 @@ def impossible_cases(eqs: EquationSet, table: CaseTable) -> dict[int, str]:
         if problems:
             notes[k] = str(CompileError(*problems))
     return notes
+
+
+def _block_demands(model: Model) -> list[Demand]:
+    """Return what signals and blocks demand of formulas of parameters."""
+    known = {"pi", *model.parameters}
+    blocks = [element for element in model.elements if isinstance(element, Signal | SignalBlock)]
+    every = [demand for block in blocks for demand in block.demands()]
+    return [one for one in every if one.formula.names and known.issuperset(one.formula.names)]
 
 
 def _is_doubtful(moments: Floats, products: Floats) -> NDArray[np.bool_]:

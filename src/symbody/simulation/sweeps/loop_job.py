@@ -20,7 +20,7 @@ from symbody.simulation.events.event_functions import (
     action_outputs,
     check_action_shapes,
     check_value_shapes,
-    event_numbers,
+    numbers_of_events,
 )
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
@@ -132,7 +132,7 @@ def case_watch(
     if (eqs.multiplier_names or eqs.quaternions) and any(event.action != "record" for event in events):
         closing = bound_function(eqs, CLOSING if outputs else POSED, parameters, free, inputs)
     return CaseWatch(
-        values, actions, labels, tuple(event_numbers(eqs, event) for event in events), eqs.state_names,
+        values, actions, labels, numbers_of_events(eqs, events, values.sequence), eqs.state_names,
         closing, state_shape(eqs), share,
     )  # fmt: skip
 

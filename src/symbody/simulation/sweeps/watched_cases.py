@@ -12,7 +12,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
 from symbody.kernels.events import watch_block as watch_at
 from symbody.kernels.events import watched_cases as loop_at
-from symbody.simulation.events.event_watch import value_notes
+from symbody.simulation.events.event_watch import chattering_note, value_notes
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block, with_cut_fit
 from symbody.simulation.inputs.tables import table_numbers
@@ -178,7 +178,8 @@ class WatchedLoop:
         notes = value_notes(labels, seen) if seen.any() else ()
         if records.codes[k] == at.CHATTERING:
             culprit = labels[int(look[loop_at.LOOK_CULPRIT]) - 1]
+            ending = chattering_note(culprit, look[loop_at.LOOK_UNTURNED] != 0.0)
             stop = f"the motion is known up to t = {records.reached[k]:.9g} s"
-            notes = (*notes, f"{stop}; there event {culprit!r} happens again and again")
+            notes = (*notes, f"{stop}; there {ending}")
         work = self._samples[k, : records.counts[k, at.SAMPLES], -1].copy()
         return CaseDetails("; ".join(notes), events, work)

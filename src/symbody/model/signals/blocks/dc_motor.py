@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, final
+from typing import ClassVar, Final, final
 
 from symbody.model.declarations.fields import Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
+from symbody.model.signals.domains import NOT_NEGATIVE, Domain
 from symbody.model.signals.signal import Signal
+
+_INDUCTANCE: Final = Domain(
+    "block.domain", "{formula} is {value} H", "the rate of the current is divided by it",
+    "give henries above 0, or the torque as a formula", 0.0, above=True,
+)  # fmt: skip
 
 
 @final
@@ -25,8 +31,8 @@ class DCMotor(SignalBlock):
 
     voltage: Quantity = Quantity("Voltage at its terminals.", unit="V", scope=Scope.LOAD)
     speed: Quantity = Quantity("Speed of the rotor.", unit="rad/s", scope=Scope.LOAD)
-    resistance: Quantity = Quantity("Of the winding.", unit="Ohm", scope=Scope.LOAD)
-    inductance: Quantity = Quantity("Of the winding.", unit="H", scope=Scope.LOAD)
+    resistance: Quantity = Quantity("Of the winding.", unit="Ohm", scope=Scope.LOAD, fits=NOT_NEGATIVE)
+    inductance: Quantity = Quantity("Of the winding.", unit="H", scope=Scope.LOAD, fits=_INDUCTANCE)
     constant: Quantity = Quantity(
         "Torque over current, and voltage over speed.", unit="N m/A, V s/rad", scope=Scope.LOAD
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
-from math import factorial
+from math import factorial, sqrt
 from typing import ClassVar, Final, final
 
 from symbody.model.declarations.arguments import Arguments
@@ -11,10 +12,10 @@ from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
-from symbody.model.signals.blocks.transfer_function import realize
-from symbody.model.signals.signal import Signal, check_sample
+from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand
+from symbody.model.signals.signal import Signal
 
-_HIGHEST: Final = 10  # coefficients of further orders span more than the digits of a double
+_HIGHEST: Final = 10  # above that the fastest pole costs more steps than the delay gains in exactness
 _MOST: Final = 1000  # samples
 _EXACT: Final = 1e-9  # share by which times in decimals may miss a whole number of samples
 
@@ -34,12 +35,13 @@ class Delay(SignalBlock):
     time: Quantity = Quantity("How long it is delayed.", unit="s")
     order: Quantity = Quantity("Order of the approximation, 1 to 10.", default=3)
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples, of which the delay is a multiple; continuous without.", unit="s"
-    )
+        "Time between samples, of which the delay is a multiple; continuous without.", unit="s",
+        fits=SAMPLE_TIME,
+    )  # fmt: skip
 
     def check(self, arguments: Arguments) -> None:
         """Note an order that is none, and a delay that is not a number of samples."""
-        check_sample(arguments, self.sample)
+        SignalBlock.check(self, arguments)
         if self.sample is not None and self._samples is None:
             arguments.add(
                 "block.delay_samples", "time",
@@ -54,16 +56,30 @@ class Delay(SignalBlock):
                 "the delay becomes a ratio of two polynomials of this degree", f"write 1 to {_HIGHEST}",
             )  # fmt: skip
 
+    def joint_demands(self) -> Iterator[Demand]:
+        """Yield the demand on the time: sampled, a delay may be none."""
+        yield Demand("time", self.time, TIME if self.sample is None else NOT_NEGATIVE)
+
     @property
     def signals(self) -> tuple[Signal, ...]:
         """The states, in which time is counted in delays, and the output."""
         if self.sample is not None:
             return self._sampled_signals()
         order = int(self.order.constant() or 1)
-        weights = [_weight(order, k) for k in range(order, -1, -1)]
-        signed = [weight if (order - k) % 2 == 0 else -weight for k, weight in enumerate(weights)]
-        numerator, denominator = ([f"({each})" for each in row] for row in (signed, weights))
-        return realize(self.name, in_brackets(self.input), numerator, denominator, in_brackets(self.time))
+        given, time = in_brackets(self.input), in_brackets(self.time)
+        states = [f"{self.name}_{k + 1}" for k in range(order)]
+        damping, couplings = _schwarz_form(order)
+        inflow = _near_root(2 * damping)
+        rates = [""] * order
+        for k, coupling in enumerate(couplings):
+            forward = _near_root(coupling)
+            rates[k] += f" + ({forward})*{states[k + 1]}"
+            rates[k + 1] += f" - ({coupling / forward})*{states[k]}"
+        rates[-1] += f" - ({damping})*{states[-1]} + ({inflow})*{given}"
+        chain = [Signal(x, rate=f"({rate})/{time}") for x, rate in zip(states, rates, strict=True)]
+        passed = f"({2 * damping / inflow})*{states[-1]}"
+        output = f"{given} - {passed}" if order % 2 == 0 else f"{passed} - {given}"
+        return (*chain, Signal(self.name, output))
 
     @property
     def _samples(self) -> int | None:
@@ -81,6 +97,31 @@ class Delay(SignalBlock):
         places = [f"{self.name}_{k + 1}" for k in range(count)]
         chain = zip([self.name, *places[::-1]], [*places[::-1], in_brackets(self.input)], strict=True)
         return tuple(Signal(name, value, sample=self.sample) for name, value in chain)
+
+
+def _schwarz_form(n: int) -> tuple[Fraction, list[Fraction]]:
+    """Return the damping of the last state and the couplings of neighbours, the first two first.
+
+    The denominator P_n of an all-pass is (s + damping) P_{n-1} + coupling P_{n-2}, and each lower P_k is
+    s P_{k-1} + coupling P_{k-2}. With couplings as products of equal factors, of opposite sign, this is the
+    balanced realization: no state grows beyond the input that it stores (Schwarz, ZAMP 7, 1956).
+    """
+    damping = _weight(n, n - 1) / _weight(n, n)
+    monic = [_weight(n, k) / _weight(n, n) for k in range(n + 1)]
+    high = [entry if (n - k) % 2 == 0 else Fraction(0) for k, entry in enumerate(monic)]
+    low = [entry / damping if (n - k) % 2 else Fraction(0) for k, entry in enumerate(monic[:n])]
+    couplings: list[Fraction] = []
+    while len(low) > 1:
+        rest = [entry - before for entry, before in zip(high, [Fraction(0), *low], strict=True)]
+        degree = len(low) - 2
+        couplings.insert(0, rest[degree])
+        high, low = low, [entry / rest[degree] for entry in rest[: degree + 1]]
+    return damping, couplings
+
+
+def _near_root(number: Fraction) -> int:
+    """Return a whole number near the square root: so coefficients are ratios, and the delay is as exact."""
+    return max(round(sqrt(number)), 1)
 
 
 def _weight(n: int, k: int) -> Fraction:

@@ -8,6 +8,7 @@ from symbody.model.declarations.fields import Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
+from symbody.model.signals.domains import TIME
 from symbody.model.signals.signal import Signal
 
 
@@ -20,7 +21,7 @@ class FirstOrder(SignalBlock):
     states: ClassVar[str] = "`y`, the output itself"
 
     input: Quantity = Quantity("What it follows.", scope=Scope.LOAD)
-    time: Quantity = Quantity("Time constant.", unit="s", scope=Scope.LOAD)
+    time: Quantity = Quantity("Time constant.", unit="s", scope=Scope.LOAD, fits=TIME)
     gain: Quantity = Quantity("Output over input at rest.", default=1, scope=Scope.LOAD)
     initial: Quantity = Quantity("Output at the start.", default=0)
 

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, final
+from collections.abc import Iterator
+from typing import ClassVar, Final, final
 
-from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.fields import Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
-from symbody.model.signals.signal import Signal, check_sample
+from symbody.model.signals.domains import SAMPLE_TIME, Demand, Domain, difference
+from symbody.model.signals.signal import Signal
+
+_THRESHOLDS: Final = Domain(
+    "block.thresholds", "it is above the upper threshold: {formula} is {value}",
+    "between them the output stays as it is", "exchange them", 0.0,
+)  # fmt: skip
 
 
 @final
@@ -29,20 +35,14 @@ class Hysteresis(SignalBlock):
     input: Quantity = Quantity("What is compared.", scope=Scope.LOAD)
     lower: Quantity = Quantity("Threshold below which it is switched to low.", scope=Scope.LOAD)
     upper: Quantity = Quantity("Threshold above which it is switched to high.", scope=Scope.LOAD)
-    sample: Quantity = Quantity("Time between samples.", unit="s")
+    sample: Quantity = Quantity("Time between samples.", unit="s", fits=SAMPLE_TIME)
     low: Quantity = Quantity("Output below.", default=0, scope=Scope.LOAD)
     high: Quantity = Quantity("Output above.", default=1, scope=Scope.LOAD)
     initial: Quantity = Quantity("Output before the first sample.", default=0)
 
-    def check(self, arguments: Arguments) -> None:
-        """Note thresholds in the wrong order."""
-        check_sample(arguments, self.sample)
-        lower, upper = self.lower.constant(), self.upper.constant()
-        if lower is not None and upper is not None and lower > upper:
-            arguments.add(
-                "block.thresholds", "lower", f"{self.lower} is above the upper one, {self.upper}",
-                "between them the output stays as it is", "exchange them",
-            )  # fmt: skip
+    def joint_demands(self) -> Iterator[Demand]:
+        """Yield the demand on the order of the thresholds."""
+        yield Demand("lower", difference(self.upper, self.lower), _THRESHOLDS)
 
     @property
     def continuous(self) -> None:

@@ -2,14 +2,31 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, final
+from collections.abc import Iterator
+from typing import ClassVar, Final, final
 
+from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import NamedGains, OutputLimits, block
-from symbody.model.signals.signal import Signal, check_sample
+from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand, Domain, difference
+from symbody.model.signals.signal import Signal
+
+_LIMITS: Final = Domain(
+    "block.limits", "the lowest output is above the highest: {formula} is {value}",
+    "the first is the lowest value, the second the highest", "exchange them", 0.0,
+)  # fmt: skip
+_TRACKING: Final = Domain(
+    "block.tracking", "p = {formula} is {value}, and there is no tracking",
+    "the integral is led back at limits in the time p/i", "give tracking, a time in seconds", nonzero=True,
+)  # fmt: skip
+_SAME_SIGN: Final = Domain(
+    "block.tracking", "p i = {formula} is {value}, and there is no tracking",
+    "the integral would be led away from limits, in the time p/i",
+    "give p and i one sign, or tracking, a time in seconds", 0.0,
+)  # fmt: skip
 
 
 @final
@@ -38,16 +55,17 @@ class PID(SignalBlock):
     )
     limits: OutputLimits = OutputLimits("Lowest and highest output.", default=None)
     tracking: OptionalQuantity = OptionalQuantity(
-        "Time in which the integral is led back at limits; by default p/i.", unit="s", scope=Scope.LOAD
-    )
+        "Time in which the integral is led back at limits; by default p/i.", unit="s", scope=Scope.LOAD,
+        fits=TIME,
+    )  # fmt: skip
     initial: Quantity = Quantity("Integral part at the start.", default=0)
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples of a digital controller; continuous without.", unit="s"
+        "Time between samples of a digital controller; continuous without.", unit="s", fits=SAMPLE_TIME
     )
 
     def check(self, arguments: Arguments) -> None:
         """Note a derivative without filter, and limits without a time in which to lead the integral back."""
-        check_sample(arguments, self.sample)
+        SignalBlock.check(self, arguments)
         if self._has("d") and not self._has("filter") and self.sample is None:
             arguments.add(
                 "block.derivative", "gains.d", "there is no filter for the derivative",
@@ -65,6 +83,18 @@ class PID(SignalBlock):
                 "signal.initial", "initial", "there is no integral to start from it",
                 "the integral alone has an initial value, and i is 0", "leave initial out, or give a gain i",
             )  # fmt: skip
+
+    def joint_demands(self) -> Iterator[Demand]:
+        """Yield the demands on the filter, on the order of limits, and on p and i where p/i is a time."""
+        if "filter" in self.gains:
+            yield Demand("gains.filter", self.gains["filter"], TIME if self.sample is None else NOT_NEGATIVE)
+        if self.limits is None:
+            return
+        yield Demand("limits", difference(self.limits[1], self.limits[0]), _LIMITS)
+        if self._has("i") and self._has("p") and self.tracking is None:
+            p, i = self.gains["p"], self.gains["i"]
+            yield Demand("gains", p, _TRACKING)
+            yield Demand("gains", Formula.from_value(f"({p.text})*({i.text})"), _SAME_SIGN)
 
     @property
     def continuous(self) -> PID:

@@ -9,7 +9,8 @@ from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import block
-from symbody.model.signals.signal import Signal, check_sample
+from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME
+from symbody.model.signals.signal import Signal
 
 
 @final
@@ -24,19 +25,22 @@ class RateLimit(SignalBlock):
     states: ClassVar[str] = "`y`, the output itself"
 
     input: Quantity = Quantity("What it follows.", scope=Scope.LOAD)
-    rise: Quantity = Quantity("Fastest rise per second.", scope=Scope.LOAD)
+    rise: Quantity = Quantity("Fastest rise per second.", scope=Scope.LOAD, fits=NOT_NEGATIVE)
     time: OptionalQuantity = OptionalQuantity(
-        "Time constant of the lag, short; none where it is sampled.", unit="s", scope=Scope.LOAD
+        "Time constant of the lag, short; none where it is sampled.", unit="s", scope=Scope.LOAD, fits=TIME
     )
     fall: OptionalQuantity = OptionalQuantity(
-        "Fastest fall per second, positive; by default as fast as the rise.", scope=Scope.LOAD
-    )
+        "Fastest fall per second, positive; by default as fast as the rise.", scope=Scope.LOAD,
+        fits=NOT_NEGATIVE,
+    )  # fmt: skip
     initial: Quantity = Quantity("Output at the start.", default=0)
-    sample: OptionalQuantity = OptionalQuantity("Time between samples; continuous without.", unit="s")
+    sample: OptionalQuantity = OptionalQuantity(
+        "Time between samples; continuous without.", unit="s", fits=SAMPLE_TIME
+    )
 
     def check(self, arguments: Arguments) -> None:
         """Note a lag that is missing, or one too many."""
-        check_sample(arguments, self.sample)
+        SignalBlock.check(self, arguments)
         if self.time is None and self.sample is None:
             arguments.add(
                 "block.time", "time", "there is no time constant",

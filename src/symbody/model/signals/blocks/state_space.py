@@ -11,7 +11,8 @@ from symbody.model.declarations.fields import OptionalQuantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import Coefficients, MatrixRows, Rows, block
-from symbody.model.signals.signal import Signal, check_sample
+from symbody.model.signals.domains import SAMPLE_TIME
+from symbody.model.signals.signal import Signal
 
 
 @final
@@ -33,12 +34,12 @@ class StateSpace(SignalBlock):
     D: MatrixRows = MatrixRows("(outputs, inputs), row by row; by default 0.", default=())
     initial: Coefficients = Coefficients("States at the start, by default 0.", default=())
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; x' is the next x then, the rate of x without.", unit="s"
+        "Time between samples; x' is the next x then, the rate of x without.", unit="s", fits=SAMPLE_TIME
     )
 
     def check(self, arguments: Arguments) -> None:
         """Note matrices that do not fit each other."""
-        check_sample(arguments, self.sample)
+        SignalBlock.check(self, arguments)
         n, m, p = len(self.A), len(self.inputs), len(self.C)
         for name, rows, height, width in (
             ("A", self.A, n, n), ("B", self.B, n, m), ("C", self.C, p, n), ("D", self.D or ((),) * p, p, m),

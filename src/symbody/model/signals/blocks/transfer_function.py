@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import comb
-from typing import ClassVar, final
+from typing import ClassVar, Final, final
 
 from symbody.errors import ModelError
 from symbody.expr.language.formula import Formula
@@ -13,7 +13,14 @@ from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
 from symbody.model.signals.block_fields import Coefficients, block
-from symbody.model.signals.signal import Signal, check_sample
+from symbody.model.signals.domains import SAMPLE_TIME, Demand, Domain
+from symbody.model.signals.signal import Signal
+
+_LEADING: Final = Domain(
+    "block.no_polynomial", "{formula} is {value}",
+    "the first coefficient belongs to the highest power, and divides", "leave powers without coefficient out",
+    nonzero=True,
+)  # fmt: skip
 
 
 @final
@@ -36,13 +43,13 @@ class TransferFunction(SignalBlock):
     numerator: Coefficients = Coefficients("Its coefficients, highest power first.")
     denominator: Coefficients = Coefficients("Its coefficients, highest power first; the first is not 0.")
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; the polynomials are in z then, in s without.", unit="s"
+        "Time between samples; the polynomials are in z then, in s without.", unit="s", fits=SAMPLE_TIME
     )
 
     def check(self, arguments: Arguments) -> None:
         """Note polynomials that make no proper transfer function."""
-        check_sample(arguments, self.sample)
-        if not self.numerator or not self.denominator or self.denominator[0].constant() == 0:
+        SignalBlock.check(self, arguments)
+        if not self.numerator or not self.denominator:
             arguments.add(
                 "block.no_polynomial", "denominator", "the polynomials have no leading coefficients",
                 "the first coefficient belongs to the highest power",
@@ -54,6 +61,11 @@ class TransferFunction(SignalBlock):
                 "that is a derivative, and of a rate an acceleration",
                 "give the denominator more powers, such as a filter (1 + T s) with a short time T",
             )  # fmt: skip
+
+    def joint_demands(self) -> Iterator[Demand]:
+        """Yield the demand on the first coefficient of the denominator."""
+        if self.denominator:
+            yield Demand("denominator[0]", self.denominator[0], _LEADING)
 
     @property
     def _numerator(self) -> tuple[Formula, ...]:
@@ -114,12 +126,11 @@ def _sampled_signals(
 
 
 def realize(
-    name: str, given: str, numerator: Sequence[str], denominator: Sequence[str], unit: str = ""
+    name: str, given: str, numerator: Sequence[str], denominator: Sequence[str]
 ) -> tuple[Signal, ...]:
     """Return a transfer function as a chain of integrators ``name_1 .. name_n`` and the output `name`.
 
-    With a(s) x_1 = u, x_k is the derivative of x_1 of order k - 1: the controllable canonical form. Where
-    time is counted in a `unit`, the polynomials are those of s times it.
+    With a(s) x_1 = u, x_k is the derivative of x_1 of order k - 1: the controllable canonical form.
     """
     n = len(denominator) - 1
     b = ["0"] * (n + 1 - len(numerator)) + list(numerator)
@@ -127,7 +138,6 @@ def realize(
     states = [f"{name}_{k + 1}" for k in range(n)]
     fed_back = "".join(f" - {a}*{x}" for a, x in zip(lower, states, strict=True))
     rates = [*states[1:], f"({given}{fed_back})/{first}"]
-    rates = [f"{rate}/{unit}" for rate in rates] if unit else rates
     chain = [Signal(state, rate=rate) for state, rate in zip(states, rates[:n], strict=True)]
     terms = []
     for k, state in enumerate(states):
