@@ -167,9 +167,7 @@ class FmuProgram:
         eqs, nothing, n = self.eqs, np.zeros(0), len(self.eqs.state_names)
         events = numbers_of_events(eqs, self.events, self.functions["indicators"].sequence)
         room_for_work = n + 1  # which the rules of events leave out
-        sizes = WatchNumbers(
-            room_for_work, len(eqs.speed_names), 0, nothing, np.zeros(1), nothing, 0, nothing
-        )
+        sizes = WatchNumbers(room_for_work, len(eqs.speed_names), nothing, np.zeros(1), nothing)
         made = make_watch_block(events, sizes)
         made[[watch_block.DIRECTION, watch_block.ACTION_VALUES]] = 1.0, n
         return made
