@@ -102,7 +102,7 @@ function TableRow({ section, name, value, list, rename }: { readonly section: st
     <div className="table-row">
       <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={change} list={section === "initial" ? list : ""} />
       <span aria-hidden="true">=</span>
-      <div><FormulaInput pointer={pointer} value={value} label={name} wrong={problems.some((each) => each.severity === "error")} /></div>
+      <div><FormulaInput pointer={isObject(value) ? `${pointer}/value` : pointer} value={isObject(value) ? value["value"] : value} label={name} wrong={problems.some((each) => each.severity === "error")} /></div>
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, pointer, undefined)); }}><Icon name="trash" size={14} /></button>
       <ProblemLines problems={problems} />
     </div>
