@@ -248,3 +248,20 @@ def test_table_that_is_the_law_of_an_input_is_noted(tmp_path: Path) -> None:
     eqs = sb.form_equations(sb.load_model(EXAMPLES / "quarter_car" / "quarter_car.toml"))
     made = sb.save_fmu(eqs, tmp_path / "car.fmu", platforms=())
     assert made.notes[-1].startswith("road is an input: 0 until an importer sets it")
+
+
+@pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
+def test_what_an_action_sets_holds_in_a_loop(kind: str, tmp_path: Path) -> None:
+    """A crank that turns back at half its rate takes the whole loop with it; what cannot be met is said."""
+    eqs = example("slider_crank")
+    turn = sb.Event("t - 0.1", action={"theta_dot": "-theta_dot/2"})
+    run = sb.simulate(eqs, 0.2, times=np.linspace(0.0, 0.2, 21), rtol=1e-11, events=turn)
+    made = sb.save_fmu(eqs, tmp_path / "crank.fmu", events=[turn])
+    seen = simulate(made.path, kind, 0.2, eqs.state_names, 1e-9)
+    behind = run.t > 0.1
+    # as in `test_motion_is_that_of_simulate`, a fifth of its time
+    assert np.abs(seen[:, behind] - states(run)[:, behind]).max() < 1e-4
+    tear = sb.Event("t - 0.1", action={"theta_dot": "-theta_dot", "s_dot": "5 + s_dot"})
+    torn = sb.save_fmu(eqs, tmp_path / "torn.fmu", events=[tear])
+    with pytest.raises(Exception, match="fmi|FMI"):
+        simulate(torn.path, kind, 0.2, eqs.state_names, 1e-9)

@@ -51,6 +51,8 @@ describe("a pose that becomes the start", () => {
   it("changes what moved, in the unit of the file", () => {
     const data = withInitial(sliderCrank, { theta: Math.PI / 4, beta: -0.2, s: 1.25 }, { theta: 0.5, beta: -0.2, s: 1.3 });
     expect(data["initial"]).toEqual({ theta: "45 deg", beta: "-12 deg", s: "1.25", theta_dot: "5.0" });
+    const held = { ...sliderCrank, initial: { theta: { value: "30 deg", priority: "hold" } } };
+    expect(withInitial(held, { theta: Math.PI / 4 }, { theta: 0.5 })["initial"]).toEqual({ theta: { value: "45 deg", priority: "hold" } });
     expect(initialText(1 / 3, "1.0")).toBe("0.333333");
     expect(initialText(Math.PI, undefined)).toBe("3.14159");
   });

@@ -1,6 +1,6 @@
 /** Initial values of coordinates, as a pose that was dragged says them. */
 
-import { joinPointer, valueAt, withValue } from "./pointers";
+import { isObject, joinPointer, valueAt, withValue } from "./pointers";
 import type { Json, Model } from "../types";
 
 type Values = Readonly<Record<string, number>>;
@@ -15,12 +15,17 @@ export function initialText(value: number, before: Json | undefined): string {
   return degrees ? `${number} deg` : number;
 }
 
+/** Return where the value itself stands: first values with a priority are tables. */
+export function valuePointer(data: Json | undefined, pointer: string): string {
+  return isObject(valueAt(data, pointer)) ? `${pointer}/value` : pointer;
+}
+
 /** Return data that begin in a pose; values that are as they were at the start stay as they are written. */
 export function withInitial(data: Model, values: Values, start: Values): Model {
   return Object.entries(values).reduce((before, [name, value]) => {
     const first = start[name];
     if (first !== undefined && Math.abs(value - first) <= SAME * Math.max(1, Math.abs(value))) return before;
-    const pointer = `/initial${joinPointer(name)}`;
+    const pointer = valuePointer(before, `/initial${joinPointer(name)}`);
     return withValue(before, pointer, initialText(value, valueAt(before, pointer)));
   }, data);
 }

@@ -100,7 +100,7 @@ function TableRow({ section, name, value, list, rename }: { readonly section: st
     <div className="table-row">
       <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={(text) => rename(name, text)} list={section === "initial" ? list : ""} />
       <span aria-hidden="true">=</span>
-      <div><FormulaInput pointer={pointer} value={value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}</div>
+      <div><FormulaInput pointer={isObject(value) ? `${pointer}/value` : pointer} value={isObject(value) ? value["value"] : value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}</div>
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, pointer, undefined)); }}><Icon name="trash" size={14} /></button>
       <ProblemLines problems={problems} />
     </div>
