@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from symbody.kernels.events.acting_events import judge_action
 from symbody.kernels.events.event_location import BESIDE, state_at, value_at
 from symbody.kernels.events.event_slopes import (
     compute_action,
@@ -15,7 +16,7 @@ from symbody.kernels.events.event_slopes import (
     slope_along,
     take_rates,
 )
-from symbody.kernels.events.event_starts import LOWEST, judge_action
+from symbody.kernels.events.event_starts import LOWEST
 from symbody.kernels.events.watch_block import (
     ACTED,
     ACTION,
