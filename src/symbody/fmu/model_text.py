@@ -34,7 +34,7 @@ _KERNELS: Final = (
     ("solve_saddle", ("solve_saddle",)),
     ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
 )
-_ACTING_KERNELS: Final = (("event_starts", ("starting_event", "end_action")),)
+_ACTING_KERNELS: Final = (("acting_events", ("starting_event", "end_action")),)
 _IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
 _BLOCK_PLACES: Final = (
     "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",

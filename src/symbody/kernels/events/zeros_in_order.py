@@ -9,6 +9,7 @@ from typing import Final
 
 from symbody.kernels.configurations.assembly import ASSEMBLED
 from symbody.kernels.configurations.closing import close_state, hold
+from symbody.kernels.events.acting_events import judge_action
 from symbody.kernels.events.event_location import BESIDE, state_at, value_at
 from symbody.kernels.events.event_slopes import (
     compute_action,
@@ -17,7 +18,7 @@ from symbody.kernels.events.event_slopes import (
     slope_along,
     take_rates,
 )
-from symbody.kernels.events.event_starts import LOWEST, judge_action
+from symbody.kernels.events.event_starts import LOWEST
 from symbody.kernels.events.watch_block import (
     ACTED,
     ACTION,
