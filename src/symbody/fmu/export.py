@@ -45,8 +45,8 @@ _LICENCE: Final = "documentation/licenses/fmi-headers.txt"
 # Measured in docs/fmu.md: neither the export nor its stabilizing terms are the cause, but the method.
 _ADVICE: Final = (
     "model exchange is as exact as the importer's integrator: by backward differentiation (CVODE, as in "
-    "FMPy) errors are 10 to 1,000 times those of co-simulation at the same tolerance; use co-simulation, or a "
-    "tolerance of 1e-10"
+    "FMPy) errors are 10 to 1,000 times those of co-simulation at the same tolerance; use co-simulation, or "
+    "a tolerance of 1e-10"
 )
 
 
