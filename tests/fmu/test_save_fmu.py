@@ -248,6 +248,7 @@ def test_table_that_is_the_law_of_an_input_is_noted(tmp_path: Path) -> None:
     eqs = sb.form_equations(sb.load_model(EXAMPLES / "quarter_car" / "quarter_car.toml"))
     made = sb.save_fmu(eqs, tmp_path / "car.fmu", platforms=())
     assert made.notes[-1].startswith("road is an input: 0 until an importer sets it")
+    assert "use co-simulation, or a tolerance of 1e-10" in made.notes[-2]
 
 
 @pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])

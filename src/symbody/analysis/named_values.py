@@ -159,7 +159,8 @@ def read_value(eqs: EquationSet, name: str, value: Value, where: str = "") -> Va
     if formula.is_in_degrees and name not in angle_names(eqs):
         raise UsageError(
             Problem("model.not_an_angle", where or name, f"{value} belongs to {name}, which is not an angle",
-                    "deg is understood for angles alone", "write the value in SI units")
+                    "deg is understood for angles alone",
+                    f"write the value in SI units: {value.replace(' deg', '*pi/180')} of a rate in degrees")
         )  # fmt: skip
     return formula
 

@@ -140,12 +140,7 @@ def simulate(
     curves: Annotated[
         Pairs, option("--show", "-s", metavar="OUTPUT", text="What to plot; repeatable; all coordinates.")
     ] = None,
-    out: Annotated[
-        Path | None,
-        option(
-            "--out", "-o", text="Plot file; by default beside the model, replaced if it is symbody's own."
-        ),
-    ] = None,
+    out: Annotated[Path | None, option("--out", "-o", text="Plot file; by default beside the model.")] = None,
     csv: Annotated[Path | None, option("--csv", text="Also write states and curves as CSV.")] = None,
     samples: Annotated[
         int | None, option("--samples", text="Evenly spaced samples; default: every step.")

@@ -175,7 +175,6 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     others: set[str] = set()
     values = [(f"model, initial.{name}", name, formula) for name, formula in draft.initial.items()]
     for label, element in zip(labels, draft.elements, strict=True):
-        values += _lengths_and_masses(element, label)
         if isinstance(element, Joint):
             angles.update(element.angle_coordinates)
             others.update(element.coordinates, element.quasi_speed_names)
@@ -193,16 +192,8 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
             "write the value in SI units",
         )
         for where, name, formula in values
-        if (name in others - angles or where.endswith(f", {name}")) and formula.is_in_degrees
+        if name in others - angles and formula.is_in_degrees
     ]
-
-
-def _lengths_and_masses(element: Element, label: str) -> Iterator[tuple[str, str, Formula]]:
-    """Yield place, name and value of the arguments whose unit says that they are no angles."""
-    for name, field in element.fields.items():
-        value = getattr(element, name)
-        if field.unit and "rad" not in field.unit and isinstance(value, Formula):
-            yield f"{label}, {name}", name, value
 
 
 def _check_numbers(draft: Draft, labels: Iterable[str]) -> NumericChecks:

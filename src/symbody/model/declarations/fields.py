@@ -109,7 +109,14 @@ class Quantity(Field[Value, Formula]):
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Formula:
         """Return the formula."""
-        return arguments.formula(value, path)
+        formula = arguments.formula(value, path)
+        has_angles = "rad" in self.unit or not self.unit or self.scope is Scope.LOAD
+        if formula.is_in_degrees and not has_angles:
+            arguments.add(
+                "model.not_an_angle", path, f"{formula} is no value in {self.unit}",
+                "deg is understood for angles alone", "write the value in SI units",
+            )  # fmt: skip
+        return formula
 
     def formula_sites(self, owner: object, value: Formula, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""

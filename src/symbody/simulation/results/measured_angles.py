@@ -68,6 +68,7 @@ def _count(values: Floats, rates: Floats, t: Floats) -> Floats:
     """Return values to which whole turns are added, so that they change as their rates say."""
     steps = np.diff(values)
     expected = 0.5 * np.diff(t) * (rates[1:] + rates[:-1])
+    expected = np.where(np.isfinite(expected), expected, 0.0)  # where the angles themselves are singular
     return np.append(values[:1], values[0] + np.cumsum(steps + _turns(expected - steps)))
 
 
