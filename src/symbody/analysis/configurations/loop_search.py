@@ -164,7 +164,7 @@ def _open_joints(
             listed = ", ".join(f"{_kind(evaluator, name)} by {_width(gap, size)}" for name, gap in wide)
             why += f"; with the least squares of all gaps {listed}"
     return Problem(
-        "assembly.open", _kind(evaluator, joint), what, why,
+        "assembly.open", f"{_kind(evaluator, joint)}", what, why,
         "check lengths and frames of the loop, or give guess= values nearer to a configuration that closes",
     )  # fmt: skip
 
