@@ -173,9 +173,7 @@ class Jobs:
         with self._news:
             state = self._states.get(job)
             if state is not None and state.state == "running":  # not cancelled
-                ended = replace(
-                    state, state=word, result=result, problems=problems, ended=time.monotonic()
-                )
+                ended = replace(state, state=word, result=result, problems=problems, ended=time.monotonic())
                 self._store_state(job, ended)
 
     def _store_state(self, job: str, state: JobState) -> None:

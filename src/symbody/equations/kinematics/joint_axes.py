@@ -9,9 +9,9 @@ from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import axis_rotations
 from symbody.expr.calculus import derivative, gradient
 from symbody.expr.expression import Expr, number, sqrt
-from symbody.expr.trigonometry.normal_form import trigonometric_form
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import substitute
+from symbody.expr.trigonometry.normal_form import trigonometric_form
 from symbody.graph.curved_shifts import is_curved
 from symbody.model.joint import Joint
 from symbody.spatial.frame import FrameTree
@@ -41,9 +41,8 @@ def _perpendicular_unit(direction: Triple, others: Sequence[Triple]) -> Triple:
         across = across - other * other.dot(across)
     square = across.dot(across)
     (shown,) = trigonometric_form(square.graph, [square.index])
-    if square.graph.number(shown) == 1:  # sin(a)^2 + cos(a)^2
-        return across.x, across.y, across.z
-    x, y, z = across * (1 / sqrt(square))
+    is_unit = square.graph.number(shown) == 1  # sin(a)^2 + cos(a)^2
+    x, y, z = across if is_unit else across * (1 / sqrt(square))
     return (x, y, z)
 
 

@@ -131,12 +131,11 @@ class Trajectory(SampleTable):
         return ("t", *self.coordinate_names, *self.speed_names, *self.signal_state_names, *self.stored)
 
     def __getattr__(self, name: str) -> NoReturn:
-        """Refuse an attribute that does not exist; outputs are read by their names in brackets."""
-        kind = type(self).__name__
-        is_set = not name.startswith("_") and name not in type(self).__dataclass_fields__  # none before it is made
-        if is_set and name in (*self.coordinate_names, *self.speed_names, *self.units):
-            raise AttributeError(f"a {kind} has its outputs in brackets: run[{name!r}]", name=name, obj=self)
-        raise AttributeError(f"{kind!r} object has no attribute {name!r}", name=name, obj=self)
+        is_field = (
+            name.startswith("_") or name in type(self).__dataclass_fields__
+        )  # asked for before it is set
+        hint = f": run[{name!r}]" if not is_field and name in self.units else ""
+        raise AttributeError(f"{type(self).__name__} has no attribute {name!r}{hint}", name=name, obj=self)
 
     @checked_arguments
     def __getitem__(self, name: str) -> Floats:
