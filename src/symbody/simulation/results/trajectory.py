@@ -63,9 +63,7 @@ class Trajectory(SampleTable):
     provenance : Provenance, optional
         What it was computed from; see `model` and `parameters`.
     s : (n_s, N) array
-        States of signals.
-    signal_state_names : tuple of str
-        The names of its rows.
+        States of signals, in the order of `signal_state_names`.
     sides : tuple of EventSide
         Where the values of events stand at its end.
     """
@@ -131,11 +129,9 @@ class Trajectory(SampleTable):
         return ("t", *self.coordinate_names, *self.speed_names, *self.signal_state_names, *self.stored)
 
     def __getattr__(self, name: str) -> NoReturn:
-        is_field = (
-            name.startswith("_") or name in type(self).__dataclass_fields__
-        )  # asked for before it is set
-        hint = f": run[{name!r}]" if not is_field and name in self.units else ""
-        raise AttributeError(f"{type(self).__name__} has no attribute {name!r}{hint}", name=name, obj=self)
+        is_set = not name.startswith("_") and name not in type(self).__dataclass_fields__
+        hint = f": run[{name!r}]" if is_set and name in self.units else ""
+        raise AttributeError(f"{type(self).__name__} has no attribute {name!r}{hint}")
 
     @checked_arguments
     def __getitem__(self, name: str) -> Floats:
