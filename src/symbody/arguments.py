@@ -11,7 +11,6 @@ from __future__ import annotations
 import ast
 import builtins
 import inspect
-import os
 import reprlib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
 from functools import wraps
@@ -31,13 +30,12 @@ from typing import (
     get_type_hints,
 )
 
-from symbody.errors import CallError, Problem, SymbodyError, UsageError, nearest
+from symbody.errors import CallError, Problem, SymbodyError, UsageError, foreign_cause, nearest
 
 P = ParamSpec("P")
 R = TypeVar("R")
 C = TypeVar("C", bound=type)
 
-_HOME: Final = os.path.dirname(os.path.abspath(__file__))
 _SYMPY_WRITERS: Final[list[Callable[[object], str]]] = []
 
 # What a count is kept in where it is computed with.
@@ -96,22 +94,6 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
             raise
 
     return call_with_checks
-
-
-def foreign_cause(error: BaseException) -> BaseException | None:
-    """Return the exception behind an error that was raised outside symbody, as by a function of the caller.
-
-    A message of symbody says what was wrong itself: how it was found, in which of its files, is not shown.
-    """
-    seen = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
-    while seen is not None:
-        trace, file = seen.__traceback__, ""
-        while trace is not None:
-            trace, file = trace.tb_next, trace.tb_frame.f_code.co_filename
-        if not isinstance(seen, SymbodyError) and not file.startswith(_HOME):
-            return seen
-        seen = seen.__cause__ or (None if seen.__suppress_context__ else seen.__context__)
-    return None
 
 
 def register_sympy_writer(write: Callable[[object], str]) -> None:

@@ -6,10 +6,13 @@ line follow the class: 2 usage, 3 model, 4 numerics, 5 environment.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import ClassVar
+from typing import ClassVar, Final
+
+_HOME: Final = os.path.dirname(os.path.abspath(__file__))
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +149,22 @@ class EnvironmentFault(SymbodyError):
     """Something this computer lacks: a package, a permission, a file."""
 
     exit_code = 5
+
+
+def foreign_cause(error: BaseException) -> BaseException | None:
+    """Return the exception behind an error that was raised outside of symbody, as by the caller's function.
+
+    A message of symbody says what was wrong itself: how it was found, in which of its files, is not shown.
+    """
+    seen = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
+    while seen is not None:
+        trace, file = seen.__traceback__, ""
+        while trace is not None:
+            file, trace = trace.tb_frame.f_code.co_filename, trace.tb_next
+        if not isinstance(seen, SymbodyError) and not file.startswith(_HOME):
+            return seen
+        seen = seen.__cause__ or (None if seen.__suppress_context__ else seen.__context__)
+    return None
 
 
 def nearest(name: str, known: Iterable[str], what: str = "names") -> str:

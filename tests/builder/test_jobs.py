@@ -25,7 +25,7 @@ from symbody.builder.jobs import Jobs
 from symbody.builder.settings import Limits, pages_folder
 from symbody.builder.task_failure import TaskFailure
 from symbody.builder.tasks.analyses import equilibrium, inverse, modes, singular_positions
-from symbody.builder.tasks.equations import equation_tabs
+from symbody.builder.tasks.equations import all_tabs, derive_equations, equation_tab
 from symbody.builder.tasks.exports import export_model
 from symbody.builder.tasks.formula_blocks import FormulaBlock, entry_label, render_block
 from symbody.builder.tasks.simulation import curve_list, more_curves, simulate_model
@@ -98,10 +98,16 @@ def test_options_that_make_no_sense_are_named() -> None:
     assert failed.value.problems[0]["pointer"] == "/joint/0"
 
 
+def tabs_of(data: dict[str, Any], **options: str) -> list[dict[str, Any]]:
+    return all_tabs({"data": data, "folder": "", "options": options})
+
+
 def test_equations_of_the_oscillator_are_those_of_the_book() -> None:
-    result, stages = work(equation_tabs, example("spring_mass_damper"))
-    assert "kinematics" in stages and any(stage.startswith("formulas") for stage in stages)
-    tabs = {tab["name"]: tab for tab in result["tabs"]}
+    data = example("spring_mass_damper")
+    result, stages = work(derive_equations, data)
+    assert "kinematics" in stages and [tab["name"] for tab in result["tabs"]] == ["Equations"]
+    tabs = {tab["name"]: tab for tab in tabs_of(data)}
+    assert [*tabs] == result["names"]
     (block,) = tabs["Equations"]["blocks"]
     assert block["latex"].count("&=") == 1 and "\\ddot{x}" in block["latex"]
     assert block["sympy"] == "Eq(d*Derivative(x(t), t) + k*x(t) + m*Derivative(x(t), (t, 2)), F(t))"
@@ -114,7 +120,8 @@ def test_equations_of_the_oscillator_are_those_of_the_book() -> None:
 
 def sources(data: dict[str, Any]) -> dict[str, list[str]]:
     """The elements of each term of the equations of motion, by the letters of the term."""
-    block = work(equation_tabs, data)[0]["tabs"][0]["blocks"][0]
+    work(derive_equations, data)
+    block = equation_tab({"name": "Equations"}, lambda *_: None)["blocks"][0]
     elements = {each["span"]: each["elements"] for each in block["sources"]}
     page = ElementTree.fromstring(block["mathml"])
     marked = {
@@ -157,15 +164,13 @@ def test_a_term_that_two_springs_share_names_both() -> None:
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_every_formulation_gives_the_same_mass_matrix(formulation: str) -> None:
-    result, _ = work(equation_tabs, example("rr_robot"), formulation=formulation)
-    usual, _ = work(equation_tabs, example("rr_robot"))
-    assert [tab["name"] for tab in result["tabs"]] == [tab["name"] for tab in usual["tabs"]]
-    assert result["tabs"][1]["blocks"][0]["sympy"] == usual["tabs"][1]["blocks"][0]["sympy"]
+    result, usual = tabs_of(example("rr_robot"), formulation=formulation), tabs_of(example("rr_robot"))
+    assert [tab["name"] for tab in result] == [tab["name"] for tab in usual]
+    assert result[1]["blocks"][0]["sympy"] == usual[1]["blocks"][0]["sympy"]
 
 
 def test_a_loop_has_constraints_reactions_and_linear_equations_in_numbers() -> None:
-    result, _ = work(equation_tabs, example("slider_crank"))
-    tabs = {tab["name"]: tab for tab in result["tabs"]}
+    tabs = {tab["name"]: tab for tab in tabs_of(example("slider_crank"))}
     titles = [block["title"] for block in tabs["Constraints"]["blocks"]]
     assert len(titles) == 3 and all(block["mathml"] for block in tabs["Constraints"]["blocks"])
     assert [block["title"].split(",")[0] for block in tabs["Reactions"]["blocks"]] == [
@@ -180,8 +185,8 @@ def test_a_loop_has_constraints_reactions_and_linear_equations_in_numbers() -> N
 
 
 def test_what_is_too_long_is_named_part_by_part_or_counted() -> None:
-    result, _ = work(equation_tabs, example("rr_robot"))
-    block = next(tab for tab in result["tabs"] if tab["name"] == "Linearization")["blocks"][0]
+    tabs = tabs_of(example("rr_robot"))
+    block = next(tab for tab in tabs if tab["name"] == "Linearization")["blocks"][0]
     assert (
         re.search(r"^z_\{?1\}? &=", block["latex"], re.MULTILINE)
         and "<msub><mi>z</mi><mn>1</mn></msub>" in block["mathml"]

@@ -149,7 +149,7 @@ def _matrices(setting: Setting) -> Iterator[Block]:
                 f"{letter} ({name}) is too large to be read; generate_code(eqs, {name!r}) writes it."
             )
             continue
-        roots: Roots = eqs.textbook.shown(name)
+        roots: Roots = eqs.textbook.display(name)
         rows, columns = (*roots.shape, 1)[:2]
         yield Matrix(letter, graph, (rows, columns), tuple(roots.nodes), setting.numerals)
 

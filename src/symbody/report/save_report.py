@@ -107,8 +107,7 @@ def save_report(
         ``{{ dynamics }}``, by that one. Pages have ``{{ contents }}``, ``{{ style }}`` and ``{{ policy }}``,
         too, LaTeX the ``{{ packages }}`` it needs.
     digits : int, optional
-        Significant digits of computed numbers in formulas, which the report says above the first of them;
-        None for all. Numbers that the model is written with are printed in full.
+        Significant digits of computed numbers in formulas; None for all.
 
     Raises
     ------
@@ -129,9 +128,8 @@ def save_report(
     _check(eqs, target, sections, run, parameters or {}, template)
     frame = None if template is None else (read_text(template), str(template))
     values = parameters if parameters is not None else run.parameters if run is not None else {}
-    setting = Setting(eqs, run, values, checked_digits(digits))
-    document = _content(setting, tuple(SECTIONS if sections is None else sections), title)
-    _write(document, target, frame)
+    chosen = tuple(SECTIONS if sections is None else sections)
+    _write(_content(Setting(eqs, run, values, checked_digits(digits)), chosen, title), target, frame)
 
 
 def _content(setting: Setting, chosen: Sequence[str], title: str | None) -> ReportContent:

@@ -158,6 +158,7 @@ def _open_joints(
     )
     if not evaluator.is_aligned(best.q) and best.residual <= ASSEMBLED:
         joint = next(iter(evaluator.gaps(best.q)), "")
+        kind = "joint"
         what = f"joint {joint} closes only with its axes opposite to each other"
     else:
         finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_GAP_TRIALS]
@@ -166,21 +167,24 @@ def _open_joints(
         (joint, gap), *others = evaluator.gaps(q).items() or [("", (0.0, 0.0))]
         size = evaluator.mechanism.length
         check_meeting_ends(evaluator, q)
-        what = f"{_kind(evaluator, joint)} stays open by {_width(gap, size)}"
+        kind = _kind(evaluator, joint)
+        what = f"{kind} {joint} stays open by {_width(gap, size)}"
         wide = [(name, gap) for name, gap in others if gap[0] > _VISIBLE * size or gap[1] > _VISIBLE]
         if wide:
-            listed = ", ".join(f"{_kind(evaluator, name)} by {_width(gap, size)}" for name, gap in wide)
+            listed = ", ".join(
+                f"{_kind(evaluator, name)} {name} by {_width(gap, size)}" for name, gap in wide
+            )
             why += f"; with the least squares of all gaps {listed}"
     return Problem(
-        "assembly.open", _kind(evaluator, joint), what, why,
+        "assembly.open", f"{kind} {joint}", what, why,
         "check lengths and frames of the loop, or give guess= values nearer to a configuration that closes",
     )  # fmt: skip
 
 
 def _kind(evaluator: ConstraintEvaluator, name: str) -> str:
-    """Return an element with its kind: joint, constraint, ..."""
+    """Return what an element is: a joint, a constraint, ..."""
     elements = getattr(evaluator.eqs.model, "elements", ())
-    return f"{next((each.kind for each in elements if each.name == name), 'joint')} {name}"
+    return str(next((each.kind for each in elements if each.name == name), "joint"))
 
 
 def _width(gap: tuple[float, float], size: float) -> str:

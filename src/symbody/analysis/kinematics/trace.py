@@ -61,8 +61,11 @@ class Positions:
     followers: Mapping[str, Floats] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        driven = [(name, values) for name, values in self.driven.items() if values.size]
-        ends = (f"{name} from {values[0]:.6g} to {values[-1]:.6g}" for name, values in driven)
+        ends = (
+            f"{name} from {values[0]:.6g} to {values[-1]:.6g}"
+            for name, values in self.driven.items()
+            if values.size
+        )
         dead = ", ".join(f"{name} = {value:.6g}" for name, value in self.limits.items())
         reached = f"a dead end at {dead}" if dead else "all reached"
         path = "; ".join([*ends, reached])

@@ -102,8 +102,8 @@ def equation_tab(payload: Mapping[str, Any], report: Report) -> Answer:
     """
     name = payload["name"]
     if not _DERIVED or name not in TABS:
-        what = "there is no such tab of equations"
-        problem = Problem("builder.no_tab", str(name)[:40], what, fix="derive the equations again")
+        problem = Problem("builder.no_tab", str(name)[:40], "there is no such tab of equations",
+                          fix="derive the equations again")  # fmt: skip
         raise TaskFailure([page_problem(problem, {})])
     derived = _DERIVED[0]
     tab = _tab(derived.eqs, name)

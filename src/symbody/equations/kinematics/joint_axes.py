@@ -41,9 +41,8 @@ def _perpendicular_unit(direction: Triple, others: Sequence[Triple]) -> Triple:
         across = across - other * other.dot(across)
     square = across.dot(across)
     (shown,) = trigonometric_form(square.graph, [square.index])
-    if square.graph.number(shown) == 1:  # sin(a)^2 + cos(a)^2
-        return across.x, across.y, across.z
-    x, y, z = across * (1 / sqrt(square))
+    is_unit = square.graph.number(shown) == 1  # sin(a)^2 + cos(a)^2
+    x, y, z = across if is_unit else across * (1 / sqrt(square))
     return (x, y, z)
 
 

@@ -108,7 +108,7 @@ def _all_sections(textbook: Textbook, limit: int) -> list[EquationSection]:
         *constraint_sections(textbook),
         EquationSection("signals", tuple(textbook.signal_equations)),
         EquationSection("outputs", words=tuple((s.name, str(s.output)) for s in model.signals if s.output)),
-        EquationSection("samples", words=tuple(map(_sampled, model.held_signals))),
+        EquationSection("samples", words=tuple(map(_sample_words, model.held_signals))),
     ]
 
 
@@ -130,8 +130,8 @@ def motion_section(textbook: Textbook, limit: int) -> EquationSection:
 
 def constraint_sections(textbook: Textbook) -> list[EquationSection]:
     """Return the constraints on positions, and those on velocities alone: one equation a multiplier."""
-    positions = textbook.shown("constraints").nodes
-    velocities = textbook.shown("velocity_constraints").nodes[len(positions) :]
+    positions = textbook.display("constraints").nodes
+    velocities = textbook.display("velocity_constraints").nodes[len(positions) :]
     return [_constraints("positions", positions), _constraints("velocities", velocities)]
 
 
@@ -140,7 +140,7 @@ def _constraints(key: str, nodes: Sequence[int]) -> EquationSection:
     return EquationSection(key, tuple((node, ZERO) for node in nodes), remarks=remarks)
 
 
-def _sampled(signal: Signal) -> tuple[str, str]:
+def _sample_words(signal: Signal) -> tuple[str, str]:
     """Return a signal that is sampled, what it is at each sample, and how often that is."""
     return signal.name, f"{signal.output or signal.value}, every {signal.sample} s"
 
@@ -162,4 +162,4 @@ def has_rounded(textbook: Textbook, nodes: Sequence[int], numerals: Numerals) ->
 
 
 def _is_rounded(numerals: Numerals, value: Constant | None) -> bool:
-    return value is not None and bool(numerals.rounded(value if value >= 0 else -value))
+    return value is not None and bool(numerals.round_number(value if value >= 0 else -value))

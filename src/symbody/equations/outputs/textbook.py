@@ -135,7 +135,7 @@ class Textbook:
         """
         return self._rewritten(name, {})
 
-    def shown(self, name: str) -> Roots:
+    def display(self, name: str) -> Roots:
         """Return the roots of an output as `readable`, with signals that loads read by their names.
 
         Raises
@@ -193,7 +193,7 @@ class Textbook:
         return self._forcing_side("shown")
 
     def _forcing_side(self, form: Literal["readable", "shown"]) -> Roots:
-        roots = self.shown if form == "shown" else self.readable
+        roots = self.display if form == "shown" else self.readable
         graph, n = self.formed.graph, len(self.formed.u)
         multipliers = self.formed.expressions(self.formed.multipliers)
         jacobian = [Expr(graph, node) for node in roots("jacobian").nodes]

@@ -62,7 +62,7 @@ def matrix_html(symbol: str, rows: Sequence[Sequence[str]], names: Sequence[Sequ
         MathML of the entries, and of what they are called.
     """
     if matrix_width(rows) <= _WIDEST:
-        content = f"{symbol}<mo>=</mo>{mathml_matrix([[*map(_fitted, row)] for row in rows])}"
+        content = f"{symbol}<mo>=</mo>{mathml_matrix([[*map(_fit, row)] for row in rows])}"
         return f'<div class="sb-matrix" tabindex="0">{_with_title(math_element(content, block=True))}</div>'
     is_symmetric = len(rows) == len(rows[0]) and all(
         rows[i][j] == rows[j][i] for i in range(len(rows)) for j in range(i)
@@ -189,7 +189,7 @@ def _parse(formula: str) -> Element:
     return root
 
 
-def _fitted(formula: str) -> str:
+def _fit(formula: str) -> str:
     return "".join(ElementTree.tostring(part, encoding="unicode") for part in _parse(formula))
 
 

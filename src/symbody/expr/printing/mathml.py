@@ -144,7 +144,7 @@ class _MathML(Style):
 
     def number(self, value: Constant) -> str:
         text = self.numerals.text(value)
-        full = f' data-full="{full_text(value)}"' if self.numerals.rounded(value) else ""
+        full = f' data-full="{full_text(value)}"' if self.numerals.round_number(value) else ""
         mantissa, _, exponent = text.replace("-", "\u2212").partition("e")
         if not exponent:
             return f"<mn{full}>{mantissa}</mn>"

@@ -36,9 +36,9 @@ class Numerals:
 
     def text(self, value: Constant) -> str:
         """Return a number >= 0; exact ones as fractions where those are short."""
-        return self.rounded(value) or full_text(value)
+        return self.round_number(value) or full_text(value)
 
-    def rounded(self, value: Constant) -> str:
+    def round_number(self, value: Constant) -> str:
         """Return a number with fewer digits than it has; empty where it has no more."""
         if self.digits is None or value in self.written:
             return ""

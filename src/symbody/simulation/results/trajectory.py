@@ -64,9 +64,7 @@ class Trajectory(SampleTable):
     provenance : Provenance, optional
         What it was computed from; see `model` and `parameters`.
     s : (n_s, N) array
-        States of signals.
-    signal_state_names : tuple of str
-        The names of its rows.
+        States of signals, in the order of `signal_state_names`.
     sides : tuple of EventSide
         Where the values of events stand at its end.
     """
@@ -132,12 +130,9 @@ class Trajectory(SampleTable):
         return ("t", *self.coordinate_names, *self.speed_names, *self.signal_state_names, *self.stored)
 
     def __getattr__(self, name: str) -> NoReturn:
-        """Refuse an attribute that does not exist; outputs are read by their names in brackets."""
-        kind, fields = type(self).__name__, type(self).__dataclass_fields__
-        is_set = not name.startswith("_") and name not in fields  # none before it is made
-        if is_set and name in (*self.coordinate_names, *self.speed_names, *self.units):
-            raise AttributeError(f"a {kind} has its outputs in brackets: run[{name!r}]", name=name, obj=self)
-        raise AttributeError(f"{kind!r} object has no attribute {name!r}", name=name, obj=self)
+        is_set = not name.startswith("_") and name not in type(self).__dataclass_fields__
+        hint = f": run[{name!r}]" if is_set and name in self.units else ""
+        raise AttributeError(f"{type(self).__name__} has no attribute {name!r}{hint}")
 
     @checked_arguments
     def __getitem__(self, name: str) -> Floats:
