@@ -5,6 +5,7 @@ import { create } from "zustand";
 import type { EntryId } from "./model/entries";
 import { forgetArrangement } from "./model/layout";
 import { valueAt } from "./model/pointers";
+import { withHeldBodies } from "./model/ports";
 import { keepWires } from "./model/wires";
 import type { Copied } from "./model/edit";
 import type { CheckAnswer, DocumentAnswer, JobKind, JobState, Model, Problem, SchemaAnswer } from "./types";
@@ -139,7 +140,7 @@ let gesture = "";
 /** Change the model; calls with the same gesture, one after the other, are one step of the history. */
 export function edit(change: (data: Model) => Model, name = ""): void {
   const { data } = useStore.getState();
-  const next = change(data);
+  const next = withHeldBodies(data, change(data));
   if (next === data) return;
   const continues = name !== "" && name === gesture;
   if (continues) history.getState().pause();

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { curveTree, firstTicks, inPrint } from "../../src/builder/model/curve_tree";
-import { quantityOf, textIn } from "../../src/builder/model/quantities";
+import { converted, quantityOf, textIn } from "../../src/builder/model/quantities";
 import { quaternionOf, turnsOf, type Turns } from "../../src/builder/model/turns";
 
 describe("quantities", () => {
@@ -18,6 +18,14 @@ describe("quantities", () => {
     expect(textIn(Math.PI / 6, "deg")).toBe("30");
     expect(textIn(-1e-15, "m")).toBe("0");
     expect(quantityOf(textIn(1.234567, "deg"), "rad", "deg")).toBeCloseTo(1.234567, 5);
+  });
+
+  it("in units that formulas do not know are converted, where the field can hold them", () => {
+    expect(converted("40 mm", "m")).toEqual({ text: "0.04", note: "40 mm is 0.04 m." });
+    expect(converted(" 300 g")).toMatchObject({ text: "0.3" });
+    expect(converted("2.5in", "m")?.text).toBe("0.0635");
+    for (const text of ["40", "L + 40 mm", "30 deg", "m", "2*m", "1 banana", ""]) expect(converted(text), text).toBeNull();
+    expect(converted("40 mm", "kg")).toBeNull(); // the check says what is wrong
   });
 
   it("are printed with powers of ten", () => {

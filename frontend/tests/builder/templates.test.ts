@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { forPalette, offered, usualFirst } from "../../src/builder/commands/insert";
-import { addElement, removeEntries } from "../../src/builder/model/edit";
+import { addElement, reconnect, removeEntries } from "../../src/builder/model/edit";
 import { entryNamed } from "../../src/builder/model/entries";
-import { portFor } from "../../src/builder/model/ports";
+import { portFor, withHeldBodies } from "../../src/builder/model/ports";
 import { valueAt } from "../../src/builder/model/pointers";
 import { renameEntry } from "../../src/builder/model/rename";
 import type { Model } from "../../src/builder/types";
@@ -35,8 +35,10 @@ describe("bodies with a size", () => {
     const renamed = renameEntry(schema, three, "body/1", "Bob");
     expect(renamed["initial"]).toEqual({ Bob_x: "1.4", Plate1_x: "2.8" });
     expect(removeEntries(renamed, ["body/1"])["initial"]).toEqual({ Plate1_x: "2.8" });
-    const joined = added(renamed, "revolute", ["Link1.B", "Bob"]);
+    const joined = withHeldBodies(renamed, added(renamed, "revolute", ["Link1.B", "Bob"]));
     expect(joined["initial"]).toEqual({ Plate1_x: "2.8" });
+    const elsewhere = withHeldBodies(joined, reconnect(joined, "joint/0", "Link1.B", "Plate1.A"));
+    expect(elsewhere["initial"]).toBeUndefined();
   });
 });
 

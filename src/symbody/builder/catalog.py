@@ -66,13 +66,13 @@ def in_title_case(text: str) -> str:
     'Four-Bar of the RR Robot'
     """
 
-    def changed(match: re.Match[str]) -> str:
+    def write_word(match: re.Match[str]) -> str:
         word = match.group()
         if word.lower() in _CAPITALS:
             return word.upper()
         return word if word in _SMALL and match.start() > 0 else word[0].upper() + word[1:]
 
-    return _WORD.sub(changed, text.replace("_", " "))
+    return _WORD.sub(write_word, text.replace("_", " "))
 
 
 def _comment(lines: list[str]) -> str:

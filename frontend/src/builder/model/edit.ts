@@ -4,7 +4,7 @@ import {
   endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, INPUTS, inputsOf, layoutNameOf, namesOf, PART, pointerOf, referenceOf,
   referenceText, symbolsOf, textOf, type EntryId,
 } from "./entries"; // prettier-ignore
-import { withoutFreePlaces, withoutInitialOf } from "./coordinates";
+import { withoutInitialOf } from "./coordinates";
 import { diagramOf, SIGNALS } from "./graph";
 import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
@@ -84,7 +84,8 @@ export function addElement(
   const id = `${element.section}/${list.length}`;
   const before = withLayout(data);
   const plain = (): Model => withValue(before, `/${element.section}`, [...list, newEntry(schema, element, name, ends)]);
-  const added = placed((element.section === "body" ? withTemplate(before, element.type) : null) ?? plain(), element, ends);
+  const body = (): Model => besideOthers(withTemplate(before, element.type) ?? plain(), joinedBodies(before));
+  const added = element.section === "body" ? body() : plain();
   const graph = diagramOf(added);
   const node = graph.nodes.find((each) => each.id === id);
   if (node === undefined) return { data: added, ids: [id] };
@@ -92,12 +93,6 @@ export function addElement(
   others.delete(id);
   const place = freeSpot(spot ?? nextSpot(others), node, graph, others);
   return { data: withLayout(added, new Map([[id, place]])), ids: [id] };
-}
-
-/** A body that nothing joins stands beside the others; one that is joined stands where its joint holds it. */
-function placed(data: Model, { section }: PaletteElement, ends: readonly [string, string] | null): Model {
-  if (section === "body") return besideOthers(data, joinedBodies(data));
-  return section === "joint" && ends !== null ? withoutFreePlaces(data, ends.map((each) => referenceOf(each).body)) : data;
 }
 
 /** Return the place to the right of all that is there. */

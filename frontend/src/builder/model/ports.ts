@@ -1,5 +1,6 @@
 /** Which port of a body a joint takes where none is named. */
 
+import { withoutFreePlaces } from "./coordinates";
 import { endsOf, entriesOf, entryAt, framesOf, GROUND, referenceText, type EntryId } from "./entries";
 import type { Model } from "../types";
 
@@ -21,7 +22,14 @@ export function portFor(data: Model, id: EntryId, distance: (frame: string) => n
   return choices.filter((each) => usedOf(each) === least).sort((one, other) => distance(one) - distance(other))[0]!;
 }
 
-/** Return the bodies that joints, constraints or springs join already. */
+/** Return data after a change, without places of bodies that moved freely before it and are held by a joint now. */
+export function withHeldBodies(before: Model, after: Model): Model {
+  if (before["joint"] === after["joint"]) return after;
+  const joined = joinedBodies(before);
+  return withoutFreePlaces(after, [...joinedBodies(after)].filter((each) => !joined.has(each)));
+}
+
+/** Return the bodies that joints hold. */
 export function joinedBodies(data: Model): Set<string> {
   return new Set(entriesOf(data).filter((each) => each.section === "joint").flatMap(({ value }) => (endsOf(value) ?? []).map((end) => end.split(".")[0]!)));
 }

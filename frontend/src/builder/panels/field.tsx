@@ -66,7 +66,7 @@ const SINGLE_CONTROLS: Partial<Record<FieldKind["kind"], (common: Common, field:
   names: (common, { key }) => <NamesControl {...common} of={key} />,
   reference: ({ value, ...rest }, { control, default: usual }) => <ReferenceChoice {...rest} value={textOf(value ?? usual)} of={control.kind === "reference" ? control.of : "frame"} />,
   formulas: (common) => <FormulasControl {...common} />,
-  formula: (common, { required }) => <FormulaInput {...common} optional={!required} />,
+  formula: (common, { required, unit }) => <FormulaInput {...common} unit={unit} optional={!required} />,
 };
 
 function SingleControl({ field, ...rest }: ControlProps): ReactElement {
@@ -140,7 +140,7 @@ const GROUPED_CONTROLS: { readonly [K in FieldKind["kind"]]?: (props: FieldProps
   vector: ({ field, pointer, value }, { labels }) => {
     const usual = isArray(field.default) ? field.default : [];
     const mayLack = !field.required && field.default === null;
-    return <VectorInput pointer={pointer} value={isArray(value) ? value : usual} labels={labels} label={field.label} fill={mayLack ? "" : "0"} />;
+    return <VectorInput pointer={pointer} value={isArray(value) ? value : usual} labels={labels} label={field.label} unit={field.unit} fill={mayLack ? "" : "0"} />;
   },
   axis: ({ field, pointer, value }) => <AxisControl pointer={pointer} value={value ?? field.default} label={field.label} />,
   axes: ({ field, pointer, value }, { count }) => <AxesControl pointer={pointer} value={value ?? field.default} count={count} label={field.label} />,

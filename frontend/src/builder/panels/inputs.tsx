@@ -4,6 +4,7 @@ import { useEffect, useId, useState, type KeyboardEvent, type ReactElement } fro
 import { api } from "../api";
 import { textOf } from "../model/entries";
 import { withValue } from "../model/pointers";
+import { converted } from "../model/quantities";
 import { edit, endGesture, useStore } from "../store";
 import type { Json } from "../types";
 import { Formula } from "./math";
@@ -28,6 +29,8 @@ interface TextProps extends InputProps {
   readonly list?: string;
   readonly disabled?: boolean;
   readonly change: (text: string) => void;
+  /** Called when the field is left. */
+  readonly left?: () => void;
 }
 
 function attributes({ pointer, id, describedBy, label, wrong, placeholder }: InputProps): object {
@@ -38,10 +41,10 @@ function attributes({ pointer, id, describedBy, label, wrong, placeholder }: Inp
 }
 
 /** A text whose every keystroke counts. */
-export function LiveInput({ value, change, list, disabled, ...rest }: TextProps): ReactElement {
+export function LiveInput({ value, change, left, list, disabled, ...rest }: TextProps): ReactElement {
   return (
     <input
-      {...attributes(rest)} value={value} list={list} disabled={disabled} onBlur={endGesture}
+      {...attributes(rest)} value={value} list={list} disabled={disabled} onBlur={() => { left?.(); endGesture(); }}
       onChange={(event) => { change(event.target.value); }}
     />
   );
@@ -111,11 +114,33 @@ export function Echo({ pointer, value }: { pointer: string; value: string }): Re
   return <div className="echo" aria-hidden="true"><Formula text={mathml} /></div>;
 }
 
-export function FormulaInput({ value, optional = false, ...rest }: InputProps & { readonly value: Json | undefined; readonly optional?: boolean }): ReactElement {
+/** Return what turns a text with a unit into a number when its field is left, and what it then says of that. */
+function useUnits(text: string, unit: string, set: (next: string) => void): readonly [() => void, ReactElement | null] {
+  const [done, setDone] = useState({ text: "", note: "" });
+  const left = (): void => {
+    const found = converted(text, unit);
+    if (found === null) return;
+    setDone(found);
+    set(found.text);
+  };
+  return [left, done.note !== "" && done.text === text ? <p className="converted" role="status">{done.note}</p> : null];
+}
+
+interface FormulaProps extends InputProps {
+  readonly value: Json | undefined;
+  readonly optional?: boolean;
+  /** What the field is measured in; "" where any unit may be meant. */
+  readonly unit?: string;
+}
+
+export function FormulaInput({ value, optional = false, unit = "", ...rest }: FormulaProps): ReactElement {
   const text = textOf(value);
+  const set = (next: string): void => { setValue(rest.pointer, next === "" && optional ? undefined : next); };
+  const [left, note] = useUnits(text, unit, set);
   return (
     <>
-      <LiveInput {...rest} value={text} change={(next) => { setValue(rest.pointer, next === "" && optional ? undefined : next); }} />
+      <LiveInput {...rest} value={text} change={set} left={left} />
+      {note}
       <Echo pointer={rest.pointer} value={text} />
     </>
   );
@@ -129,8 +154,8 @@ function changedComponents(texts: readonly string[], index: number, next: string
 }
 
 /** Components of a vector side by side; the whole of them is changed. `fill` stands where there are none. */
-export function VectorInput({ pointer, value, labels, label, fill = "0" }: {
-  readonly pointer: string; readonly value: readonly Json[]; readonly labels: readonly string[]; readonly label: string; readonly fill?: string;
+export function VectorInput({ pointer, value, labels, label, unit = "", fill = "0" }: {
+  readonly unit?: string; readonly pointer: string; readonly value: readonly Json[]; readonly labels: readonly string[]; readonly label: string; readonly fill?: string;
 }): ReactElement { // prettier-ignore
   const problems = useStore((state) => state.check?.problems);
   const texts = labels.map((_, index) => textOf(value[index] ?? fill));
@@ -139,17 +164,27 @@ export function VectorInput({ pointer, value, labels, label, fill = "0" }: {
       {labels.map((each, index) => {
         const own = `${pointer}/${index}`;
         return (
-          <label key={own}>
-            <span aria-hidden="true">{each}</span>
-            <LiveInput
-              pointer={own} value={texts[index]!} label={`${label} ${each}`} wrong={problems?.some((problem) => problem.pointer === own) ?? false}
-              change={(next) => { setValue(pointer, changedComponents(texts, index, next, fill)); }}
-            />
-            <Echo pointer={own} value={texts[index]!} />
-          </label>
+          <Component
+            key={own} pointer={own} name={each} label={`${label} ${each}`} text={texts[index]!} unit={unit} wrong={problems?.some((problem) => problem.pointer === own) ?? false}
+            set={(next) => { setValue(pointer, changedComponents(texts, index, next, fill)); }}
+          />
         );
       })}
     </div>
+  );
+}
+
+function Component({ pointer, name, label, text, unit, wrong, set }: {
+  readonly pointer: string; readonly name: string; readonly label: string; readonly text: string; readonly unit: string; readonly wrong: boolean; readonly set: (next: string) => void;
+}): ReactElement { // prettier-ignore
+  const [left, note] = useUnits(text, unit, set);
+  return (
+    <label>
+      <span aria-hidden="true">{name}</span>
+      <LiveInput pointer={pointer} value={text} label={label} wrong={wrong} change={set} left={left} />
+      {note}
+      <Echo pointer={pointer} value={text} />
+    </label>
   );
 }
 

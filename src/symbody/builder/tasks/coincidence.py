@@ -77,14 +77,14 @@ def _warning(core: Sequence[Joint], data: Data) -> PageProblem:
     problem = Problem(
         "builder.coincident",
         f"joint {names[-1]}",
-        f"all frames of {_listed(names)} coincide",
+        f"all frames of {_in_words(names)} coincide",
         "the bodies between them have no length, so nothing can move as it should",
         "give the bodies frames at their ends, and join those",
     )
     return {**page_problem(problem, data, "warning"), "repair": _repair(core, data)}
 
 
-def _listed(names: Sequence[str]) -> str:
+def _in_words(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 

@@ -73,9 +73,9 @@ def torque(payload: Mapping[str, Any], report: Report) -> Answer:
         "scene": scene_to_json(finished.scene),
         "motion": motion_to_json(finished.motion),
         "curves": [{"name": effort, "unit": driven.units.get(effort, "")}],
-        "largest": finite(np.max(values)),
-        "smallest": finite(np.min(values)),
-        "mean": finite(np.trapezoid(values, run.t) / t_end),
+        "largest": finite(float(np.max(values))),
+        "smallest": finite(float(np.min(values))),
+        "mean": finite(float(np.trapezoid(values, run.t)) / t_end),
         "run": run_verdict(run, driven),
     }
 
@@ -96,6 +96,7 @@ def _drive(data: dict[str, Any], model: Any, coordinate: str, law: str) -> str:
 
 
 def _no_drive(coordinate: str) -> UsageError:
-    what = f"no joint has {coordinate!r} as its only coordinate"
-    cure = "choose that of a revolute or prismatic joint"
-    return UsageError(Problem("builder.no_drive", "coordinate", what, fix=cure))
+    return UsageError(
+        Problem("builder.no_drive", "coordinate", f"no joint has {coordinate!r} as its only coordinate",
+                fix="choose that of a revolute or prismatic joint")
+    )  # fmt: skip

@@ -1,0 +1,25 @@
+"""The cards of the start: what is offered, in which order, and with which words."""
+
+from __future__ import annotations
+
+from symbody.builder.catalog import catalog, in_title_case
+from symbody.formats.model_files import examples_folder
+
+
+def test_the_catalogue_begins_with_the_simple_ones_and_has_no_text_of_files() -> None:
+    entries = list(catalog(examples_folder()))
+    names = [entry.name for entry in entries]
+    assert names[:2] == ["spring_mass_damper", "slider_crank"] and "leg" not in names
+    assert len(names) == len(set(names))
+    gallery = [entry for entry in entries if entry.group != "examples"]
+    assert len(gallery) == 40 and {"linkages/watt", "drives/oldham"} <= {entry.name for entry in gallery}
+    for entry in entries:
+        card = entry.describe()
+        assert card["title"] and card["summary"], entry.name
+        assert "version =" not in card["summary"] and "name =" not in card["summary"]
+
+
+def test_titles_have_capitals() -> None:
+    assert in_title_case("spring-mass-damper") == "Spring-Mass-Damper"
+    assert in_title_case("rr_robot of a PID") == "RR Robot of a PID"
+    assert in_title_case("Watt's linkage") == "Watt's Linkage"
