@@ -24,8 +24,9 @@ def _mathml(latex: str, display: str) -> str:
     # the converter knows align* but not aligned, and no distances between rows
     rows = latex.replace("{aligned}", "{align*}").replace("\\\\[1ex]", "\\\\")
     body = convert(rows, display=display)
-    for side in ("left", "right"):  # browsers read the style alone
-        body = body.replace(f'columnalign="{side}"', f'style="text-align: {side}"')
+    for side in ("left", "right"):  # Firefox reads the attribute, Chromium this style alone
+        aligned = f'columnalign="{side}"'
+        body = body.replace(aligned, f'{aligned} style="text-align: -webkit-{side}"')
     return body.replace("<math ", f'<math aria-label="{escape(latex, quote=True)}" ', 1)
 
 
