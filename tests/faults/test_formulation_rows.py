@@ -189,7 +189,7 @@ def test_row_62_the_limit_of_one_call_does_not_bind_the_next(monkeypatch: pytest
         deadline.in_time(3.0, "all", "give more", lambda: form_equations(chain(2), time_limit=1e6))
 
 
-def test_row_62_equations_known_from_the_disk_are_formed_in_time_too(
+def test_row_62_equations_known_from_the_disk_raise_nothing_later(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("SYMBODY_CACHE", str(tmp_path))
@@ -197,8 +197,7 @@ def test_row_62_equations_known_from_the_disk_are_formed_in_time_too(
     ticking(monkeypatch)
     eqs = form_equations(chain(6), time_limit=3)  # nothing is formed
     assert compile(eqs, "udot").operations > 500
-    with pytest.raises(TimeLimitError, match="forming the equations takes longer"):
-        assert eqs.coordinate_names
+    assert len(eqs.coordinate_names) == 6  # formed now: the limit was that of the call above
     limit: Any = "3 s"
     with pytest.raises(UsageError, match="is not a positive time"):
         form_equations(chain(6), time_limit=limit)

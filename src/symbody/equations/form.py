@@ -64,7 +64,8 @@ def form_equations(
         initial value. Which ones, and which stay constraints and why, stands in `notes`.
     time_limit : float, optional
         Seconds after which forming ends with an error that names the stage; by default it takes its time.
-        `compile` has a limit of its own.
+        Equations that an earlier process formed are formed on first use, without this limit. `compile` has
+        a limit of its own.
 
     Raises
     ------
@@ -102,12 +103,12 @@ def _equation_set(choices: _Choices, time_limit: float | None) -> EquationSet:
     model, formulation, tree, dependent_speeds, substitute = choices
     equations = identity(*choices)
     notes = load_notes(equations)
-    form = partial(in_time, time_limit, "forming the equations", _LESS, partial(_form, choices))
+    form = partial(_form, choices)
     given: EquationsOfMotion | DeferredEquations
     if notes is None:
-        given = form()
+        given = in_time(time_limit, "forming the equations", _LESS, form)
         notes = given.notes
-    else:  # nothing was wrong with them, so they can wait
+    else:  # nothing was wrong with them, so they can wait; the limit is that of this call alone
         given = DeferredEquations(form)
     again = partial(
         form_equations,
