@@ -49,6 +49,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError
+from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import plain_value
 from symbody.model.first_values import Initial
 
@@ -124,7 +125,9 @@ def _by_priority(
     for values, usual in ((guess, near), (fixed, held)):
         for name, value in values.items():
             if isinstance(value, Initial):
-                (held if value.priority == "hold" else near)[name] = plain_value(value.value)
+                (held if value.priority == "hold" else near)[name] = Formula.from_value(
+                    plain_value(value.value), where=name
+                )
             else:
                 usual[name] = value
     return held, near
