@@ -45,7 +45,7 @@ def test_all_integrators_share_one_search(integrator: object) -> None:
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_python_runs_the_search(direction: float) -> None:
     """A straight motion x = t in two steps; values (x^2 - 2) (x - 1/2)^2 and x - 2.5, found by Python alone."""
-    numbers = WatchNumbers(2, 1, 1, np.zeros(32), np.zeros(0), np.zeros(0), 0, np.zeros(0))
+    numbers = WatchNumbers(2, 1, np.zeros(32), np.zeros(0), np.zeros(0))
     events = [WatchedEvent(0, at.RECORDS, False, ()), WatchedEvent(0, at.STOPS, False, ())]
     block = make_watch_block(events, numbers)
     block[[at.DIRECTION, at.SPAN, at.PIECE_ROWS, at.HAPPENED_ROOM]] = direction, 3.0, 4.0, 32.0
