@@ -140,11 +140,11 @@ def _singular_position(problem: SimulationProblem, raw: RawRun) -> _SingularPosi
         n_u - rank,
         len(lost),
         is_locked,
-        0.0 if is_locked else _opening(problem, raw),
+        0.0 if is_locked else _branch_opening(problem, raw),
     )
 
 
-def _opening(problem: SimulationProblem, raw: RawRun) -> float:
+def _branch_opening(problem: SimulationProblem, raw: RawRun) -> float:
     """Return how far from meeting branches are at the end of a motion; 0 where they meet or are none."""
     (t, x), loops = _samples(raw), LoopConstraints(problem)
     branch = motion_branch(loops, float(t[0]), x[:, 0])

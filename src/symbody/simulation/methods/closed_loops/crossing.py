@@ -60,7 +60,7 @@ class Crossing:
 class _Conditions:
     """The conditions above at a point y = (q / sizes, t / unit, w, opening)."""
 
-    def __init__(self, search: _Search, y: Floats) -> None:
+    def __init__(self, search: _CrossingSearch, y: Floats) -> None:
         self.y, n = y, search.count
         place, weights, opening = y[:n], y[n:-1], y[-1]
         values, slopes = search.constraints(place[np.newaxis])
@@ -80,7 +80,7 @@ class _Conditions:
         )
 
 
-class _Search:
+class _CrossingSearch:
     """Constraints on positions that span all others on a branch, by coordinates and, if driven, time."""
 
     def __init__(self, loops: LoopConstraints, branch: MotionBranch, t: float, unit: float) -> None:
@@ -114,7 +114,7 @@ def find_crossing(
     unit : float
         In what time the motion goes as far as a size [s].
     """
-    search = _Search(loops, branch, t, unit)
+    search = _CrossingSearch(loops, branch, t, unit)
     place = np.zeros(search.count)
     place[: q.size] = q / loops.sizes
     slopes = search.constraints(place[np.newaxis])[1][0]

@@ -106,7 +106,7 @@ class Passages:
     def ends_at_crossing(self) -> bool:
         """Return whether branches meet near the end of the motion."""
         end = float(self.dense.breaks[-1])
-        return bool(self.least[-1] < STUCK) and self._meets(end, self._crossing(end))
+        return bool(self.least[-1] < STUCK) and self._meets(end, self._find_crossing(end))
 
     def _dips(self) -> Iterator[tuple[float, Crossing | None]]:
         """Yield times at which constraints are close to dependent, and the singular configuration there."""
@@ -115,12 +115,12 @@ class Passages:
             if k not in self._found:
                 start, stop = float(breaks[max(k - 1, 0)]), float(breaks[min(k + 1, breaks.size - 1)])
                 at = _dip(self.shares, start, stop)
-                self._found[k] = None if at is None else (at, self._crossing(at))
+                self._found[k] = None if at is None else (at, self._find_crossing(at))
             found = self._found[k]
             if found is not None:
                 yield found
 
-    def _crossing(self, at: float) -> Crossing | None:
+    def _find_crossing(self, at: float) -> Crossing | None:
         return crossing_of_motion(self.loops, self.branch, at, self.dense(at))
 
     def _meets(self, at: float, crossing: Crossing | None) -> bool:
