@@ -233,9 +233,7 @@ def start_event(
     way = W[row + LEAVES]
     if way == 0.0:
         way = bend_along(e, a, W, place, t, state, longest)
-    wanted = W[row + WAY]
-    if wanted == 0.0:
-        wanted = -W[row + WAS]
+    wanted = wanted_way(W, place)
     if way != W[row + DONE]:
         W[row + DONE] = 0.0
     if way != 0.0 and way == wanted and W[row + DONE] == 0.0:
@@ -247,6 +245,14 @@ def start_event(
         elif wanted == 0.0:
             W[row + WAITS] = NO_SIDE
         W[row + WAITS_TIME] = t
+
+
+def wanted_way(W: Reals, place: int) -> float:
+    """Return the direction in which a value passes zero at its event, 0 if that is not known."""
+    row = int(W[TABLE]) + EVENT_SIZE * place
+    if W[row + WAY] == 0.0:
+        return -W[row + WAS]
+    return W[row + WAY]
 
 
 def happened_at(W: Reals, place: int, t: float) -> int:
