@@ -128,7 +128,7 @@ def sources(data: dict[str, Any]) -> dict[str, list[str]]:
         each.get("data-span", ""): "".join(each.itertext()) for each in page.iter() if each.get("data-span")
     }
     assert marked.keys() == elements.keys()  # every term can be clicked
-    return {"".join(marked[span].split()): names for span, names in elements.items()}
+    return {"".join(marked[span].split()).lstrip("=+\u2212"): names for span, names in elements.items()}
 
 
 def test_terms_name_the_elements_they_come_from() -> None:

@@ -11,7 +11,6 @@ import pytest
 
 import symbody as sb
 from symbody.errors import nearest
-from symbody.visual.viewer import animation
 
 
 def crank() -> sb.Model:
@@ -73,7 +72,7 @@ def test_cures_that_work(run: sb.Trajectory) -> None:
     with pytest.raises(sb.SymbodyError, match="did you mean 'crank'"):
         _ = run["CRANK"]
     with pytest.raises(AttributeError, match=r"run\['crank'\]"):
-        _ = run.crank  # type: ignore[attr-defined]
+        _ = run.crank
     assert (
         not hasattr(run, "nothing")
         and nearest("Crank", ["frame r Crank", "crank"]) == "did you mean 'crank'?"
@@ -94,7 +93,7 @@ def test_what_stays_open_is_named_by_its_kind() -> None:
 def test_animate_without_a_display_prints_the_path(
     run: sb.Trajectory, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(animation.webbrowser, "open", lambda _: False)
+    monkeypatch.setattr("webbrowser.open", lambda _: False)
     sb.animate(run)
     said = capsys.readouterr().out
     assert said.startswith("no browser opened; the page is ")

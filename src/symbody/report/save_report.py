@@ -114,14 +114,11 @@ def save_report(
     UsageError
         A suffix, a section or a parameter that does not exist; a section "motion" without a motion; a
         motion of other equations; a template of a notebook, or one with places for what there is not.
-    FormatError
-        If the template cannot be read.
-    EnvironmentFault
-        If a file cannot be written, or nbformat is missing for a notebook.
+    FormatError, EnvironmentFault
+        If the template cannot be read; a file cannot be written, or nbformat is missing for a notebook.
 
     Examples
     --------
-    >>> eqs = sb.form_equations(model)  # doctest: +SKIP
     >>> sb.save_report(eqs, "slider_crank.html", run=sb.simulate(eqs, (0, 2)))  # doctest: +SKIP
     """
     target = Path(path)
