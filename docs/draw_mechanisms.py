@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import os
 import runpy
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -22,15 +21,17 @@ from typing import Any, Final
 from matplotlib.figure import Figure
 
 import symbody as sb
+from symbody.equations.outputs.equation_page import DIGITS_NOTE
+from symbody.equations.outputs.equation_sections import SHOWN_DIGITS as DIGITS
 
 HERE: Final = Path(__file__).resolve().parent
 PICTURES: Final = HERE / "pictures" / "gallery"
 EXAMPLES: Final = HERE.parent / "examples"
 MECHANISMS: Final = sorted(EXAMPLES.glob("gallery/*/*.py"))
 HEADINGS: Final[Mapping[str, str]] = {"linkages": "Linkages", "drives": "Drives", "motions": "Motions"}
-WIDTH: Final = "100"  # of lines of equations, on whatever screen
+WIDTH: Final = 100  # of lines of equations, on whatever screen
 LETTERS: Final = 62  # of a typeset row
-MOST_LINES: Final = 17  # of equations that the page shows
+MOST_LINES: Final = 23  # of equations that the page shows
 # Why no page simulates these: they are played as they were computed.
 PLAYED: Final[Mapping[str, str]] = {
     "bennett": "its redundant constraints depend on the configuration",
@@ -114,12 +115,14 @@ def title_and_text(path: Path) -> tuple[str, list[str]]:
 
 def equations_lines(path: Path) -> Iterator[str]:
     """Yield the equations of motion, or how many there are."""
-    os.environ["COLUMNS"] = WIDTH
     eqs = sb.form_equations(script_of(path)["model"]())
-    lines = len(str(eqs).splitlines())
+    lines = len(eqs.text(width=WIDTH).splitlines())
     yield "## Equations of motion\n"
     if lines <= MOST_LINES:
-        yield from ("```math", eqs.latex(width=LETTERS), "```", "")
+        shown = eqs.latex(width=LETTERS, digits=DIGITS)
+        if shown != eqs.latex(width=LETTERS):
+            yield f"{DIGITS_NOTE.format(DIGITS)}\n"
+        yield from ("```math", shown, "```", "")
         return
     speeds, multipliers = len(eqs.speed_names), len(eqs.multiplier_names)
     yield f"{speeds} equations of motion with {multipliers} multipliers, {lines} lines:"
