@@ -148,7 +148,7 @@ def rank(matrix: NDArray[np.float64]) -> int:
     return int((sizes > 1e-6 * max(sizes[0], 1e-300)).sum())
 
 
-def check(model: sb.Model, folder: str = "") -> None:
+def check(model: sb.Model, folder: Path = ROOT) -> None:
     eqs = sb.form_equations(model)
     listed = equation_sections(eqs.textbook, LONG)
     sections = {section.key: section for section in listed}
@@ -156,10 +156,10 @@ def check(model: sb.Model, folder: str = "") -> None:
     assert sum(counts) == len(eqs.speed_names) + len(eqs.multiplier_names)
     if eqs.speed_names and not eqs.formed.friction:
         assert rank(printed_matrix(eqs, sections)) == rank(solved_matrix(eqs))
-    check_writers(eqs, listed)
+    check_writers(eqs, listed, folder)
 
 
-def check_writers(eqs: sb.EquationSet, listed: list[EquationSection]) -> None:
+def check_writers(eqs: sb.EquationSet, listed: list[EquationSection], folder: Path) -> None:
     """Every writer prints the equations of every section."""
     total = sum(len(section.sides) + len(section.words) for section in listed)
     lines = [line for line in equation_lines(eqs.textbook) if line.count(" = ")]
@@ -168,7 +168,7 @@ def check_writers(eqs: sb.EquationSet, listed: list[EquationSection]) -> None:
     assert len(lines) == total + definitions
     assert equations_page(eqs.textbook).count('class="sb-equation"') == total + definitions
     assert len(re.findall(r"(?<!\\\\) ?&?= ", eqs.latex(width=10**6))) >= total
-    answer = derive_equations(payload(eqs), lambda *_: None)
+    answer = derive_equations(payload(eqs, folder), lambda *_: None)
     blocks = answer["tabs"][0]["blocks"]
     assert len(blocks) == sum(bool(section.sides) for section in listed)
     if any(block["mathml"] is None for block in blocks):
@@ -177,11 +177,17 @@ def check_writers(eqs: sb.EquationSet, listed: list[EquationSection]) -> None:
     assert shown.count('class="sb-equation"') >= sum(len(section.sides) for section in listed)
 
 
-def payload(eqs: sb.EquationSet) -> dict[str, Any]:
-    return {"data": to_data(eqs.model), "folder": str(ROOT), "options": {}}
+def payload(eqs: sb.EquationSet, folder: Path) -> dict[str, Any]:
+    return {"data": to_data(eqs.model), "folder": str(folder), "options": {}}
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("skate", "skate_by_formula"),
+        *(pytest.param(x, marks=pytest.mark.exhaustive) for x in ("coin", "ball_on_a_turntable")),
+    ],
+)
 def test_printed_equations_determine_the_unknowns(name: str) -> None:
     check(MODELS[name]())
 
@@ -190,18 +196,16 @@ def test_printed_equations_determine_the_unknowns(name: str) -> None:
     "name", [*FAST, *(pytest.param(x, marks=pytest.mark.exhaustive) for x in EXAMPLES if x not in FAST)]
 )
 def test_examples(name: str) -> None:
-    check(sb.load_model(ROOT / name / f"{name}.toml"))
+    check(sb.load_model(ROOT / name / f"{name}.toml"), ROOT / name)
 
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", GALLERY)
 def test_gallery(name: str) -> None:
-    check(sb.load_model(ROOT / name))
+    check(sb.load_model(ROOT / name), (ROOT / name).parent)
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(2), *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(2, 40))]
-)
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(1, 40))])
 def test_random_mechanisms(seed: int) -> None:
     check(build_model(random_mechanism(seed)))
 
