@@ -1,7 +1,7 @@
 /** Names of coordinates as they are read. */
 
 import { describe, expect, it } from "vitest";
-import { nameElement, plainReading, readName } from "../src/player/readable";
+import { nameElement, plainReading, printedUnit, readName } from "../src/player/readable";
 
 describe("names", () => {
   it.each([
@@ -21,5 +21,11 @@ describe("names", () => {
 
   it("sets indices below the line", () => {
     expect(nameElement("theta_1", {}).innerHTML).toBe("<i>θ</i><sub>1</sub>");
+  });
+});
+
+describe("units", () => {
+  it.each([["kg m^2", "kg·m²"], ["N m/rad", "N·m/rad"], ["N m s/rad", "N·m·s/rad"], ["N, N m", "N, N·m"], ["s^-1", "s⁻¹"], ["m", "m"], ["", ""]])("prints %s as %s", (unit, printed) => {
+    expect(printedUnit(unit)).toBe(printed);
   });
 });

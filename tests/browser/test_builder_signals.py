@@ -184,7 +184,7 @@ def test_an_fmu_is_written_from_the_menu(visit: Visit, tmp_path: Path) -> None:
     builder.open_example("quarter_car")
     page.locator(".brand").click()
     with page.expect_download(timeout=60_000) as arriving:
-        page.get_by_role("menuitem", name="Write FMU").click()
+        page.get_by_role("menuitem", name="Export FMU").click()
     download: Any = arriving.value
     assert download.suggested_filename == "quarter-car.fmu"
     download.save_as(tmp_path / "car.fmu")

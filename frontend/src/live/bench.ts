@@ -2,6 +2,7 @@
 
 import { create, setText } from "../player/dom";
 import { icon, type IconName } from "../player/icons";
+import { printedUnit } from "../player/readable";
 import type { Control, Kind } from "./simulation";
 
 const TITLES: Record<Kind, string> = { parameter: "Parameters", input: "Inputs", initial: "Starts from" };
@@ -52,7 +53,7 @@ class ControlRow {
 
   private showNumber(value: number): void {
     const { unit } = this.control;
-    const text = `${shortNumber(value)}${unit === "" ? "" : `\u202f${shownUnit(unit)}`}`;
+    const text = `${shortNumber(value)}${unit === "" ? "" : `\u202f${printedUnit(unit)}`}`;
     setText(this.number, text);
     this.slider.setAttribute("aria-valuetext", text);
   }
@@ -123,7 +124,7 @@ export class Bench {
       time: ["Time", "Time of the motion"],
       total: ["Energy", "Kinetic and potential energy"],
       change: ["Energy drift", "Energy less its first value and the work of inputs, dampers and the pointer: what the integration adds or loses"],
-      violation: ["Violation", "The largest position constraint over the mechanism's size"],
+      violation: ["Constraint error", "The largest position constraint over the mechanism's size"],
     };
     const rows = (Object.keys(names) as (keyof Readings)[]).flatMap((key) => [
       create("dt", { title: names[key][1] }, names[key][0]),
@@ -159,12 +160,6 @@ function roughNumber(value: number): string {
   return value === 0 ? "0" : value.toExponential(0).replaceAll("-", "\u2212");
 }
 
-const RAISED: Readonly<Record<string, string>> = { "-": "\u207b", "1": "\u00b9", "2": "\u00b2", "3": "\u00b3", "4": "\u2074" };
-
-/** Return a unit with raised exponents. */
-function shownUnit(unit: string): string {
-  return unit.replace(/\^(-?)(\d)/g, (_, sign: string, power: string) => `${RAISED[sign] ?? ""}${RAISED[power] ?? `^${power}`}`);
-}
 
 function fixedNumber(value: number): string {
   const text = Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(3) : value.toPrecision(5);

@@ -64,7 +64,7 @@ export class LivePage {
     this.source = new LiveSource(new StoredMotion(previewOf(begin()), data.scene.bodies.length), data.scene.bodies.length);
     this.held = live.controls.filter(({ kind }) => kind === "initial").map(({ name }) => name);
     this.firstParameters = new Map(live.tables.map(({ parameter }) => [parameter, simulation.parameter(parameter)]));
-    const hint = simulation.numbers.pull === null ? "" : "Drag a body to pull it; drag beside it, or with Shift, to turn the view.";
+    const hint = simulation.numbers.pull === null ? "" : "Drag a body to pull it; drag the background, or hold Shift, to rotate the view.";
     this.bench = new Bench(live.controls, formulas.symbols, formulas.equations, hint, this.speed, {
       togglePlaying: () => { this.setPlaying(!this.playing); },
       step: () => { this.step(); },

@@ -5,9 +5,9 @@ import { icon } from "./icons";
 import { COMMANDS, keysOf, type Command } from "./keys";
 
 const HINTS = [
-  ["Drag", "Turn"],
-  ["Right drag, or Shift + drag", "Shift"],
-  ["Wheel, or two fingers", "Nearer or farther"],
+  ["Drag", "Rotate"],
+  ["Right drag, or Shift + drag", "Pan"],
+  ["Wheel, or two fingers", "Zoom"],
   ["Click a part", "Select it"],
   ["Drag across a plot", "Enlarge it; double-click shows all"],
 ] as const;

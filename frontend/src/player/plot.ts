@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import type { MotionEvent } from "../viewer";
 import { valueAt, formatValue, type CurveGroup } from "./curve_table";
 import { create, setText } from "./dom";
-import { nameElement } from "./readable";
+import { nameElement, printedUnit } from "./readable";
 
 const DASHES: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
 const COLORS = 8; // that the style has for curves
@@ -118,12 +118,12 @@ export class Plot {
   }
 
   private createLegend(): HTMLElement {
-    const unit = this.group.unit === "" ? "" : ` ${this.group.unit}`;
+    const unit = this.group.unit === "" ? "" : ` ${printedUnit(this.group.unit)}`;
     const rows = this.rows.map((row, index) => {
       const name = this.group.curves[index]!.name;
       return create("label", { class: "sb-curve", title: name + unit }, row.box, swatch(index), nameElement(name, { class: "sb-curve-name" }), row.value);
     });
-    const title = this.group.unit === "" ? "no unit" : this.group.unit;
+    const title = this.group.unit === "" ? "no unit" : printedUnit(this.group.unit);
     return create("div", { class: "sb-legend", role: "group", "aria-label": `Curves, ${title}`, tabindex: 0 }, ...rows);
   }
 
@@ -207,7 +207,7 @@ function valueRange(low: number | null, high: number | null): uPlot.Range.MinMax
 
 function valueAxis(unit: string): uPlot.Axis {
   // without a unit too: the axes of all panels begin at one place
-  const named = { label: unit === "" ? " " : unit, labelFont: FONT, labelSize: 18, labelGap: 0 };
+  const named = { label: unit === "" ? " " : printedUnit(unit), labelFont: FONT, labelSize: 18, labelGap: 0 };
   return { ...plainAxis(), ...named, size: 54, space: 22, values: (_, splits) => splits.map(formatTick) };
 }
 

@@ -45,3 +45,13 @@ export function nameElement(name: string, attributes: Record<string, string>): H
   const shown = symbol ? create("i", {}, base) : base;
   return create("span", attributes, shown, ...(index === "" ? [] : [create("sub", {}, index)]));
 }
+
+/** Return a unit as it is printed: kg·m² for "kg m^2", N·m/rad for "N m/rad". */
+export function printedUnit(unit: string): string {
+  return unit.replace(/\^(-?\d)/g, (_, power: string) => raised(power)).replace(/(?<=[^\s,]) (?=\S)/g, "·");
+}
+
+/** Return the digits of an exponent as they are raised. */
+export function raised(digits: string): string {
+  return digits.replace(/./g, (each) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹".charAt("-0123456789".indexOf(each)));
+}

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { componentLabels, fieldsOf } from "../../src/builder/model/fields";
+import { componentLabels, fieldsOf, type Acting } from "../../src/builder/model/fields";
 import { definitionNode } from "../../src/builder/model/schema";
 import { searched } from "../../src/builder/panels/palette";
 import { elements, schema } from "./models";
@@ -31,6 +31,11 @@ describe("forms from the schema", () => {
     const body = fieldsOf(schema, definitionNode(schema, "BodyEntry"));
     expect(body.find((each) => each.key === "mass")).toMatchObject({ unit: "kg", tip: "Mass; zero is legal as long as the mechanism as a whole can be accelerated." });
     expect(body.find((each) => each.key === "inertia")?.control).toMatchObject({ labels: ["xx", "yy", "zz"] });
+    const drive = definitionNode(schema, "DriveEntry");
+    const units = (acting: Acting): string[] => ["applied", "stiffness", "damping", "free"].map((key) => fieldsOf(schema, drive, acting).find((each) => each.key === key)!.unit);
+    expect(units("torque")).toEqual(["N·m", "N·m/rad", "N·m·s/rad", "rad"]);
+    expect(units("force")).toEqual(["N", "N/m", "N·s/m", "m"]);
+    expect(fieldsOf(schema, drive).find((each) => each.key === "applied")).toMatchObject({ unit: "", tip: "Applied force or torque on the end body. [N, N·m]" });
     expect(componentLabels("Components [N].", 3)).toEqual(["x", "y", "z"]);
   });
 

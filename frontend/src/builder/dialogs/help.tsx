@@ -14,9 +14,9 @@ const GESTURES: readonly (readonly [string, string])[] = [
   ["Shift-click", "Select further elements"],
   ["Arrow keys", "Move by a step of the grid; Shift: five; Alt: one point"],
   ["Alt while dragging", "Off the grid"],
-  ["Middle or right button, wheel", "Shift the diagram; with Ctrl the wheel zooms"],
+  ["Middle or right button, wheel", "Pan the diagram; with Ctrl the wheel zooms"],
   ["Drag a body in the picture", "The loops follow; where it is left the mechanism starts; Esc: back"],
-  ["Drag beside the bodies, or with Alt", "Turns the view"],
+  ["Drag the background of the picture, or any part with Alt", "Rotate the view"],
   ["Tab, Enter", "From element to element; select"],
 ];
 

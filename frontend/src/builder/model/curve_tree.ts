@@ -1,5 +1,7 @@
 /** What can be drawn over time, as a tree: kinds of quantities, of reactions also the joint. */
 
+import { raised } from "../../player/readable";
+
 export interface Offered {
   readonly name: string;
   readonly unit: string;
@@ -55,6 +57,5 @@ export function inPrint(value: number, digits = 2): string {
   const [mantissa = "", power = "0"] = value.toExponential(digits - 1).split("e");
   const exponent = Number(power);
   if (exponent >= -3 && exponent < 4) return String(Number(value.toPrecision(digits)));
-  const raised = String(exponent).replace(/./g, (each) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹".charAt("-0123456789".indexOf(each)));
-  return `${Number(mantissa) === 1 ? "" : `${Number(mantissa)}·`}10${raised}`;
+  return `${Number(mantissa) === 1 ? "" : `${Number(mantissa)}·`}10${raised(String(exponent))}`;
 }

@@ -1,5 +1,6 @@
 /** The fields of a form, made from the schema of what they change. */
 
+import { printedUnit } from "../../player/readable";
 import { isArray, isObject } from "./pointers";
 import { choicesOf, hasType, isFormula, resolveNode, type SchemaNode } from "./schema";
 import { textOf } from "./entries";
@@ -19,6 +20,9 @@ export type FieldKind =
   | { readonly kind: "entries"; readonly node: SchemaNode }
   | { readonly kind: "law"; readonly curve: SchemaNode };
 
+/** What a table acts with, where units differ: the force or the torque of a joint. */
+export type Acting = "force" | "torque" | "";
+
 export interface Field {
   readonly key: string;
   readonly label: string;
@@ -35,31 +39,34 @@ const REFERENCES: Readonly<Record<string, "frame" | "body" | "coordinate">> = {
 };
 
 /** Return the fields of an object's schema, in its order; constants have none. */
-export function fieldsOf(schema: JsonObject, node: SchemaNode): Field[] {
+export function fieldsOf(schema: JsonObject, node: SchemaNode, acting: Acting = ""): Field[] {
   const properties = isObject(node["properties"]) ? node["properties"] : {};
   const required = isArray(node["required"]) ? node["required"] : [];
   return Object.keys(properties).flatMap((key) => {
     const own = resolveNode(schema, properties[key]);
     if (own["const"] !== undefined) return [];
-    return [fieldOf(schema, key, own, required.includes(key))];
+    return [fieldOf(schema, key, own, required.includes(key), acting)];
   });
 }
 
 /** Of keys that the schema says nothing of. */
 const TIPS: Readonly<Record<string, string>> = { name: "Messages and outputs call it so; no other element has the same name." };
 
-export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean): Field {
+export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean, acting: Acting = ""): Field {
   const description = textOf(node["description"] ?? TIPS[key]);
   const control = controlOf(schema, key, node);
   // a unit among the words of named formulas is that of one of them
   const units = control.kind === "map" ? null : /\s*\[([^\]]+)\]/.exec(description);
-  const tip = units === null ? description : description.replace(/\s*\[[^\]]+\]/g, "").trim();
+  const all = units?.[1]?.split(", ").map(printedUnit) ?? [];
+  const unit = all.length === 2 && acting !== "" ? all[acting === "force" ? 0 : 1]! : all.join(", ");
+  const inTip = unit.includes(",");
+  const tip = description.replace(/\s*\[[^\]]+\]/g, "").trim();
   return {
     key,
     label: labelOf(key),
     // several units belong to several components; they stay in the tip
-    unit: units === null || units[1]!.includes(",") ? "" : units[1]!,
-    tip: units?.[1]?.includes(",") === true ? description : tip,
+    unit: inTip ? "" : unit,
+    tip: units === null ? description : inTip ? `${tip} [${unit}]`.trim() : tip,
     required,
     default: node["default"] ?? null,
     control,

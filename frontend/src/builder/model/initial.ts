@@ -20,6 +20,18 @@ export function valuePointer(data: Json | undefined, pointer: string): string {
   return isObject(valueAt(data, pointer)) ? `${pointer}/value` : pointer;
 }
 
+/** Return whether a first value holds when loops are closed; others are where the search begins. */
+export function isExact(value: Json | undefined): boolean {
+  return isObject(value) && value["priority"] === "hold";
+}
+
+/** Return data whose first value of a name holds, or is a guess; only what holds is a table in the file. */
+export function withPriority(data: Model, name: string, exact: boolean): Model {
+  const pointer = `/initial${joinPointer(name)}`;
+  const value = valueAt(data, valuePointer(data, pointer)) ?? "0";
+  return withValue(data, pointer, exact ? { value, priority: "hold" } : value);
+}
+
 /** Return data that begin in a pose; values that are as they were at the start stay as they are written. */
 export function withInitial(data: Model, values: Values, start: Values): Model {
   return Object.entries(values).reduce((before, [name, value]) => {

@@ -2,7 +2,7 @@
 
 import type { ReactElement } from "react";
 import { allReferences, entriesOf, entryOfPointer, GROUND, textOf } from "../model/entries";
-import { fieldsOf, type Field as FieldOf, type FieldKind } from "../model/fields";
+import { fieldsOf, type Acting, type Field as FieldOf, type FieldKind } from "../model/fields";
 import { isArray, isObject, joinPointer } from "../model/pointers";
 import { renameCoordinate } from "../model/rename";
 import { acceptName, acceptSymbol } from "../rename_command";
@@ -26,11 +26,16 @@ export interface FieldProps {
 /** Fields of one line with a label; all others are groups. */
 const SINGLE = new Set(["name", "text", "formula", "choice", "names", "formulas", "json"]);
 
+/** Return what the table at a pointer acts with where it is the drive of a joint. */
+function actingOf(pointer: string): Acting {
+  return (/^\/joint\/\d+\/(force|torque)(?:\/|$)/.exec(pointer)?.[1] ?? "") as Acting;
+}
+
 /** The fields of an object of the schema. */
 export function Fields({ node, pointer, value, skip = [] }: FieldsProps): ReactElement {
   const schema = useStore((state) => state.schema);
   if (schema === null) return <></>;
-  const fields = fieldsOf(schema.schema, node).filter((each) => !skip.includes(each.key));
+  const fields = fieldsOf(schema.schema, node, actingOf(pointer)).filter((each) => !skip.includes(each.key));
   return <>{fields.map((field) => <Field key={field.key} field={field} pointer={`${pointer}${joinPointer(field.key)}`} value={value[field.key]} />)}</>;
 }
 

@@ -3,6 +3,7 @@
 import { useId, useState, type ReactElement } from "react";
 import { expectChanges } from "../checking";
 import { freeName, INPUTS, symbolsOf, textOf } from "../model/entries";
+import { isExact, withPriority } from "../model/initial";
 import { isArray, isObject, joinPointer, valueAt, withValue } from "../model/pointers";
 import { renameInitial, renameParameter } from "../model/rename";
 import { Icon } from "../shell/icons";
@@ -10,7 +11,7 @@ import { acceptKey, acceptName, acceptSymbol } from "../rename_command";
 import { edit, endGesture, useStore } from "../store";
 import type { Json } from "../types";
 import { FieldFrame, FieldGroup, ProblemLines, useProblems } from "./field_frame";
-import { FormulaInput, LiveInput, NameInput, setValue, VectorInput } from "./inputs";
+import { Choice, FormulaInput, LiveInput, NameInput, setValue, VectorInput } from "./inputs";
 
 export function ModelPanel(): ReactElement {
   const data = useStore((state) => state.data);
@@ -27,7 +28,7 @@ export function ModelPanel(): ReactElement {
       </FieldGroup>
       <Table section="parameters" title="Parameters" tip="Values, or formulas of other parameters." unnamed="p1" rename={renameOfParameter} />
       <Inputs />
-      <Table section="initial" title="Initial values" tip="Of coordinates and speeds; what is left out starts at zero, or where the loops close." unnamed="" rename={renameOfInitial} />
+      <Table section="initial" title="Initial values" tip="Of coordinates and speeds; others start at zero, or where the loops close. An exact value holds when loops are closed; a guess may be moved." unnamed="" rename={renameOfInitial} />
     </div>
   );
 }
@@ -97,15 +98,24 @@ function TableRow({ section, name, value, list, rename }: { readonly section: st
   const pointer = `/${section}${joinPointer(name)}`;
   const problems = useProblems(pointer);
   return (
-    <div className="table-row">
+    <div className={`table-row${section === "initial" ? " with-priority" : ""}`}>
       <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={(text) => rename(name, text)} list={section === "initial" ? list : ""} />
       <span aria-hidden="true">=</span>
       <div><FormulaInput pointer={isObject(value) ? `${pointer}/value` : pointer} value={isObject(value) ? value["value"] : value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}</div>
+      {section === "initial" && (
+        <Choice
+          pointer={`${pointer}/priority`} label={`Priority of ${name}`} value={isExact(value) ? "exact" : "guess"} options={PRIORITIES}
+          change={(next) => { edit((data) => withPriority(data, name, next === "exact")); }}
+        />
+      )}
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, pointer, undefined)); }}><Icon name="trash" size={14} /></button>
       <ProblemLines problems={problems} />
     </div>
   );
 }
+
+/** Whether the loops may move a first value. */
+const PRIORITIES = [{ value: "guess", text: "Guess" }, { value: "exact", text: "Exact" }] as const;
 
 const NUMBER = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(deg)?\s*$/i;
 

@@ -10,14 +10,14 @@ export function TreeControl({ pointer }: { readonly pointer: string }): ReactEle
   return <div className="trees-field">{TREES.map((name) => <TreeChoice key={name} id={id} name={name} pointer={pointer} />)}</div>;
 }
 
-const CHOICES = [["auto", null], ["in", true], ["out", false]] as const;
+const CHOICES = [["Automatic", null], ["Include", true], ["Exclude", false]] as const;
 
 function TreeChoice({ id, name, pointer }: { readonly id: string; readonly name: TreeName; readonly pointer: string }): ReactElement {
   const data = useStore((state) => state.data);
   const summary = useStore((state) => state.check?.summary ?? null);
   const said = saidOfTree(entryAt(data, id)?.value["tree"], name);
   const now = isInTree(data, summary, id, name);
-  const auto = said !== null || now === null ? "auto" : `auto: ${now ? "in" : "out"}`;
+  const auto = said !== null || now === null ? "Automatic" : `Automatic (${now ? "in" : "out"})`;
   return (
     <div className="tree-choice">
       <span>{name === "rotation" ? "Rotation tree" : "Translation tree"}</span>

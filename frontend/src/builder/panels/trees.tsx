@@ -48,7 +48,7 @@ function TreeView({ name, title }: { readonly name: TreeName; readonly title: st
     <section aria-label={title}>
       <h3>{title}</h3>
       <ul className="tree-view"><BranchView branch={treeFrom(data, summary, name)} name={name} /></ul>
-      {out.length > 0 && <div className="cotree"><span className="soft">Not in it</span>{out.map((each) => <JointRow key={each.id} joint={each} name={name} inside={false} body="" />)}</div>}
+      {out.length > 0 && <div className="cotree"><span className="soft">Excluded</span>{out.map((each) => <JointRow key={each.id} joint={each} name={name} inside={false} body="" />)}</div>}
     </section>
   );
 }

@@ -68,7 +68,7 @@ function follow(drag: Drag, thread: Thread): void {
     const answer = await api.drag(document, data, { body: drag.body, point: drag.point, ...sight }, guess);
     drag.at = answer.at;
     showThread(drag, thread);
-    return { ...answer, note: reachNote(drag, answer) };
+    return { ...answer, note: reachNote(answer) };
   });
 }
 
@@ -77,8 +77,8 @@ function showThread({ at, pointer, viewer }: Drag, thread: Thread): void {
   thread.show((pictureNow.shown?.player.viewer ?? viewer).pagePlace(at), pointer);
 }
 
-function reachNote({ body }: Drag, { distance, size }: DragAnswer): string {
-  return distance > FAR * size ? `${body} goes no nearer to the pointer.` : "";
+function reachNote({ distance, size }: DragAnswer): string {
+  return distance > FAR * size ? "The mechanism cannot reach the pointer." : "";
 }
 
 /** Let bodies be dragged that are seen in an element; return what ends it. */

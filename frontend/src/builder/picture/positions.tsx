@@ -4,7 +4,8 @@ import { useState, type ReactElement } from "react";
 import { plainReading } from "../../player/readable";
 import { api } from "../api";
 import { textOf } from "../model/entries";
-import { isObject } from "../model/pointers";
+import { valuePointer } from "../model/initial";
+import { joinPointer, valueAt } from "../model/pointers";
 import { quantityOf, textIn } from "../model/quantities";
 import { quaternionOf, turnsOf, type Quaternion, type Turns } from "../model/turns";
 import { useStore } from "../store";
@@ -129,7 +130,7 @@ function Row({ name, label, base, unit, start, now, change }: RowProps): ReactEl
 
 /** Says where the file's own value could not be: the loops moved it. */
 function Moved({ name, base, unit, start }: Pick<RowProps, "name" | "base" | "unit" | "start">): ReactElement | null {
-  const written = useStore((state): Json | undefined => (isObject(state.data["initial"]) ? state.data["initial"][name] : undefined));
+  const written = useStore((state): Json | undefined => valueAt(state.data, valuePointer(state.data, `/initial${joinPointer(name)}`)));
   const wanted = written === undefined ? null : quantityOf(textOf(written), base);
   if (wanted === null || Math.abs(wanted - start) <= SAME * Math.max(1, Math.abs(start))) return null;
   return <small className="moved">The file says {textOf(written)}; the loops moved it to {textIn(start, unit)} {unit}.</small>;

@@ -137,7 +137,7 @@ function CopyButtons({ block }: { readonly block: Block }): ReactElement {
     <span className="copy-buttons">
       {FORMS.filter(([form]) => block.forms[form] !== "").map(([form, name, ending]) => block.forms[form].length < 200_000
         ? <button key={form} type="button" className="button small" title={`Copy as ${name}`} onClick={() => { copy(block.forms[form], name); }}>Copy {name}</button>
-        : <button key={form} type="button" className="button small" onClick={() => { download(`${block.title}${ending}`, block.forms[form]); }}>Write {name}</button>)}
+        : <button key={form} type="button" className="button small" onClick={() => { download(`${block.title}${ending}`, block.forms[form]); }}>Export {name}</button>)}
     </span>
   );
 }

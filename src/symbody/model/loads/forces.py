@@ -26,14 +26,16 @@ class Drive(ElementPart):
     sign: ClassVar[str] = "positive drives end along the positive coordinate"
     outputs: ClassVar[str] = "`effort J`, `effort J x` where several"
 
-    applied: Quantity = Quantity("Effort on the end body.", unit="N, N m", default=0, scope=Scope.LOAD)
+    applied: Quantity = Quantity(
+        "Applied force or torque on the end body.", unit="N, N m", default=0, scope=Scope.LOAD
+    )
     stiffness: Quantity = Quantity(unit="N/m, N m/rad", default=0, scope=Scope.LOAD, fits=note_negative)
     damping: Quantity = Quantity(unit="N s/m, N m s/rad", default=0, scope=Scope.LOAD, fits=note_negative)
     free: AngleQuantity = AngleQuantity(
         "Coordinate at which the spring is relaxed.", unit="m, rad", default=0, scope=Scope.LOAD
     )
     law: SpringLaw = SpringLaw(
-        "Further effort; a curve is one over the coordinate.", unit="N, N m", default=0
+        "Further force or torque; a curve is one over the coordinate.", unit="N, N m", default=0
     )
 
     @property
