@@ -1,12 +1,10 @@
-"""All formulations take the same steps: what their accelerations are off by, error control must not see."""
+"""Accelerations of many free bodies are as exact as those of recursions: elimination alone leaves 600 roundings."""
 
 from __future__ import annotations
 
 import numpy as np
 
 import symbody as sb
-
-FORMULATIONS = (sb.Recursive(), sb.NewtonEuler(), sb.VirtualWork(), sb.Lagrange())
 
 
 def branched_tree(count: int) -> sb.Model:
@@ -21,16 +19,6 @@ def branched_tree(count: int) -> sb.Model:
             sb.Revolute(f"J{k}", start, f"B{k}.near", axis="zyx"[k % 3], coordinate=f"q{k}", torque=law)
         )
     return sb.Model("tree", elements, gravity=(0, 0, "-9.81"))
-
-
-def test_steps_of_a_branched_tree_under_pd_laws() -> None:
-    """In the first 20 ms from rest, where speeds are small and tolerances with them."""
-    counts = []
-    for formulation in FORMULATIONS:
-        run = sb.simulate(sb.form_equations(branched_tree(7), formulation), 0.02, rtol=1e-10)
-        assert run.success
-        counts.append(run.statistics.accepted + (run.statistics.rejected or 0))
-    assert max(counts) <= min(counts) + 1, counts
 
 
 def test_free_bodies_are_solved_for_to_rounding() -> None:
