@@ -200,5 +200,6 @@ _FUNCTIONS: Mapping[int, Callable[..., Any]] = {
     op.SIGN: _step(mpmath.sign),
     op.FLOOR: _step(mpmath.floor),
     op.LT: _less,
+    op.LE: lambda a, b: not _less(b, a),
     op.SELECT: lambda c, a, b: a if c else b,
 }
