@@ -14,7 +14,7 @@ from scipy.interpolate import PchipInterpolator
 from sympy.physics.mechanics import dynamicsymbols
 
 import symbody as sb
-from symbody.builder.tasks.equations import equation_tabs
+from symbody.builder.tasks.equations import all_tabs
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.outputs import textbook
 from symbody.equations.outputs.curve_names import CurveFunction, curve_functions, name_curves
@@ -137,7 +137,7 @@ def test_names_are_written_out_again_as_the_nodes_they_stand_for() -> None:
 
 def test_the_builder_shows_the_name_and_its_code_the_pieces() -> None:
     payload = {"data": to_data(quarter_car()), "folder": "", "options": {}}
-    tabs = {tab["name"]: json.dumps(tab) for tab in equation_tabs(payload, lambda *_: None)["tabs"]}
+    tabs = {tab["name"]: json.dumps(tab) for tab in all_tabs(payload)}
     for name in ("Equations", "Forcing"):
         assert "law_SPRING" in tabs[name] and "begin{cases}" not in tabs[name]
     assert "-10285.714285714288" in tabs["Forcing"]
@@ -150,7 +150,7 @@ def test_the_reaction_of_a_guide_shows_the_name() -> None:
     spring = sb.SpringDamper("S", "ground", "A.end", law=sb.Curve(LENGTHS, FORCES))
     model = sb.Model("m", [guide, spring])
     payload = {"data": to_data(model), "folder": "", "options": {}}
-    tabs = {tab["name"]: json.dumps(tab) for tab in equation_tabs(payload, lambda *_: None)["tabs"]}
+    tabs = {tab["name"]: json.dumps(tab) for tab in all_tabs(payload)}
     assert "law_S" in tabs["Reactions"] and "begin{cases}" not in tabs["Reactions"]
     force = sb.form_equations(model).reaction("P").force
     assert "law_S" in str(force) and not force.atoms(sp.Piecewise)

@@ -90,6 +90,7 @@ _COMPLEX: Mapping[int, Callable[..., Any]] = {
     **{code: MPMATH.functions[code] for code in (*SMOOTH, op.FMA, op.SELECT)},
     op.ATAN2: lambda y, x: -1j * mpmath.log((x + 1j * y) / mpmath.sqrt(x * x + y * y)),
     op.LT: lambda a, b: mpmath.re(a) < mpmath.re(b),
+    op.LE: lambda a, b: mpmath.re(a) <= mpmath.re(b),
     op.MIN: lambda a, b: a if mpmath.re(a) < mpmath.re(b) else b,
     op.MAX: lambda a, b: a if mpmath.re(a) > mpmath.re(b) else b,
     op.ABS: lambda a: a if mpmath.re(a) > 0 else -a,

@@ -30,7 +30,7 @@ CONSTRUCTORS = (
     *ELEMENTS,
     *(each.__name__ for each in shape_types().values()),
     *"Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Model Partition Projection Samples".split(),
-    *"FmuInput GeneralizedAlpha Include Stiff Table Trees".split(),
+    *"FmuInput GeneralizedAlpha Include Initial Stiff Table Trees".split(),
     *(type(each).__name__ for each in FORMULATIONS if inspect.signature(type(each)).parameters),
 )
 # Classes that take nothing, are made by functions, or are faults; and functions whose words are variadic.

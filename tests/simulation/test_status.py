@@ -26,6 +26,6 @@ def test_stored_codes_belong_to_one_status_for_ever() -> None:
     kept = {
         "SUCCESS": 100, "STOPPED": 101, "STEP_COLLAPSE": 102, "NOT_FINITE": 103, "SINGULAR": 104, "FRICTION": 105,
         "DEPENDENT_SPEEDS": 106, "TOO_MANY_STEPS": 107, "STIFF": 108, "CHATTERING": 109, "NOT_STARTED": 110,
-        "WORKER_LOST": 111, "INTERRUPTED": 112, "OUT_OF_MEMORY": 113,
+        "WORKER_LOST": 111, "INTERRUPTED": 112, "OUT_OF_MEMORY": 113, "UNMET_ACTION": 114,
     }  # fmt: skip
     assert {status.name: code for status, code in CODES.items() if status.name in kept} == kept

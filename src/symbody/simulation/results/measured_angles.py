@@ -36,6 +36,9 @@ def count_turns(
     symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
     if symbol not in getattr(evaluate, "measured_angles", ()):
         return values
+    angle = evaluate(f"({symbol})", t, positions, speeds)
+    if angle.shape != values.shape or not np.array_equal(angle, values, equal_nan=True):
+        return values  # a word of outputs, such as "B", that an angle has for a name
     if dense is not None:
         return _turns_along(evaluate, symbol, values, t, dense, len(speeds))
     if t.size < 2:
@@ -58,7 +61,7 @@ def _turns_along(
     starts, lengths = dense.breaks[:-1, np.newaxis], np.diff(dense.breaks)[:, np.newaxis]
     times = np.append(starts + shares * lengths, dense.breaks[-1])
     x = dense(times)
-    between, rates = (evaluate(each, times, x[n_u:], x[:n_u]) for each in (name, f"{name}_dot"))
+    between, rates = (evaluate(each, times, x[n_u:], x[:n_u]) for each in (f"({name})", f"{name}_dot"))
     way = 1.0 if times[-1] >= times[0] else -1.0
     near = np.interp(way * t, way * times, _count(between, rates, times))
     return np.asarray(values + _turns(near - values))

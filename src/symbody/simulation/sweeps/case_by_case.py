@@ -40,6 +40,7 @@ CODES: Final[Mapping[Status, int]] = MappingProxyType(
         Status.WORKER_LOST: 111,
         Status.INTERRUPTED: 112,
         Status.OUT_OF_MEMORY: 113,
+        Status.UNMET_ACTION: 114,
     }
 )
 STATUSES: Final[Mapping[int, Status]] = MappingProxyType({code: status for status, code in CODES.items()})
