@@ -115,7 +115,7 @@ class _Terms:
         """Return the size of a sum without states; what is open in it is taken to be as large as the rest."""
         total: Number = 0.0
         for name, slope in term.items():
-            part = abs(slope) * self._sizes[name]
+            part = np.abs(slope) * self._sizes[name]
             total = total + np.where(np.isnan(self._sizes[name]), 0.0, part)
         is_open = any(np.any(np.isnan(self._sizes[name])) for name in term)
         return np.where(total > 0.0, total, math.nan) if is_open else total
@@ -218,7 +218,7 @@ def _size_of_function(name: str, sizes: list[Number], exponent: Number | None) -
         return np.power(first, exponent)
     if name in ("min", "max", "if"):  # the smallest, for the greatest may be a limit that is never reached
         sizes = [np.where(np.greater(size, 0.0), size, math.nan) for size in sizes]
-        return np.fmin.reduce(np.broadcast_arrays(*sizes))
+        return np.asarray(np.fmin.reduce(np.broadcast_arrays(*sizes)))
     if name in ("sin", "tanh", "atan", "asin"):
         return np.fmin(first, 1.0)
     return 1.0 if name in ("cos", "sign", "atan2", "smoothstep") else math.inf
