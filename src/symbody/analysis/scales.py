@@ -17,6 +17,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.signal_sizes import signal_sizes
 from symbody.codegen.formation.bound_function import evaluate_once
 from symbody.codegen.formation.formula_values import FormulaValues
 from symbody.codegen.formation.names import Value
@@ -57,7 +58,9 @@ class Scales:
     equations : mapping of name to float
         Size of a constraint with a unit of its own, by the name of its multiplier.
     signals : mapping of name to float
-        Size of the state of a signal where it shall not follow from its first value.
+        Size of the state of a signal where the caller chooses it.
+    numbers : mapping of name to float
+        Values of parameters, from which sizes of states of signals follow; empty where there are none.
     has_length, has_time : bool
         Whether these were given or found in the model.
     """
@@ -69,6 +72,7 @@ class Scales:
     has_length: bool = False
     has_time: bool = False
     signals: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    numbers: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def sizes(self) -> dict[str, float]:
@@ -109,7 +113,16 @@ class Scales:
         if atol is not None:
             return np.full(x.size, atol)
         lengths, times = np.array([self.length]), np.array([self.time])
-        return np.asarray(state_tolerances(eqs, lengths, times, x[np.newaxis], self.signals)[0])
+        own = self._sizes_of_signals(eqs)[np.newaxis]
+        return np.asarray(state_tolerances(eqs, lengths, times, x[np.newaxis], own, self.signals)[0])
+
+    def _sizes_of_signals(self, eqs: EquationSet) -> Floats:
+        if not eqs.signal_state_names:
+            return np.zeros(0)
+        numbers = np.array([self.length, self.time, self.mass])[:, np.newaxis]
+        key = "sizes of signals", self.length, self.time, self.mass, tuple(self.numbers.items())
+        sizes: Floats = eqs.plans.get(key, lambda: signal_sizes(eqs, self.numbers, *numbers)[0])
+        return sizes
 
     def fit_span(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""
@@ -167,11 +180,12 @@ def mechanism_scales(
     mass = (
         chosen.get("mass", largest_magnitude(masses) or largest_magnitude(moments) / scales.length**2) or 1.0
     )
-    return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
+    numbers = parameter_set(eqs, parameters).floats if eqs.signal_state_names else scales.numbers
+    return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales), numbers=numbers)
 
 
 def state_tolerances(
-    eqs: EquationSet, lengths: Floats, times: Floats, x: Floats, signals: Mapping[str, float] | None = None
+    eqs: EquationSet, lengths: Floats, times: Floats, x: Floats, driven: Floats, signals: Mapping[str, float]
 ) -> Floats:
     """Return the absolute tolerances of all states where none is given.
 
@@ -181,14 +195,20 @@ def state_tolerances(
         Length and time of the `Scales` of N motions.
     x : (N, n_u + n_q + n_s) array
         Their first states.
-    signals : mapping of name to float, optional
-        Sizes of states of signals; by default their first value, or 1 where that is 0.
+    driven : (N, n_s) array
+        Sizes of states of signals by what goes into them; where they are nan the first value counts, or 1
+        where that is 0.
+    signals : mapping of name to float
+        Sizes of states of signals that the caller chose.
     """
     sizes = np.ones_like(x)
     plan, n_u = _unit_plan(eqs), len(eqs.speed_names)
-    for k, name in enumerate(eqs.signal_state_names, n_u + len(eqs.coordinate_names)):
-        own = (signals or {}).get(name)
-        sizes[:, k] = np.where(x[:, k] == 0.0, 1.0, np.abs(x[:, k])) if own is None else own
+    for k, name in enumerate(eqs.signal_state_names):
+        place = n_u + len(eqs.coordinate_names) + k
+        first = np.abs(x[:, place])
+        open_size = np.where(first == 0.0, 1.0, first)
+        size = np.where(np.isnan(driven[:, k]), open_size, np.maximum(driven[:, k], RESOLVED * first))
+        sizes[:, place] = signals.get(name, size)
     sizes[:, :n_u] /= times[:, np.newaxis]
     sizes[:, plan.lengths_of_states] *= lengths[:, np.newaxis]
     for places in plan.alike:

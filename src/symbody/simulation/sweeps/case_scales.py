@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from symbody.analysis.scales import (
     pose_share,
     state_tolerances,
 )
+from symbody.analysis.signal_sizes import signal_sizes
 from symbody.analysis.signal_values import without_signals
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
@@ -45,13 +46,16 @@ class CaseScales:
         As in `Scales`.
     signals : mapping of name to float
         As in `Scales`.
+    driven : (cases, n_s) array
+        Sizes of the states of signals by what goes into them.
     """
 
     eqs: EquationSet
     lengths: Floats
     times: Floats
     equations: Mapping[str, Floats]
-    signals: Mapping[str, float] = field(default_factory=dict)
+    signals: Mapping[str, float]
+    driven: Floats
 
     def of_case(self, k: int) -> Scales:
         """Return the scales of one case."""
@@ -85,7 +89,7 @@ class CaseScales:
         if atol is not None:
             return np.full_like(states, atol)
         first = np.nan_to_num(states)
-        return state_tolerances(self.eqs, self.lengths, self.times, first, self.signals)
+        return state_tolerances(self.eqs, self.lengths, self.times, first, self.driven, self.signals)
 
 
 def case_scales(
@@ -117,7 +121,30 @@ def case_scales(
     times = np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), usual)
     if "time" in checked:
         times = np.full(table.count, checked["time"])
-    return CaseScales(eqs, lengths, times, _equations(eqs, table, lengths), signals)
+    driven = _sizes_of_signals(eqs, table, lengths, times, checked)
+    return CaseScales(eqs, lengths, times, _equations(eqs, table, lengths), signals, driven)
+
+
+def _sizes_of_signals(
+    eqs: EquationSet, table: CaseTable, lengths: Floats, times: Floats, given: Mapping[str, float]
+) -> Floats:
+    """Return the sizes of the states of signals by what goes into them, (cases, n_s)."""
+    if not eqs.signal_state_names:
+        return np.zeros((table.count, 0))
+    bodies = eqs.model.bodies
+    masses = _largest(case_values(eqs, table, number_formulas([body.mass for body in bodies])), table.count)
+    inertias = number_formulas([moment for body in bodies for moment in body.inertia])
+    moments = _largest(case_values(eqs, table, inertias), table.count)
+    masses = np.where(masses > 0.0, masses, moments / lengths**2)
+    masses = np.where(masses > 0.0, masses, 1.0)
+    if "mass" in given:
+        masses = np.full(table.count, given["mass"])
+    fixed = {
+        name: Formula.from_value(plain_value(value), where=name)
+        for name, value in table.fixed_parameters.items()
+    }
+    varied = {name: table.parameters[:, k] for k, name in enumerate(table.parameter_names)}
+    return signal_sizes(eqs, {**fixed, **varied}, lengths, times, masses)
 
 
 def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value]) -> dict[str, Floats]:
