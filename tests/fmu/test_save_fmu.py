@@ -252,7 +252,9 @@ def test_table_that_is_the_law_of_an_input_is_noted(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
-def test_what_an_action_sets_holds_in_a_loop(kind: str, tmp_path: Path) -> None:
+def test_what_an_action_sets_holds_in_a_loop(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """A crank that turns back at half its rate takes the whole loop with it; what cannot be met is said."""
     eqs = example("slider_crank")
     turn = sb.Event("t - 0.1", action={"theta_dot": "-theta_dot/2"})
@@ -265,4 +267,6 @@ def test_what_an_action_sets_holds_in_a_loop(kind: str, tmp_path: Path) -> None:
     tear = sb.Event("t - 0.1", action={"theta_dot": "-theta_dot", "s_dot": "5 + s_dot"})
     torn = sb.save_fmu(eqs, tmp_path / "torn.fmu", events=[tear])
     with pytest.raises(Exception, match="fmi|FMI"):
-        simulate(torn.path, kind, 0.2, eqs.state_names, 1e-9)
+        simulate(torn.path, kind, 0.2, eqs.state_names, 1e-9, debug_logging=True)
+    said = capsys.readouterr()
+    assert "the constraints do not admit what the action of an event sets" in said.out + said.err

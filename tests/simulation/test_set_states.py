@@ -163,6 +163,46 @@ def test_first_values_hold_if_they_say_so() -> None:
         sb.Initial(1.0, "low")  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("word", ["initial", "guess"])
+def test_first_values_of_a_caller_have_priorities(word: str) -> None:
+    """The crank at 70 deg holds, although the rocker is asked for what it has at 60: this is a guess.
+
+    With the priorities exchanged the rocker holds. It makes no difference which of `initial=` and `guess=`
+    names a value with a priority, nor who starts the motion.
+    """
+    eqs = example("four_bar")
+    begin = sb.assemble(eqs, {"theta": np.deg2rad(60.0)})
+    rocker = float(begin["phi"])
+    for held, near in (("theta", "phi"), ("phi", "theta")):
+        values = {
+            "theta": sb.Initial("70 deg", "hold" if held == "theta" else "guess"),
+            "phi": sb.Initial(rocker, "hold" if held == "phi" else "guess"),
+        }
+        first = {word: values}
+        expected = sb.assemble(eqs, {held: values[held].value}, {near: values[near].value})
+        asked = np.deg2rad(70.0) if held == "theta" else rocker
+        assert abs(float(expected[held]) - asked) < 1e-15
+        assert abs(float(expected["theta"] - begin["theta"])) < 1e-9 or held == "theta"
+        stepper, lanes = sb.Stepper(eqs, 0.01, **first), sb.LaneStepper(eqs, 0.01, 2, **first)
+        back = sb.Stepper(eqs, 0.01).reset(values)
+        of_lanes = sb.LaneStepper(eqs, 0.01, 2).reset(**values)
+        run, cases = sb.simulate(eqs, 0.01, **first), sb.sweep(eqs, 0.01, **first)
+        for name in eqs.coordinate_names:
+            found = [
+                *(float(one[name]) for one in (sb.assemble(eqs, values), stepper, back)),
+                run[name][0], cases[name][0, 0], *np.ravel(lanes[name]), *np.ravel(of_lanes[name]),
+            ]  # fmt: skip
+            assert np.abs(np.array(found) - float(expected[name])).max() < 1e-9, (held, name)
+
+
+def test_lists_of_a_sweep_take_no_priority() -> None:
+    """All values of a list hold; one of its entries cannot be a guess."""
+    entries = [sb.Initial("60 deg"), sb.Initial("70 deg")]
+    with pytest.raises(sb.UsageError, match="is not a list of numbers") as caught:
+        sb.sweep(example("four_bar"), 0.01, initial={"theta": entries})  # type: ignore[dict-item]
+    assert caught.value.problems[0].code == "sweep.values"
+
+
 def test_every_coordinate_that_moved_is_named_in_its_unit() -> None:
     """A wrong guess of the rocker moves the crank by 19 degrees: both are named."""
     data = sb.load_model(EXAMPLES / "four_bar" / "four_bar.toml")

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
 from symbody.expr.language.formula import Formula
-from symbody.model.declarations.arguments import ZERO, Arguments, Value
+from symbody.model.declarations.arguments import ZERO, Arguments, Value, plain_value
 from symbody.model.frozen_mapping import FrozenMapping
 
 
@@ -43,6 +43,11 @@ class Initial:
             )  # fmt: skip
 
 
+# What callers give, with or without a priority of its own.
+PlainValue = int | float | str | Formula
+FirstValue = PlainValue | Initial
+
+
 class FirstValues(FrozenMapping[Formula]):
     """First values by name, and which of them hold: a model that is made of another's keeps priorities."""
 
@@ -73,3 +78,19 @@ def read_initial(arguments: Arguments, values: Mapping[str, Value | Initial]) ->
         return arguments.formula(value, path)
 
     return FirstValues(arguments.table(values, "initial", read), held)
+
+
+def by_priority(
+    fixed: Mapping[str, FirstValue], guess: Mapping[str, FirstValue]
+) -> tuple[dict[str, PlainValue], dict[str, PlainValue]]:
+    """Return what is held and what is guessed, in that order: an `Initial` says so itself."""
+    held: dict[str, PlainValue] = {}
+    near: dict[str, PlainValue] = {}
+    for values, usual in ((guess, near), (fixed, held)):
+        for name, value in values.items():
+            if isinstance(value, Initial):
+                formula = Formula.from_value(plain_value(value.value), where=name)
+                (held if value.priority == "hold" else near)[name] = formula
+            else:
+                usual[name] = value
+    return held, near

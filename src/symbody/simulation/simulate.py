@@ -20,6 +20,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
+from symbody.model.first_values import FirstValue, by_priority
 from symbody.simulation.co_simulation.run_with_fmus import run_motion
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.switching import switches
@@ -39,8 +40,8 @@ from symbody.simulation.simulation_problem import SimulationProblem
 
 @checked_arguments
 def simulate(
-    eqs: EquationSet, t_end: float | tuple[float, float], initial: Mapping[str, Value] | None = None,
-    guess: Mapping[str, Value] | None = None, parameters: Mapping[str, Value] | None = None,
+    eqs: EquationSet, t_end: float | tuple[float, float], initial: Mapping[str, FirstValue] | None = None,
+    guess: Mapping[str, FirstValue] | None = None, parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Law] | None = None, times: ArrayLike | None = None,
     integrator: Integrator | None = None, constraints: Constraints | None = None,
     events: Event | Sequence[Event] = (), *, rtol: float = 1e-8, atol: float | None = None,
@@ -53,9 +54,9 @@ def simulate(
     ----------
     t_end : float or (t0, t_end)
         End time [s], or both ends; initial values hold at the first.
-    initial : mapping of name to number or formula in parameters
+    initial : mapping of name to number or formula in parameters, or `Initial`
         Coordinates, speeds, ``_dot`` names, joint coordinates and signals that have these values at first.
-    guess : mapping of name to number or formula in parameters
+    guess : mapping of name to number or formula in parameters, or `Initial`
         Where the others are looked for, see `assemble`; by default the model's initial values, then 0.
     parameters : mapping of name to number or formula
         Overrides values of the model.
@@ -81,22 +82,22 @@ def simulate(
     CompileError, FormulationError, UsageError, AssemblyError, SimulationError
         If arguments make no sense, initial values do not fit, or a law fails; else `status` says what failed.
     """
-    check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
+    check_arguments(eqs, t_end, integrator, constraints, initial=initial, guess=guess, inputs=inputs)
+    exact, near = by_priority(initial or {}, guess or {})
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
-    held = held_signals(eqs, span, parameters, initial, inputs)
-    inputs, initial = {**inputs, **held.laws}, held.others(initial)
+    held = held_signals(eqs, span, parameters, exact, inputs)
+    inputs, exact = {**inputs, **held.laws}, held.others(exact)
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     with show_progress(progress, "motion") as report:
-        first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
+        first = assemble(eqs, exact, near, parameters, laws.formulas, span[0], scales=scales)
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
         notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
-        notes += start_notes(problem, first, {**(guess or {}), **initial})
+        notes += start_notes(problem, first, {**near, **exact})
         x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
-        plan = MotionPlan(integration, integrator, constraints)
-        run, problem = run_motion(plan, inputs)
+        run, problem = run_motion(MotionPlan(integration, integrator, constraints), inputs)
     return _annotate(run, problem, first, notes, held)
 
 

@@ -49,9 +49,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError
-from symbody.expr.language.formula import Formula
-from symbody.model.declarations.arguments import plain_value
-from symbody.model.first_values import Initial
+from symbody.model.first_values import FirstValue, by_priority
 
 Floats = NDArray[np.float64]
 
@@ -59,8 +57,8 @@ Floats = NDArray[np.float64]
 @checked_arguments
 def assemble(
     eqs: EquationSet,
-    fixed: Mapping[str, Value | Initial] | None = None,
-    guess: Mapping[str, Value | Initial] | None = None,
+    fixed: Mapping[str, FirstValue] | None = None,
+    guess: Mapping[str, FirstValue] | None = None,
     parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Value] | None = None,
     t: float = 0.0,
@@ -105,7 +103,7 @@ def assemble(
     """
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
-    exact, near = _by_priority(fixed or {}, guess or {})
+    exact, near = by_priority(fixed or {}, guess or {})
     exact = {**held_initial_values(eqs, exact, near), **exact}
     signals, exact, near = split_signals(eqs, exact, near, parameters)
     rest = parameters, inputs, t, ranges, scales
@@ -114,23 +112,6 @@ def assemble(
         with suppress(AssemblyError):
             return _assemble(eqs, {**exact, **kept}, near, *rest, signals)
     return _assemble(eqs, exact, near, *rest, signals)
-
-
-def _by_priority(
-    fixed: Mapping[str, Value | Initial], guess: Mapping[str, Value | Initial]
-) -> tuple[dict[str, Value], dict[str, Value]]:
-    """Return what is held and what is guessed: an `Initial` says so itself."""
-    held: dict[str, Value] = {}
-    near: dict[str, Value] = {}
-    for values, usual in ((guess, near), (fixed, held)):
-        for name, value in values.items():
-            if isinstance(value, Initial):
-                (held if value.priority == "hold" else near)[name] = Formula.from_value(
-                    plain_value(value.value), where=name
-                )
-            else:
-                usual[name] = value
-    return held, near
 
 
 def _fitting_values(

@@ -15,6 +15,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels import stepping
+from symbody.model.first_values import FirstValue
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.inputs.input_laws import Law
 from symbody.simulation.methods.integration import Constraints, Integrator
@@ -22,6 +23,7 @@ from symbody.simulation.status import Status
 from symbody.simulation.stepper.input_values import missing_values
 from symbody.simulation.stepper.lane import Lane
 from symbody.simulation.stepper.lane_values import (
+    FirstLaneValue,
     LaneValue,
     chosen_lane,
     chosen_lanes,
@@ -53,7 +55,7 @@ class LaneStepper(OwnCopies):
         How long each step is [s].
     lanes : int
         How many motions there are, N.
-    parameters, initial : mapping of name to number, formula, or N of them
+    parameters, initial : mapping of name to number, formula, or N of them; first values also `Initial`
         As for `Stepper`, for all lanes or for each.
     inputs, integrator, constraints, events, guess, t, rtol, atol, scales, max_steps : optional
         As for `Stepper`. With events, Python functions, and where `notes` says so, lanes are stepped one
@@ -70,10 +72,11 @@ class LaneStepper(OwnCopies):
     @checked_arguments
     def __init__(
         self, eqs: EquationSet, dt: float, lanes: int,
-        parameters: Mapping[str, LaneValue] | None = None, initial: Mapping[str, LaneValue] | None = None,
+        parameters: Mapping[str, LaneValue] | None = None,
+        initial: Mapping[str, FirstLaneValue] | None = None,
         inputs: Mapping[str, Law] | Iterable[str] | None = None, integrator: Integrator | None = None,
         constraints: Constraints | None = None, events: Event | Sequence[Event] = (), *,
-        guess: Mapping[str, Value] | None = None, t: float = 0.0, rtol: float = 1e-8,
+        guess: Mapping[str, FirstValue] | None = None, t: float = 0.0, rtol: float = 1e-8,
         atol: float | None = None, scales: Mapping[str, float] | None = None, max_steps: int = 100_000,
     ) -> None:  # fmt: skip
         if isinstance(lanes, bool) or lanes < 1:
@@ -207,7 +210,7 @@ class LaneStepper(OwnCopies):
         """
         return self._change(only, values, Stepper.set)
 
-    def reset(self, only: ArrayLike | None = None, /, **values: LaneValue) -> Self:
+    def reset(self, only: ArrayLike | None = None, /, **values: FirstLaneValue) -> Self:
         """Go back to the start in all lanes or in some, there with other initial values; see `set`.
 
         Parameters keep their values, inputs lose theirs.

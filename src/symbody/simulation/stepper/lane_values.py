@@ -10,11 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.errors import Problem, UsageError
+from symbody.model.first_values import FirstValue
 from symbody.simulation.stepper.saved_stepper import not_saved, other_kind
 from symbody.simulation.stepper.settings import unknown_name
 
 Floats = NDArray[np.float64]
 LaneValue = Value | Sequence[Value] | NDArray[np.float64]
+FirstLaneValue = LaneValue | FirstValue | Sequence[FirstValue]
 
 _FORMAT: Final = b"symbody lanes 1\n"
 _SIZE: Final = 8  # bytes that say how long the next part is

@@ -128,17 +128,22 @@ def step_problem(
 
 
 def first_state(
-    settings: StepperSettings, parameters: Mapping[str, Value], other: Mapping[str, Value] | None = None
+    settings: StepperSettings,
+    parameters: Mapping[str, Value],
+    other: Mapping[str, Value] | None = None,
+    near: Mapping[str, Value] | None = None,
 ) -> State:
-    """Return the state at the start, or there with `other` values."""
+    """Return the state at the start, or there with `other` values that hold and guesses `near`."""
     laws = own_laws(settings, settings.t_start)
     held = held_later(settings.eqs)  # they have values before their first samples
-    given = {**settings.initial, **(other or {})}
+    guess = {**settings.guess, **(near or {})}
+    kept = {name: value for name, value in settings.initial.items() if name not in (near or {})}
+    given = {**kept, **(other or {})}
     initial = {name: value for name, value in given.items() if name not in held}
     if held:  # so that impossible values change nothing
         held_signals(settings.eqs, (settings.t_start, settings.t_start), parameters, given, {})
     return assemble(
-        settings.eqs, initial, settings.guess, parameters, laws.formulas, settings.t_start,
+        settings.eqs, initial, guess, parameters, laws.formulas, settings.t_start,
         scales=settings.scales,
     )  # fmt: skip
 

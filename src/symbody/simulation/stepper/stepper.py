@@ -16,6 +16,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import UsageError
 from symbody.kernels import block as at
 from symbody.kernels import stepping
+from symbody.model.first_values import FirstValue, Initial, by_priority
 from symbody.simulation.events.events import Event, Occurrence, check_events
 from symbody.simulation.inputs.input_laws import Law
 from symbody.simulation.methods.constraints import Baumgarte
@@ -95,11 +96,11 @@ class Stepper(OwnCopies):
     @checked_arguments
     def __init__(
         self, eqs: EquationSet, dt: float, parameters: Mapping[str, Value] | None = None,
-        initial: Mapping[str, Value] | None = None, inputs: Mapping[str, Law] | Iterable[str] | None = None,
-        integrator: Integrator | None = None, constraints: Constraints | None = None,
-        events: Event | Sequence[Event] = (), *, guess: Mapping[str, Value] | None = None, t: float = 0.0,
-        rtol: float = 1e-8, atol: float | None = None, scales: Mapping[str, float] | None = None,
-        max_steps: int = 100_000,
+        initial: Mapping[str, FirstValue] | None = None,
+        inputs: Mapping[str, Law] | Iterable[str] | None = None, integrator: Integrator | None = None,
+        constraints: Constraints | None = None, events: Event | Sequence[Event] = (), *,
+        guess: Mapping[str, FirstValue] | None = None, t: float = 0.0, rtol: float = 1e-8,
+        atol: float | None = None, scales: Mapping[str, float] | None = None, max_steps: int = 100_000,
     ) -> None:  # fmt: skip
         check_arguments(
             eqs, 0.0, integrator, constraints, initial=initial, guess=guess, parameters=parameters
@@ -108,7 +109,7 @@ class Stepper(OwnCopies):
         held, laws, fmus = split_inputs(eqs, inputs)
         moving = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
         settings = StepperSettings(
-            eqs, moving, duration, dict(initial or {}), dict(guess or {}), start, held, dict(laws),
+            eqs, moving, duration, *by_priority(initial or {}, guess or {}), start, held, dict(laws),
             integrator, constraints, check_events(events, eqs), rtol, atol, scales, max_steps, fmus,
         )  # fmt: skip
         own = own_laws(settings, start)
@@ -261,7 +262,7 @@ class Stepper(OwnCopies):
         return self
 
     @checked_arguments
-    def reset(self, initial: Mapping[str, Value] | None = None, /, **values: Value) -> Self:
+    def reset(self, initial: Mapping[str, FirstValue] | None = None, /, **values: Value | Initial) -> Self:
         """Go back to the start, there with other initial values where they are given; return this stepper.
 
         Parameters keep their values, inputs lose theirs: what follows does not depend on what was.
@@ -272,8 +273,8 @@ class Stepper(OwnCopies):
             If the values do not fit, or a name is unknown; nothing has changed then.
         """
         check_mappings(initial=initial)
-        others = {**(initial or {}), **values}
-        first = first_state(self._settings, self._problem.parameters, others)
+        others, near = by_priority({**(initial or {}), **values}, {})
+        first = first_state(self._settings, self._problem.parameters, others, near)
         self._numbers.begin(self._settings.t_start, self.dt, state_values(first))
         self._missing = set(self._settings.inputs_of_steps)
         self._steps.restart(others)

@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.scales import mechanism_scales, scales_by_name
 from symbody.arguments import checked_arguments
-from symbody.codegen.formation.names import Value
 from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
 from symbody.kernels import block as at
+from symbody.model.first_values import FirstValue, Initial, PlainValue, by_priority
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables, silent_input_note
@@ -55,7 +55,7 @@ _LEAST_IN_LANES: Final = 4 * machine.lanes()
 @checked_arguments
 def sweep(
     eqs: EquationSet, t_end: float | tuple[float, float], parameters: Mapping[str, Varied] | None = None,
-    initial: Mapping[str, Varied] | None = None, guess: Mapping[str, Value] | None = None,
+    initial: Mapping[str, Varied | Initial] | None = None, guess: Mapping[str, FirstValue] | None = None,
     inputs: Mapping[str, Law] | None = None, times: ArrayLike | None = None,
     integrator: Integrator | None = None, constraints: Constraints | None = None,
     events: Event | Sequence[Event] = (), *, combine: Combine = "product", samples: int | None = None,
@@ -72,7 +72,7 @@ def sweep(
     Parameters
     ----------
     parameters, initial : mapping of name to number, formula, sequence of numbers, or `Samples`
-        Sequences and samples vary from case to case.
+        Sequences and samples vary from case to case; an `Initial` is the same in all cases.
     times : array, optional
         Samples to store [s], by default 101 over the span; ``[t_end]`` for final values alone.
     combine : "product" or "list"
@@ -99,8 +99,7 @@ def sweep(
     CompileError, AssemblyError, UsageError
         Names, values, times or an executor that make no sense, all of them listed.
     SimulationError, EnvironmentFault
-        More samples than the memory holds; no worker that begins or can compute, or a store that cannot be
-        used.
+        More samples than the memory holds; no worker that begins or can compute; a store without use.
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     inputs = {**laws_of_tables(eqs), **(inputs or {})}
@@ -109,10 +108,21 @@ def sweep(
     options = MotionOptions.check(span, times, integrator, constraints, *limits)
     workers = check_workers(executor, threads, part, patience)
     check = partial(check_memory, samples=options.times.size, states=len(eqs.state_names))
-    table = case_table(parameters or {}, initial or {}, combine, samples, seed, check)
-    job = SweepJob(eqs, table, dict(guess or {}), dict(inputs), laws, options, check_events(events, eqs))
+    fixed, near = _first_values(initial or {}, guess or {})
+    table = case_table(parameters or {}, fixed, combine, samples, seed, check)
+    job = SweepJob(eqs, table, near, dict(inputs), laws, options, check_events(events, eqs))
     with show_progress(progress, "sweep") as report:
         return _run_sweep(job, workers, store, report)
+
+
+def _first_values(
+    initial: Mapping[str, Varied | Initial], guess: Mapping[str, FirstValue]
+) -> tuple[dict[str, Varied], dict[str, PlainValue]]:
+    """Return first values that hold, which may vary, and those that are guesses."""
+    own = {name: value for name, value in initial.items() if isinstance(value, Initial)}
+    fixed, near = by_priority(own, guess)
+    varied = {name: value for name, value in initial.items() if not isinstance(value, Initial)}
+    return {**varied, **fixed}, near
 
 
 def _run_sweep(
