@@ -25,10 +25,6 @@ from symbody.kernels.linear.saddle_factors import (
 # Of the inverses of both factors' diagonals; below, refinement finds nothing to do. Where rows depend on
 # others it does: accelerations that are 0 come out as rounding, which error control would follow.
 STEEPEST: Final = 16.0
-# From so many rows on it takes less than a fifth of what the factors take, 4 m n beside 2 m^2 n / 3,
-# and finds what rounding has made along chains of rows: 1e-13 of the largest acceleration at 72 rows of free
-# bodies (Newton-Euler), which steps at tolerances of 1e-10 follow.
-MANY_ROWS: Final = 30
 
 
 def work_size(n: int, m: int) -> int:
@@ -120,7 +116,7 @@ def solve_factored(
         result[j] = d[j] * y[j]
     for k in range(rank):
         multipliers[k] = r[k] * g[k]
-    if rank < m or m >= MANY_ROWS or not steepness(n, inverse) < STEEPEST:
+    if rank < m or not steepness(n, inverse) < STEEPEST:
         scale_residual(n, rank, M, J, F, gamma, d, r, rows, result, multipliers, f, g)
         solve_scaled(n, rank, A, B, columns, inverse, beta, f, g, y)
         for j in range(n):
