@@ -55,22 +55,26 @@ const TIPS: Readonly<Record<string, string>> = { name: "Messages and outputs cal
 export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean, acting: Acting = ""): Field {
   const description = textOf(node["description"] ?? TIPS[key]);
   const control = controlOf(schema, key, node);
-  // a unit among the words of named formulas is that of one of them
-  const units = control.kind === "map" ? null : /\s*\[([^\]]+)\]/.exec(description);
-  const all = units?.[1]?.split(", ").map(printedUnit) ?? [];
-  const unit = all.length === 2 && acting !== "" ? all[acting === "force" ? 0 : 1]! : all.join(", ");
-  const inTip = unit.includes(",");
-  const tip = description.replace(/\s*\[[^\]]+\]/g, "").trim();
+  const [unit, tip] = control.kind === "map" ? ["", description] : unitAndTip(description, acting);
   return {
     key,
     label: labelOf(key),
-    // several units belong to several components; they stay in the tip
-    unit: inTip ? "" : unit,
-    tip: units === null ? description : inTip ? `${tip} [${unit}]`.trim() : tip,
+    unit,
+    tip,
     required,
     default: node["default"] ?? null,
     control,
   };
+}
+
+/** Return the unit of a description and what else it says; several units belong to several components, and stay there. */
+function unitAndTip(description: string, acting: Acting): readonly [string, string] {
+  const found = /\s*\[([^\]]+)\]/.exec(description);
+  if (found === null) return ["", description];
+  const all = found[1]!.split(", ").map(printedUnit);
+  const unit = all.length === 2 && acting !== "" ? all[acting === "force" ? 0 : 1]! : all.join(", ");
+  const tip = description.replace(/\s*\[[^\]]+\]/g, "").trim();
+  return unit.includes(",") ? ["", `${tip} [${unit}]`.trim()] : [unit, tip];
 }
 
 export function labelOf(key: string): string {
