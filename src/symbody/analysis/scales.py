@@ -26,6 +26,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.model.constraints.couplings import Constraint
 from symbody.model.constraints.points import PointOnSurface
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.lengths import model_lengths
 from symbody.tolerances import CLOSED
 
@@ -72,7 +73,7 @@ class Scales:
     has_length: bool = False
     has_time: bool = False
     signals: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    numbers: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    numbers: Mapping[str, float] = field(default_factory=FrozenMapping)
 
     @property
     def sizes(self) -> dict[str, float]:

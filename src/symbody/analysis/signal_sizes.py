@@ -132,12 +132,12 @@ class _Terms:
                 except ArithmeticError:  # a division by 0
                     stack.append(self._source(math.inf))
             elif isinstance(step.payload, str):
-                stack.append(dict(self._named(step.payload)))
+                stack.append(dict(self._term_of(step.payload)))
             else:
                 stack.append({_ONE: as_float(step.payload)})
         return stack[0]
 
-    def _named(self, name: str) -> _Term:
+    def _term_of(self, name: str) -> _Term:
         if name not in self._known:
             self._known[name] = self._source(math.nan)  # what a held value finds that reads itself
             self._known[name] = self._find(name)
