@@ -61,7 +61,7 @@ describe("the choice beside an initial value", () => {
   });
 
   it("is not beside parameters", () => {
-    expect(place.querySelectorAll(".with-priority select")).toHaveLength(1);
+    expect(place.querySelectorAll('[data-testid="initial"] select')).toHaveLength(1);
     expect(place.querySelectorAll('[data-testid="parameters"] select')).toHaveLength(0);
   });
 });

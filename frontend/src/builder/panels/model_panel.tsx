@@ -98,24 +98,23 @@ function TableRow({ section, name, value, list, rename }: { readonly section: st
   const pointer = `/${section}${joinPointer(name)}`;
   const problems = useProblems(pointer);
   return (
-    <div className={`table-row${section === "initial" ? " with-priority" : ""}`}>
+    <div className="table-row">
       <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={(text) => rename(name, text)} list={section === "initial" ? list : ""} />
       <span aria-hidden="true">=</span>
-      <div><FormulaInput pointer={isObject(value) ? `${pointer}/value` : pointer} value={isObject(value) ? value["value"] : value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}</div>
-      {section === "initial" && (
-        <Choice
-          pointer={`${pointer}/priority`} label={`Priority of ${name}`} value={isExact(value) ? "exact" : "guess"} options={PRIORITIES}
-          change={(next) => { edit((data) => withPriority(data, name, next === "exact")); }}
-        />
-      )}
+      <div><FormulaInput pointer={isObject(value) ? `${pointer}/value` : pointer} value={isObject(value) ? value["value"] : value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}{section === "initial" && <PriorityChoice pointer={pointer} name={name} value={value} />}</div>
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, pointer, undefined)); }}><Icon name="trash" size={14} /></button>
       <ProblemLines problems={problems} />
     </div>
   );
 }
 
-/** Whether the loops may move a first value. */
 const PRIORITIES = [{ value: "guess", text: "Guess" }, { value: "exact", text: "Exact" }] as const;
+
+/** Whether the loops may move an initial value. */
+function PriorityChoice({ pointer, name, value }: { readonly pointer: string; readonly name: string; readonly value: Json }): ReactElement {
+  const change = (next: string): void => { edit((data) => withPriority(data, name, next === "exact")); };
+  return <Choice pointer={`${pointer}/priority`} label={`Priority of ${name}`} value={isExact(value) ? "exact" : "guess"} options={PRIORITIES} change={change} />;
+}
 
 const NUMBER = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(deg)?\s*$/i;
 
