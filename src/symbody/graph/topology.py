@@ -12,7 +12,7 @@ from symbody.errors import Problem, TopologyError
 from symbody.graph.curved_shifts import is_curved
 from symbody.graph.linear_graph import Edge, LinearGraph
 from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
-from symbody.graph.trees import Preference, TreeChoice, cycle_problem, preferences
+from symbody.graph.trees import Preference, TreeChoice, Trees, cycle_problem, preferences
 from symbody.model.constraint import FrameConstraint
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joints import Free
@@ -75,6 +75,15 @@ class Topology:
     def translation_branches(self) -> frozenset[str]:
         """Names of the joints in the translation tree."""
         return self._branch_names("translation", self.translation)
+
+    @property
+    def trees(self) -> Trees:
+        """The choice that gives these trees again: the joints of the model in each."""
+        names = [joint.name for joint in self.model.joints]
+        return Trees(
+            [name for name in names if name in self.rotation_branches],
+            [name for name in names if name in self.translation_branches],
+        )
 
     def _branch_names(self, kind: str, tree: SpanningTree) -> frozenset[str]:
         found = self._inside.get(kind)

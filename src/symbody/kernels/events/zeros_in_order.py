@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.configurations.assembly import ASSEMBLED
-from symbody.kernels.configurations.closing import close_state, hold
+from symbody.kernels.configurations.closing import close_state, hold, note_followers
 from symbody.kernels.events.acting_events import judge_action
 from symbody.kernels.events.event_location import BESIDE, state_at, value_at
 from symbody.kernels.events.event_slopes import (
@@ -206,6 +206,7 @@ def happen(
     W[CUT] = W[int(W[PENDING]) + ZERO_SIZE * number]
     state_at(W, breaks, pieces, W[CUT], before)
     if acts != 0:
+        note_before(c, W, W[CUT], before)
         close_held(c, W, W[CUT], before, 0, before)
         W[UNMET] = 0.0  # what drifts stays as it is where it cannot be closed
         copy(n, before, part(W, int(W[AFTER]), n))
@@ -323,6 +324,7 @@ def act(a: Function, c: Function, W: Reals, place: int, t: float) -> None:
     row = int(W[TABLE]) + EVENT_SIZE * place
     x = part(W, int(W[AFTER]), n)
     values = part(W, int(W[ACTED]), int(W[ACTION_VALUES]))
+    note_before(c, W, t, x)
     compute_action(a, W, t, x, values)
     energy = values[0]
     first = int(W[row + SET_FIRST])
@@ -336,6 +338,12 @@ def act(a: Function, c: Function, W: Reals, place: int, t: float) -> None:
     close_held(c, W, t, x, int(W[row + SET_COUNT]), part(W, int(W[TARGETS]) + first, 1))
     compute_action(a, W, t, x, values)
     x[n - 1] = x[n - 1] + (values[0] - energy)
+
+
+def note_before(c: Function, W: Reals, t: float, x: Reals) -> None:
+    """Note what a closing has to know of a state before it is changed."""
+    if W[CLOSING] != 0.0:
+        note_followers(c, part(W, int(W[CLOSING]), 1), t, x)
 
 
 def close_held(c: Function, W: Reals, t: float, x: Reals, count: int, places: Reals) -> None:
