@@ -220,7 +220,13 @@ def _common_part(joint: Joint) -> str:
 
 
 def _check_count(topology: Topology) -> None:
-    """Assert that coordinates and locked directions of each tree make 3 for each body."""
+    """Check that coordinates and locked directions of each tree make 3 for each body.
+
+    Raises
+    ------
+    AssertionError
+        If they do not: an error of the program, whatever the model is.
+    """
     bodies = len(topology.model.bodies)
     locked: Mapping[str, Callable[[Joint], int]] = {
         "rotation": lambda joint: joint.locked_rotations,
@@ -230,7 +236,8 @@ def _check_count(topology: Topology) -> None:
         tree: SpanningTree = getattr(topology, kind)
         joints = [topology.joint(branch.edge.name) for branch in tree.branches]
         freedoms = sum(3 - count(joint) for joint in joints)
-        assert freedoms + sum(map(count, joints)) == 3 * bodies, f"{kind} tree does not span the bodies"
+        if freedoms + sum(map(count, joints)) != 3 * bodies:
+            raise AssertionError(f"{kind} tree does not span the bodies")
 
 
 def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:
