@@ -1,7 +1,8 @@
 """A law: as many equations are printed as there are unknowns, whatever they are printed as.
 
-Unknowns are the accelerations and the multipliers. What is printed is evaluated at a random point; its rank in
-the unknowns, constraints differentiated, is that of the system that is solved.
+Unknowns are the accelerations, the multipliers, and of dry friction the efforts and the reactions that they come
+from. What is printed is evaluated at a random point; its rank in the unknowns, constraints differentiated, is that
+of the system that is solved.
 """
 
 from __future__ import annotations
@@ -69,7 +70,22 @@ def ball_on_a_turntable() -> sb.Model:
                     parameters={"m": 1, "J": 0.1, "R": 0.3, "g": 9.81})  # fmt: skip
 
 
-MODELS = {each.__name__: each for each in (skate, skate_by_formula, coin, ball_on_a_turntable)}
+def rubbing() -> sb.Model:
+    """Friction from a reaction that reads accelerations, and of given strength."""
+    arm = sb.Body(
+        "arm",
+        mass="m",
+        inertia=(0, 0, "J"),
+        frames={"A": sb.Frame(at=("-L", 0, 0)), "B": sb.Frame(at=("L", 0, 0))},
+    )
+    block = sb.Body("block", mass="m")
+    bearing = sb.Revolute("pin", "ground", "arm.A", coordinate="th", friction=sb.Friction(mu=0.2, radius="r"))
+    guide = sb.Prismatic("guide", "arm.B", "block", coordinate="s", friction=sb.Friction(force=1, static=2))
+    return sb.Model("rubbing", [arm, block, bearing, guide], gravity=(0, "-g", 0),
+                    parameters={"m": 1, "J": 0.1, "L": 1, "r": 0.1, "g": 9.81})  # fmt: skip
+
+
+MODELS = {each.__name__: each for each in (skate, skate_by_formula, rubbing, coin, ball_on_a_turntable)}
 
 
 def evaluate(eqs: sb.EquationSet, nodes: Sequence[int], values: dict[str, float]) -> NDArray[np.float64]:
@@ -94,13 +110,11 @@ def random_point(eqs: sb.EquationSet) -> dict[str, float]:
 
 
 def slopes(eqs: sb.EquationSet, nodes: Sequence[int], names: Sequence[str]) -> NDArray[np.float64]:
-    """Return the derivatives of what is linear in `names` by them."""
-    point = random_point(eqs)
-    base = evaluate(eqs, nodes, {**point, **dict.fromkeys(names, 0.0)})
-    columns = [
-        evaluate(eqs, nodes, {**point, **dict.fromkeys(names, 0.0), name: 1.0}) - base for name in names
-    ]
-    return np.array(columns).reshape(len(names), len(nodes)).T
+    """Return derivatives by `names` at a random point, by central differences."""
+    point = random_point(eqs) | {name: Random(name).uniform(0.3, 1.3) for name in names}
+    ends = [[evaluate(eqs, nodes, {**point, name: point[name] + sign * STEP}) for name in names]
+            for sign in (1.0, -1.0)]  # fmt: skip
+    return (np.array(ends[0]) - np.array(ends[1])).reshape(len(names), len(nodes)).T / (2 * STEP)
 
 
 def printed_matrix(eqs: sb.EquationSet, sections: dict[str, EquationSection]) -> NDArray[np.float64]:
@@ -109,9 +123,11 @@ def printed_matrix(eqs: sb.EquationSet, sections: dict[str, EquationSection]) ->
     def residuals(key: str) -> list[int]:
         return [left for left, _ in sections[key].sides] if key in sections else []
 
-    unknowns = [*eqs.acceleration_names, *eqs.multiplier_names]
-    motion = sections["motion"]
-    left, right = (slopes(eqs, [pair[k] for pair in motion.sides], unknowns) for k in (0, 1))
+    pairs = [pair for key in ("motion", "friction") if key in sections for pair in sections[key].sides]
+    graph = eqs.formed.graph
+    efforts = [graph.symbols[graph.left[left]].label for left, _ in pairs[len(eqs.speed_names) :]]
+    unknowns = [*eqs.acceleration_names, *eqs.multiplier_names, *efforts]
+    left, right = (slopes(eqs, [pair[k] for pair in pairs], unknowns) for k in (0, 1))
     velocities = slopes(eqs, residuals("velocities"), eqs.speed_names)
     point, columns = random_point(eqs), []
     for speed in eqs.speed_names:
@@ -128,9 +144,8 @@ def printed_matrix(eqs: sb.EquationSet, sections: dict[str, EquationSection]) ->
         columns.append((ends[0] - ends[1]) / (2 * STEP))
     positions = np.array(columns).reshape(len(eqs.speed_names), -1).T
     constraints = np.vstack([positions, velocities])
-    return np.vstack(
-        [left - right, np.hstack([constraints, np.zeros((len(constraints), len(eqs.multiplier_names)))])]
-    )
+    others = np.zeros((len(constraints), len(unknowns) - len(eqs.speed_names)))
+    return np.vstack([left - right, np.hstack([constraints, others])])
 
 
 def solved_matrix(eqs: sb.EquationSet) -> NDArray[np.float64]:
@@ -154,8 +169,10 @@ def check(model: sb.Model, folder: Path = ROOT) -> None:
     sections = {section.key: section for section in listed}
     counts = [len(sections[key].sides) for key in ("motion", "positions", "velocities") if key in sections]
     assert sum(counts) == len(eqs.speed_names) + len(eqs.multiplier_names)
-    if eqs.speed_names and not eqs.formed.friction:
-        assert rank(printed_matrix(eqs, sections)) == rank(solved_matrix(eqs))
+    laws = len(sections["friction"].sides) if "friction" in sections else 0
+    assert laws == sum(1 + law.reads_reaction for law in eqs.formed.friction)
+    if eqs.speed_names:
+        assert rank(printed_matrix(eqs, sections)) == rank(solved_matrix(eqs)) + laws
     check_writers(eqs, listed, folder)
 
 
@@ -184,7 +201,7 @@ def payload(eqs: sb.EquationSet, folder: Path) -> dict[str, Any]:
 @pytest.mark.parametrize(
     "name",
     [
-        *("skate", "skate_by_formula"),
+        *("skate", "skate_by_formula", "rubbing"),
         *(pytest.param(x, marks=pytest.mark.exhaustive) for x in ("coin", "ball_on_a_turntable")),
     ],
 )
