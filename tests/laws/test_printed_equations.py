@@ -8,7 +8,7 @@ of the system that is solved.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -88,16 +88,21 @@ def rubbing() -> sb.Model:
 MODELS = {each.__name__: each for each in (skate, skate_by_formula, rubbing, coin, ball_on_a_turntable)}
 
 
-def evaluate(eqs: sb.EquationSet, nodes: Sequence[int], values: dict[str, float]) -> NDArray[np.float64]:
-    """Return nodes at a point; names that it lacks get numbers that depend on the name alone."""
+def evaluator(eqs: sb.EquationSet, nodes: Sequence[int]) -> Callable[[dict[str, float]], NDArray[np.float64]]:
+    """Return what evaluates nodes at a point; names that it lacks get numbers that depend on the name alone."""
     graph = eqs.formed.graph
     written = write_out(graph, nodes)
     symbols = symbols_of(graph, written)
-    names = [f"{graph.symbols[graph.left[k]].kind}:{graph.symbols[graph.left[k]].label}" for k in symbols]
+    labels = [graph.symbols[graph.left[k]] for k in symbols]
     places = {node: Input(str(k), "x", k) for k, node in enumerate(symbols)}
     program = build_sequence(graph, [Roots("", (len(written),), tuple(written))], places)
-    point = [values.get(name.partition(":")[2], Random(name).uniform(0.3, 1.3)) for name in names]
-    return np.array(evaluate_sequence(program, {"x": point})[0], dtype=float).ravel()
+    usual = {each.label: Random(f"{each.kind}:{each.label}").uniform(0.3, 1.3) for each in labels}
+
+    def evaluate(values: dict[str, float]) -> NDArray[np.float64]:
+        point = [values.get(each.label, usual[each.label]) for each in labels]
+        return np.array(evaluate_sequence(program, {"x": point})[0], dtype=float).ravel()
+
+    return evaluate
 
 
 def random_point(eqs: sb.EquationSet) -> dict[str, float]:
@@ -112,8 +117,8 @@ def random_point(eqs: sb.EquationSet) -> dict[str, float]:
 def slopes(eqs: sb.EquationSet, nodes: Sequence[int], names: Sequence[str]) -> NDArray[np.float64]:
     """Return derivatives by `names` at a random point, by central differences."""
     point = random_point(eqs) | {name: Random(name).uniform(0.3, 1.3) for name in names}
-    ends = [[evaluate(eqs, nodes, {**point, name: point[name] + sign * STEP}) for name in names]
-            for sign in (1.0, -1.0)]  # fmt: skip
+    evaluate = evaluator(eqs, nodes)
+    ends = [[evaluate({**point, name: point[name] + sign * STEP}) for name in names] for sign in (1.0, -1.0)]
     return (np.array(ends[0]) - np.array(ends[1])).reshape(len(names), len(nodes)).T / (2 * STEP)
 
 
@@ -130,17 +135,18 @@ def printed_matrix(eqs: sb.EquationSet, sections: dict[str, EquationSection]) ->
     left, right = (slopes(eqs, [pair[k] for pair in pairs], unknowns) for k in (0, 1))
     velocities = slopes(eqs, residuals("velocities"), eqs.speed_names)
     point, columns = random_point(eqs), []
+    rates_at = evaluator(eqs, eqs.roots("qdot").nodes)
+    residuals_at = evaluator(eqs, residuals("positions"))
     for speed in eqs.speed_names:
         moving = {**point, **dict.fromkeys(eqs.speed_names, 0.0), speed: 1.0}
-        drift = {**moving, speed: 0.0}
-        rates = evaluate(eqs, eqs.roots("qdot").nodes, moving) - evaluate(eqs, eqs.roots("qdot").nodes, drift)
+        rates = rates_at(moving) - rates_at({**moving, speed: 0.0})
         ends = []
         for sign in (1.0, -1.0):
             moved = {
                 name: point[name] + sign * STEP * float(rate)
                 for name, rate in zip(eqs.coordinate_names, rates, strict=True)
             }
-            ends.append(evaluate(eqs, residuals("positions"), {**point, **moved}))
+            ends.append(residuals_at({**point, **moved}))
         columns.append((ends[0] - ends[1]) / (2 * STEP))
     positions = np.array(columns).reshape(len(eqs.speed_names), -1).T
     constraints = np.vstack([positions, velocities])
@@ -151,8 +157,8 @@ def printed_matrix(eqs: sb.EquationSet, sections: dict[str, EquationSection]) ->
 def solved_matrix(eqs: sb.EquationSet) -> NDArray[np.float64]:
     n, m = len(eqs.speed_names), len(eqs.multiplier_names)
     point = random_point(eqs)
-    mass = evaluate(eqs, eqs.roots("mass_matrix").nodes, point).reshape(n, n)
-    jacobian = evaluate(eqs, eqs.roots("jacobian").nodes, point).reshape(m, n)
+    mass = evaluator(eqs, eqs.roots("mass_matrix").nodes)(point).reshape(n, n)
+    jacobian = evaluator(eqs, eqs.roots("jacobian").nodes)(point).reshape(m, n)
     return np.block([[mass, -jacobian.T], [jacobian, np.zeros((m, m))]])
 
 
@@ -222,7 +228,9 @@ def test_gallery(name: str) -> None:
     check(sb.load_model(ROOT / name), (ROOT / name).parent)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(1, 40))])
+@pytest.mark.parametrize(
+    "seed", [38, *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(40) if k != 38)]
+)
 def test_random_mechanisms(seed: int) -> None:
     check(build_model(random_mechanism(seed)))
 
