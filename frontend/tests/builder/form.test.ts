@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { componentLabels, fieldsOf, type Acting } from "../../src/builder/model/fields";
+import { componentLabels, fieldsOf, meaningOf, type Acting } from "../../src/builder/model/fields";
 import { definitionNode } from "../../src/builder/model/schema";
 import { searched } from "../../src/builder/panels/palette";
 import { elements, schema } from "./models";
@@ -15,6 +15,14 @@ describe("forms from the schema", () => {
       expect(Object.keys(own).length, definition).toBeGreaterThan(1);
       expect(Object.entries(own).filter(([, kind]) => kind === "json"), definition).toEqual([]);
     }
+  });
+
+  it("say what a parameter is, its unit once", () => {
+    expect(meaningOf("kg m^2", "kg m^2, about the centres of mass")).toBe("kg·m² · about the centres of mass");
+    expect(meaningOf("m", "between the posts")).toBe("m · between the posts");
+    expect(meaningOf("m/s^2", "m/s^2")).toBe("m/s²");
+    expect(meaningOf("", "a share")).toBe("a share");
+    expect(meaningOf("", "")).toBe("");
   });
 
   it("show a revolute joint as its parts are", () => {

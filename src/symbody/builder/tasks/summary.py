@@ -40,7 +40,9 @@ def equation_summary(eqs: EquationSet) -> Summary:
         **tree_summary(formed.topology),
         "coordinates": list(eqs.coordinate_names),
         "speeds": list(eqs.speed_names),
-        "units": {name: eqs.units.get(name, "") for name in eqs.coordinate_names},
+        "units": {
+            name: eqs.units.get(name, "") for name in (*eqs.coordinate_names, *formed.topology.model.parameters)
+        },
         "freedoms": freedoms,
         "instant_freedoms": instant,
         "constraints": len(eqs.multiplier_names),
