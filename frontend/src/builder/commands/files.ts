@@ -60,8 +60,8 @@ export async function saveTo(path: string, overwrite: boolean): Promise<boolean>
     return true;
   } catch (error) {
     const changed = error instanceof ServerError && error.status === 409;
-    if (changed && path === document.path) useStore.setState({ outside: true }); // its bar says so, with what can be done
-    else notice(problemsOf(error));
+    if (!changed || path !== document.path) notice(problemsOf(error));
+    else useStore.setState({ outside: true, spoken: `${document.name} is not saved: the file was changed by another program` }); // the bar has what can be done
     return false;
   }
 }
