@@ -185,10 +185,10 @@ def matrix_formulas(block: parts.Matrix, width: int = WIDTH) -> tuple[str, str]:
 
 
 def _equations(block: parts.EquationBlock) -> str:
-    return _numbered(equation_formulas(block, _PAGE_WIDTH))
+    return _number_equations(equation_formulas(block, _PAGE_WIDTH))
 
 
-def _numbered(aligned: str) -> str:
+def _number_equations(aligned: str) -> str:
     """Return equations with a number each, which may continue on the next page; definitions have none."""
     inner = aligned.removeprefix("\\begin{aligned}\n").removesuffix("\n\\end{aligned}")
     equations, gap, definitions = inner.partition(" \\\\[1ex]\n")
