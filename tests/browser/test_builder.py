@@ -56,7 +56,7 @@ BODIES = {
 PLACES = {"Crank": (330, 50), "Rod": (560, 130), "Piston": (330, 270)}
 
 
-@pytest.mark.exhaustive  # a ring and a cart-pole are built with the mouse in the fast tier
+@pytest.mark.exhaustive  # a ring of links is built with the mouse in the fast tier
 def test_a_slider_crank_is_built_with_the_mouse(visit: Any) -> None:
     builder = visit()
     page = builder.page
