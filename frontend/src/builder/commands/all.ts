@@ -7,7 +7,7 @@ import { redo, select, undo, useStore, type State } from "../store";
 import * as editing from "./editing";
 import { newModel, save } from "./files";
 import { insertFrame } from "./insert";
-import { cancelJob, runJob, simulate } from "./jobs";
+import { cancelJob, deriveEquations, simulate } from "./jobs";
 
 export interface Command {
   readonly title: string;
@@ -44,7 +44,7 @@ export const COMMANDS = {
   selectAll: { title: "Select all", keys: ["Ctrl+A"], run: editing.selectAll, enabled: hasDocument },
   arrange: { title: "Arrange the diagram", keys: ["Shift+A"], run: editing.arrange, enabled: hasDocument },
   fit: { title: "Show the whole diagram", keys: ["F"], run: fitDiagram, enabled: hasDocument },
-  equations: { title: "Derive the equations", keys: ["F6"], run: () => { void runJob("equations"); }, enabled: hasDocument, inText: true },
+  equations: { title: "Derive the equations", keys: ["F6"], run: deriveEquations, enabled: hasDocument, inText: true },
   simulate: { title: "Simulate", keys: ["F5"], run: () => { simulate(); }, enabled: hasDocument, inText: true },
   cancel: { title: "Cancel what is running", keys: ["Shift+Escape"], run: () => { void cancelJob(); }, enabled: ({ run }) => run !== null, inText: true },
   drawLayout: { title: "Draw: the diagram has the room", keys: ["1"], run: () => { useStore.setState({ layout: "draw" }); }, enabled: hasDocument },

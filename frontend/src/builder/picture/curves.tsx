@@ -3,13 +3,13 @@
 import { useEffect, useMemo, useRef, useState, type ReactElement } from "react";
 import { api, problemsOf } from "../api";
 import { CurvesPanel } from "../../player/curves_panel";
-import { plainReading } from "../../player/readable";
+import { inPrint, plainReading } from "../../player/readable";
 import { decodeMotion, decodeScene, sourceOf, type MotionCurve, type StateSource } from "../../viewer";
 import { useShownTheme } from "../shell/theme";
 import { useStore, type Simulated } from "../store";
 import type { JsonObject } from "../types";
 import { isArray, isObject } from "../model/pointers";
-import { curveTree, firstTicks, inPrint, type Branch, type Offered } from "../model/curve_tree";
+import { curveTree, firstTicks, type Branch, type Offered } from "../model/curve_tree";
 import { textOf } from "../model/entries";
 import { pictureNow } from "./shown";
 

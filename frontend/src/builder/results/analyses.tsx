@@ -43,7 +43,7 @@ function ConstantSpeed({ busy }: { readonly busy: boolean }): ReactElement | nul
   const wrong = !Number.isFinite(Number(rate)) || Number(rate) === 0;
   return (
     <div className="row sweep" role="group" aria-label="Torque for constant speed">
-      <label>What drives <select value={chosen} onChange={(event) => { setName(event.target.value); }}>{names.map((each) => <option key={each}>{each}</option>)}</select></label>
+      <label>Torque or force that keeps <select value={chosen} onChange={(event) => { setName(event.target.value); }}>{names.map((each) => <option key={each}>{each}</option>)}</select></label>
       <label>at <input value={rate} aria-invalid={wrong} onChange={(event) => { setRate(event.target.value); }} /> {unit}</label>
       <button type="button" className="button small" disabled={busy || wrong} onClick={() => { void runJob("torque", { coordinate: chosen, rate: Number(rate) }); }}>Run</button>
     </div>

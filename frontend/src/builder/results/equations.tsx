@@ -77,6 +77,8 @@ export function Equations(): ReactElement {
 }
 
 function NotDerived(): ReactElement {
+  const deriving = useStore((state) => state.run?.kind === "equations");
+  if (deriving) return <p className="soft pad" role="status">Being derived…</p>;
   return (
     <div className="pad soft">
       <p>The equations of motion, written out: mass matrix, forcing, constraints, kinematics.</p>

@@ -124,7 +124,7 @@ def trace_positions(
     *,
     scales: Mapping[str, float] | None = None,
 ) -> Positions:
-    """Lead coordinates through values, each position found from the one before.
+    """Drive coordinates through values, each position found from the one before.
 
     Parameters
     ----------

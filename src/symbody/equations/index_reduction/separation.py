@@ -83,7 +83,7 @@ class Separation:
 
 @checked_arguments
 def separate_derivatives(equations: Sequence[SympyExpr], derivatives: Sequence[SympyExpr]) -> Separation:
-    """Part equations that determine derivatives from the constraints hidden among them.
+    """Split equations that determine derivatives from the constraints hidden among them.
 
     Parameters
     ----------
