@@ -465,7 +465,9 @@ def test_check_names_the_joint_that_stays_open(tmp_path: Path, capsys: pytest.Ca
     assert run(["check", str(path)]) == 0
     told = capsys.readouterr().out
     # The least sum of squares halves the gap of 0.1 m.
-    assert re.search(r"degrees of freedom: not counted, .*; joint near stays open by 0\.05 m and 0 deg", told)
+    assert re.search(
+        r"degrees of freedom: not counted, .*; joint near cannot be closed: a gap of 0\.05 m and 0 deg", told
+    )
     assert "redundant" not in told
 
 

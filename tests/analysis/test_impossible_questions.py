@@ -63,7 +63,7 @@ def test_a_closure_out_of_reach(analysis: str) -> None:
         OPEN[analysis]()
     (problem,) = caught.value.problems
     assert (problem.code, problem.where) == ("assembly.open", "joint C")
-    assert "joint C stays open by" in problem.what and "lengths and frames" in problem.fix
+    assert "joint C cannot be closed: a gap of" in problem.what and "lengths and frames" in problem.fix
 
 
 # Code, the element or the coordinates it tells of, and a word of the cure.
@@ -80,7 +80,7 @@ OTHERS: dict[str, Refusal] = {
                       lambda: sb.linearize(crank(), {"theta": 0.5}, independent=["theta", "s"])),
     "closed form of one": ("positions.number", "2 constraints", "name 2 of theta, beta, s",
                            lambda: sb.solve_positions(crank(), ["beta"])),
-    "traced by none": ("kinematics.values", "no coordinate is led", "over={",
+    "traced by none": ("kinematics.values", "no coordinate is driven", "over={",
                        lambda: sb.trace_positions(crank(), {})),
     "inverse with freedoms left": ("inverse.no_motion", "motion", "motion",
                                    lambda: sb.inverse_dynamics(FOUR_BAR, {}, "T", [0.0, 1.0])),

@@ -179,7 +179,7 @@ def test_a_wheel_without_inertia_in_a_shaft() -> None:
     ("force", "words", "cure"),
     [
         ({}, "no spring or damper that acts along it", "put a spring or a damper"),
-        ({"applied": "-p_dot^3 - p"}, "not of first degree in the rates", "give mass"),
+        ({"applied": "-p_dot^3 - p"}, "not linear in the rates", "give mass"),
         ({"stiffness": 1, "applied": "F"}, "second derivatives", "put a damper beside the spring"),
         ({"applied": "2"}, "no spring or damper that acts along it", "put a spring or a damper"),
     ],

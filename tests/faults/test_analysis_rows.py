@@ -28,7 +28,7 @@ def test_row_91_not_an_equilibrium_is_told_with_what_is_left() -> None:
     assert "theta_dot' = -2.899" in note and "find_equilibrium" in note
     # Of a loop, too: the rates that are left are those of the independent states.
     loop = sb.linearize(four_bar(), {"q1": 1.2})
-    assert not loop.is_stationary and "x' = A x + B r holds for deviations" in loop.notes[-1]
+    assert not loop.is_stationary and "x' = A x + B r describes deviations" in loop.notes[-1]
 
 
 def test_row_92_no_inputs_and_no_outputs() -> None:
@@ -42,9 +42,9 @@ def test_row_93_friction_at_rest() -> None:
     smooth = sb.linearize(block(sb.Friction(mu=0.3, v0=0.01)))
     assert smooth.A[0, 0] == pytest.approx(-0.3 * 9.81 / 0.01, rel=1e-9)
     rest = sb.find_equilibrium(block(sb.Friction(mu=0.3, v0=0.01)))
-    assert any("friction is 0 at rest" in note for note in rest.notes)
+    assert any("friction is assumed to be 0 at rest" in note for note in rest.notes)
     sticking = sb.find_equilibrium(block(sb.Friction(mu=0.3)))
-    assert any("sticking holds more configurations" in note for note in sticking.notes)
+    assert any("with sticking, more configurations" in note for note in sticking.notes)
     for lin in (sb.linearize(block(sb.Friction(mu=0.3))), sticking.linearization):
         assert any("joint slide sticks, 5.886 below" in note for note in lin.notes)  # mu m g
         assert lin.state_names == ("x",) and lin.A[0, 0] == 0.0
@@ -77,7 +77,7 @@ def test_row_93_a_long_formula_is_shortened() -> None:
 )
 def test_row_93_laws_with_a_corner(law: str, word: str) -> None:
     eqs = block(None, f"F {law}")
-    assert any(note.startswith(f"{word} changes over at this state") for note in sb.linearize(eqs).notes)
+    assert any(note.startswith(f"{word} switches at this state") for note in sb.linearize(eqs).notes)
     beside = sb.linearize(eqs, {"x": 0.5, "x_dot": 0.1})
     assert not any("changes over" in note for note in beside.notes)
 

@@ -121,4 +121,6 @@ def test_fixed_states_of_signals_are_no_question_of_equilibrium() -> None:
 def test_a_law_that_reads_its_own_input_names_what_leads_there() -> None:
     parts = [sb.Signal("pull", output="theta_ddot"), sb.Signal("more", "pull + 1")]
     eqs = sb.form_equations(arm(*parts, torque="F", inputs=("F",)))
-    refused(lambda: sb.simulate(eqs, 1, inputs={"F": "2*more + theta"}), words="its law reads more, which")
+    refused(
+        lambda: sb.simulate(eqs, 1, inputs={"F": "2*more + theta"}), words="its formula reads more, which"
+    )

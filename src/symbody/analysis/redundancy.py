@@ -99,7 +99,7 @@ def redundancy(
     if q is None:
         raise AssemblyError(
             Problem("redundancy.open", eqs.model.name, "no configuration was found that closes the loops", "",
-                    "see assemble() for the joint that stays open, or give guess=")
+                    "run assemble() to see which joint cannot be closed, or give guess=")
         )  # fmt: skip
     sizes = evaluator.mechanism.constraints(eqs)[:, np.newaxis]
 

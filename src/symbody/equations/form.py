@@ -23,8 +23,8 @@ from symbody.graph.trees import TreeChoice
 from symbody.model.model import Model
 
 _LESS: Final = (
-    "form less: welded bodies as one, Recursive() where one tree of joints gives all "
-    'coordinates, tree="absolute" where many loops are closed'
+    "make the equations smaller: weld bodies that do not move relative to each other, use Recursive() where "
+    'one tree of joints gives all coordinates, or tree="absolute" for many closed loops'
 )
 
 
@@ -171,6 +171,5 @@ def _names(speeds: Sequence[str] | None) -> tuple[str, ...]:
 def _choice_note(dependent: Sequence[str]) -> str:
     return (
         f"dependent speeds {', '.join(dependent)}: chosen by column pivoting at several assembled "
-        "configurations, farthest from where they do not follow from the others; dependent_speeds=(...) "
-        "names others"
+        f"configurations, as far from singularities as possible; set others with dependent_speeds=(...)"
     )

@@ -67,7 +67,7 @@ class Positions:
             if values.size
         )
         dead = ", ".join(f"{name} = {value:.6g}" for name, value in self.limits.items())
-        reached = f"a dead end at {dead}" if dead else "all reached"
+        reached = f"stopped at a dead end at {dead}" if dead else "all reached"
         path = "; ".join([*ends, reached])
         return f"<Positions of {', '.join(self.coordinate_names)}: {self.q.shape[-1]} of them, {path}>"
 
@@ -237,9 +237,9 @@ def check_driven(driven: Continuation, s: float, q: Floats, notes: tuple[str, ..
         names = ", ".join(driven.driven) or "nothing"
         raise UsageError(
             Problem("kinematics.freedoms_left", "over",
-                    f"with {names} driven {left} more can move freely",
-                    "; ".join(("positions do not follow from these", *notes)),
-                    "lead further coordinates, or hold them: over={..., 'name': value}")
+                    f"with {names} driven, {left} more can still move freely",
+                    "; ".join(("the driven coordinates do not determine the positions", *notes)),
+                    "drive further coordinates, or hold them fixed: over={..., 'name': value}")
         )  # fmt: skip
 
 
@@ -257,8 +257,8 @@ def _stop_at_limit(
     joint = "" if rope else driven.blocking_joint(s, last)
     reached = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
     element = f"rope {rope}" if rope else element_of(driven.eqs, joint)
-    why = "it would have to be longer" if rope else "it is a limit of what is driven"
-    note = f"{element}: no position follows beyond {reached}; {why}"
+    why = "the rope would have to be longer" if rope else "the driven coordinate has a limit there"
+    note = f"{element}: the mechanism cannot move beyond {reached}; {why}"
     done = {name: np.append(x[: q.shape[1]], limits[name]) for name, x in values.items()}
     return Positions(
         driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (*notes, note)

@@ -44,8 +44,8 @@ TITLES: Final[Mapping[str, SectionTitle]] = MappingProxyType(
     }
 )
 _IDENTICAL: Final = "holds identically"
-_UNRESISTED: Final = "no inertia resists {}, no force acts on it"
-_NOTHING_MOVES: Final = "none: there are no speeds, all motions are prescribed or nothing can move"
+_UNRESISTED: Final = "{} has no inertia, and no force acts on it"
+_NOTHING_MOVES: Final = "none: there are no speeds, because all motions are prescribed or nothing can move"
 
 
 @dataclass(frozen=True, slots=True)
