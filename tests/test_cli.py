@@ -451,7 +451,7 @@ def test_more_samples_than_memory_are_refused_before_the_motion(
     monkeypatch.setattr(native_run, "memory_limit", lambda: 24_000)
     assert run(["simulate", str(model), "--samples", "1000000000000"]) == 4  # 8 TB as an array of times alone
     shown = capsys.readouterr().err
-    assert "simulation.memory" in shown and "ask for at most 750 times" in shown
+    assert "simulation.memory" in shown and "store at most 750 times" in shown
 
 
 def test_check_names_the_joint_that_stays_open(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -245,4 +245,4 @@ def test_linear_equations_about_a_joint_that_sticks() -> None:
 def test_an_edge_of_friction_is_named() -> None:
     """At tan a = mu the static limit is reached: it may stick or slip."""
     notes = sb.linearize(incline(math.atan(0.5))).notes
-    assert any("the friction of joint slide changes over" in note for note in notes)
+    assert any("the friction of joint slide switches" in note for note in notes)

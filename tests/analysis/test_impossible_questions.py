@@ -70,7 +70,7 @@ def test_a_closure_out_of_reach(analysis: str) -> None:
 Refusal = tuple[str, str, str, Question]
 OTHERS: dict[str, Refusal] = {
     # a wrong number of independent coordinates
-    "ratios by two": ("kinematics.independent_count", "1 freedoms", "name 1 of theta_dot",
+    "ratios by two": ("kinematics.independent_count", "1 degree of freedom", "name 1 of theta_dot",
                       lambda: sb.velocity_ratios(crank(), ["theta", "s"])),
     "ratios by none": ("kinematics.independent_count", "0 speeds", "name 1 of theta_dot",
                        lambda: sb.velocity_ratios(crank(), [])),
@@ -87,12 +87,12 @@ OTHERS: dict[str, Refusal] = {
     # tau where it is singular
     "ratios at the dead centre": ("kinematics.singular", "joint D", "other independent speeds",
                                   lambda: sb.velocity_ratios(crank(), "s").at({"theta": 0.0, "s": 4})),
-    "linear at the dead centre": ("linearize.singular_choice", "s here", "leave independent out",
+    "linear at the dead centre": ("linearize.singular_choice", "s do not determine", "leave independent out",
                                   lambda: sb.linearize(crank(), {"theta": 0}, independent=["s"])),
     "speeds at the dead centre": ("assembly.velocity_conflict", "s_dot = 1", "leave one of them",
                                   lambda: sb.assemble(crank(), {"theta": 0, "s_dot": 1.0}, {"s": 4})),
     # no equilibrium, no rest
-    "weight without hold": ("equilibrium.none", "x_dot -19.62 N", "spring", lambda: sb.find_equilibrium(falling())),
+    "weight without hold": ("equilibrium.none", "along x_dot, -19.62 N", "spring", lambda: sb.find_equilibrium(falling())),
     # motions that break constraints
     "traced against the loop": ("assembly.conflict", "theta = 0.1, s = 3.9", "guess=",
                                 lambda: sb.trace_positions(crank(), {"theta": [0.1, 1], "s": [3.9, 3.8]})),

@@ -109,7 +109,7 @@ def test_row_44_constraints_that_contradict_each_other() -> None:
         assert refused(lambda attempt=attempt: attempt(shaft(0.1)), AssemblyError, told) == [
             ("assembly.open", "joint near")
         ]
-    refused(lambda: sb.assemble(shaft(1.0)), AssemblyError, "joint far by 0.5 m and 0 deg")
+    refused(lambda: sb.assemble(shaft(1.0)), AssemblyError, "joint far has a gap of 0.5 m and 0 deg")
 
 
 def test_row_45_a_planar_mechanism_of_spatial_joints() -> None:
@@ -172,8 +172,8 @@ def test_row_47_a_lock_up_ends_the_motion_with_its_time(way: dict[str, object]) 
     assert run.t[-1] == pytest.approx(math.asin(1 / 3), abs=1e-8)
     # Joint C is closed by s = 3 cos(theta) + sqrt(1 - 9 sin(theta)^2), whose slope is infinite there.
     assert run.notes[-1].startswith(
-        f"the motion is known up to t = {run.t[-1]:.9g} s; there the mechanism locks: the prescribed motions go "
-        "on only with infinite beta_dot, s_dot if joint C stays closed, and 0 degrees of freedom are left"
+        f"the motion is known up to t = {run.t[-1]:.9g} s; there the mechanism locks: the prescribed motions "
+        "can continue only with infinite beta_dot, s_dot if joint C stays closed, and 0 degrees of freedom are left"
     )
 
 

@@ -280,7 +280,7 @@ def test_an_action_without_a_value_is_named(integrator: object, formula: str, va
     assert run.status is sb.Status.NOT_FINITE
     note = run.notes[-1]
     assert f"the action of event 'hit' sets y_dot to {value}: '{formula}'" in note
-    assert "give a formula" in note
+    assert "use a formula" in note
     assert run.t[-1] == run.events[-1].t == pytest.approx(np.sqrt(2.0 / G), rel=1e-5)
     assert run["y_dot"][-1] == pytest.approx(-np.sqrt(2.0 * G), rel=1e-5)
     stepper = sb.Stepper(ball(), 0.1, initial={"y": 1.0}, events=hit, integrator=integrator)  # type: ignore[arg-type]

@@ -89,7 +89,7 @@ def test_steps_of_a_given_length_end_closed_where_other_constraints_count() -> N
     # At t = 2.5 s a row vanishes. Whether a step ends there hangs on its rounding.
     assert run["psi"] == pytest.approx(-0.2 * np.pi * run.t, abs=1e-6)
     assert run.success or any("or use sb.Partition()" in note for note in run.notes)
-    assert not any("the same to the last digit" in note for note in run.notes)
+    assert not any("identical to the last digit" in note for note in run.notes)
 
 
 def test_a_corner_in_the_balance_of_a_massless_foot_is_named() -> None:

@@ -30,7 +30,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
-from symbody.errors import AssemblyError, Problem, UsageError
+from symbody.errors import AssemblyError, Problem, UsageError, number_in_words
 from symbody.tolerances import ASSEMBLED, BALANCED, SAME_POSITION, SINGULAR
 
 Floats = NDArray[np.float64]
@@ -373,7 +373,8 @@ def _search(
     if left != 1:
         raise UsageError(
             Problem("kinematics.range_freedoms", "over",
-                    f"the mechanism has {len(ratios.independent)} degrees of freedom, and {len(held)} are "
+                    f"the mechanism has {number_in_words(len(ratios.independent), 'degree of freedom')}, "
+                    f"and {len(held)} are "
                     f"held fixed", "the positions over a range must form a curve",
                     "fix all degrees of freedom but one with numbers")
         )  # fmt: skip

@@ -28,7 +28,7 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
-from symbody.errors import Problem, SimulationError, UsageError, nearest
+from symbody.errors import Problem, SimulationError, UsageError, nearest, number_in_words
 from symbody.expr.sympy.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.manifold import least_solution
 
@@ -145,7 +145,7 @@ class VelocityRatios:
             what = (
                 f"{unknown!r} is not an input"
                 if unknown not in names
-                else f"there are {len(self.independent)} degrees of freedom"
+                else f"the mechanism has {number_in_words(len(self.independent), 'degree of freedom')}"
             )
             raise UsageError(
                 Problem("kinematics.holding", f"holding {unknown}", what,

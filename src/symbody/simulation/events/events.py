@@ -156,7 +156,7 @@ def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Eve
     labels = [event.label for event in checked]
     problems = [
         Problem("simulation.event_name", f"event {label!r}", "another event has this name", "",
-                "give each event a name of its own: sb.Event(..., name=...)")
+                "give each event its own name: sb.Event(..., name=...)")
         for k, label in enumerate(labels) if label in labels[:k]
     ]  # fmt: skip
     problems += [
@@ -187,4 +187,6 @@ def _in_states(eqs: EquationSet, event: Event) -> Event:
 
 
 def _wrong(event: Event, what: str, fix: str) -> UsageError:
-    return UsageError(Problem("simulation.event", f"event {event.label!r}", f"{what} means nothing", fix=fix))
+    return UsageError(
+        Problem("simulation.event", f"event {event.label!r}", f"{what} is not defined", fix=fix)
+    )

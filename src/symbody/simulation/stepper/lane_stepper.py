@@ -183,7 +183,7 @@ class LaneStepper(OwnCopies):
     @property
     def notes(self) -> tuple[str, ...]:
         """What the reader should know, also why lanes are stepped one after the other where they are."""
-        alone = () if self._blocks is not None else ("lanes are stepped one after the other, by Python",)
+        alone = () if self._blocks is not None else ("lanes are stepped one after the other in Python",)
         return (*dict.fromkeys(note for lane in self._lanes for note in lane.notes), *alone)
 
     @checked_arguments

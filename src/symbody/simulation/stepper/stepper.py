@@ -113,7 +113,10 @@ class Stepper(OwnCopies):
             integrator, constraints, check_events(events, eqs), rtol, atol, scales, max_steps, fmus,
         )  # fmt: skip
         own = own_laws(settings, start)
-        self._input_notes = (*(f"input {name} has no law and is 0" for name in settings.silent), *own.notes)
+        self._input_notes = (
+            *(f"input {name} has no formula and is 0" for name in settings.silent),
+            *own.notes,
+        )
         self._settings, self._names = settings, inputs_read(settings, own)
         self._lay_out(StepNumbers.fresh(len(eqs.state_names) + 1, len(self._names)))
         self._numbers.begin(start, duration, state_values(first_state(settings, dict(parameters or {}))))

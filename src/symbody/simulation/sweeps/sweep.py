@@ -277,12 +277,12 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     problem = SimulationProblem(eqs, values, job.laws, scales)
     try:
         if is_overconstrained(problem, options.span[0], x):
-            return "some constraints follow from others only where all loops are closed"
+            return "some constraints are redundant only where all loops are closed"
         notes = job.simulate_case(case).notes
     except SymbodyError:
         return ""
     if any("(change point)" in note or "is a change point" in note for note in notes):
-        return "motions pass change points, where this loop may take another branch"
+        return "motions pass change points, where the shared loop may continue on another branch"
     return ""
 
 
@@ -299,9 +299,11 @@ def _notes(job: SweepJob, apart: Sequence[int]) -> tuple[str, ...]:
     notes = [*job.laws.notes, *(silent_input_note(job.eqs.units, name) for name in silent)]
     if job.eqs.multiplier_names and job.options.constraints is None:
         notes.append(
-            "change points are not looked for in a sweep: where constraints become dependent on the way, "
+            "sweeps do not search for change points: if constraints become dependent during the motion, "
             "pass constraints=sb.Partition()"
         )
     if apart:
-        notes.append(f"{len(apart)} cases, whose values fulfil a constraint, were computed one by one")
+        notes.append(
+            f"{len(apart)} cases, whose values satisfy a constraint identically, were computed one by one"
+        )
     return tuple(notes)
