@@ -524,10 +524,10 @@ def test_row_58_the_zero_quaternion() -> None:
 
 
 @pytest.mark.parametrize(("matrix", "words"), [
-    ([[1, 0, 0], [0, 1, 0], [0, 1e-3, 1]], "off an orthonormal set by 0.001"),
-    ([[1, 0, 0], [0, 1, 0], [0, 9e-6, 1]], "off an orthonormal set by 9e-06"),
-    ([[1 + 1e-8, 0, 0], [0, 1, 0], [0, 0, 1]], "off an orthonormal set by 2e-08"),
-    ([[2, 0, 0], [0, 1, 0], [0, 0, 1]], "off an orthonormal set by 3"),
+    ([[1, 0, 0], [0, 1, 0], [0, 1e-3, 1]], "deviate from an orthonormal set by 0.001"),
+    ([[1, 0, 0], [0, 1, 0], [0, 9e-6, 1]], "deviate from an orthonormal set by 9e-06"),
+    ([[1 + 1e-8, 0, 0], [0, 1, 0], [0, 0, 1]], "deviate from an orthonormal set by 2e-08"),
+    ([[2, 0, 0], [0, 1, 0], [0, 0, 1]], "deviate from an orthonormal set by 3"),
     ([[1, 0, 0], [0, 1, 0], [0, 0, -1]], "determinant is -1"),
 ])  # fmt: skip
 def test_row_59_a_matrix_that_is_no_rotation(matrix: list[list[float]], words: str) -> None:

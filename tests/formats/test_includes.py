@@ -313,7 +313,7 @@ def test_what_cannot_be_included() -> None:
     body = sb.Body("B", mass=1, inertia=(1, 1, 1), frames={"f": oblique})
     with pytest.raises(SymbodyError, match=r"(?s)include.ground.*oblique axis"):
         sb.Model("m", [body, sb.Include(arm, "A", at="B.f")], parameters={"a": 1})
-    with pytest.raises(SymbodyError, match=r"(?s)include.share.*shared and has a value"):
+    with pytest.raises(SymbodyError, match=r"(?s)include.share.*shared and also has"):
         sb.Include(arm, "A", share=["g"], parameters={"g": 1})
     with pytest.raises(SymbodyError, match="did you mean 'T'"):
         sb.Include(arm, "A", connect={"t": "u"})

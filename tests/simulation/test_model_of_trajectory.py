@@ -169,7 +169,7 @@ DAMAGE: dict[str, Callable[[dict[str, Any]], object]] = {
     "deep formula": lambda record: record.update(parameters={"m1": "(" * 100_000}),
     "trees are numbers": lambda record: record.update(rotation_tree=[1, 2]),
     "table without points": lambda record: record.update(tables={"F": ["linear", "hold"]}),
-    "table of another kind": lambda record: record.update(tables={"F": "linear"}),
+    "table has another type": lambda record: record.update(tables={"F": "linear"}),
     "switches": lambda record: record.update(switches="yes"),
 }
 

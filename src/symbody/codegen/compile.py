@@ -17,7 +17,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError
 from symbody.expr.deadline import in_time
 
-_LESS: Final = "ask for fewer outputs at a time, or for code in less time by quick=True"
+_LESS: Final = "compile fewer outputs at a time, or compile faster with quick=True"
 
 
 @checked_arguments

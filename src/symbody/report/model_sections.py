@@ -45,7 +45,7 @@ def _mechanism(setting: Setting) -> Iterator[Block]:
     try:
         freedoms = _freedoms(eqs.degrees_of_freedom)
     except SymbodyError as error:
-        freedoms = f"degrees of freedom that are not counted ({error.problems[0].what})"
+        freedoms = f"degrees of freedom that could not be counted ({error.problems[0].what})"
     parts = [
         number_in_words(len(model.bodies), "body"),
         number_in_words(len(model.joints), "joint"),
@@ -56,7 +56,7 @@ def _mechanism(setting: Setting) -> Iterator[Block]:
     yield Paragraph(f"{model.name} has {', '.join(parts)} and {freedoms}.")
     state = setting.start
     if isinstance(state, str):
-        yield Paragraph(f"It is not drawn: {state}")
+        yield Paragraph(f"No picture: {state}")
     else:
         caption = f"{model.name} at t = {state.t:g} s"
         yield Figure("mechanism", caption, lambda kind: mechanism_picture(state, kind))
@@ -72,7 +72,7 @@ def graph_section(setting: Setting) -> ReportSection:
     blocks: list[Block] = [
         Paragraph(
             "Bodies are nodes, joints are edges. Coordinates are those of the joints in the trees; a joint "
-            "outside both is cut, and what it locks becomes constraints."
+            "outside both is cut, and the directions it locks become constraints."
         )
     ]
     trees = (topology.rotation, topology.translation)
@@ -118,7 +118,7 @@ def parts_section(setting: Setting) -> ReportSection:
         "parts", "Bodies and joints",
         (
             TextTable(("body", "mass [kg]", "inertia [kg m\u00b2]"), tuple(map(_body_row, model.bodies))),
-            _table(("frame", "origin [m]", "turned about"), tuple(frames)),
+            _table(("frame", "origin [m]", "rotated about"), tuple(frames)),
             _table(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
             _table(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
         ),
@@ -202,7 +202,7 @@ def coordinates_section(setting: Setting) -> ReportSection:
     rows: list[tuple[Cell, ...]] = []
     for name in eqs.coordinate_names:
         joint = places.get(name)
-        where = f"{type(joint).__name__} {joint.name}" if joint is not None else "beside the joints"
+        where = f"{type(joint).__name__} {joint.name}" if joint is not None else "in addition to joints"
         rows.append((Name(name), Unit(units.get(name, "")), where))
     speeds: list[tuple[Cell, ...]] = [(Name(name), Unit(units.get(name, ""))) for name in eqs.speed_names]
     states: list[tuple[Cell, ...]] = [(Name(name), "a signal") for name in eqs.signal_state_names]

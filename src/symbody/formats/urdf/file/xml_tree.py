@@ -97,7 +97,8 @@ class _Builder:
     def refuse_doctype(self, line: int) -> None:
         raise FormatError(
             Problem("urdf.doctype", f"{self._where}:{line}", "the file declares a document type or entities",
-                    "they can make a small file expand without end, or read other files; robots need none",
+                    "they can make a small file expand endlessly, or read other files; robots do not need "
+                    "them",
                     "delete the declaration <!DOCTYPE ..>")
         )  # fmt: skip
 
@@ -108,6 +109,6 @@ def _syntax(where: str, error: expat.ExpatError) -> Problem:
         "urdf.syntax",
         f"{where}:{error.lineno}",
         f"the file is not XML: {reason} at column {error.offset + 1}",
-        "a tag is not closed, or a quote or bracket is missing, at this place or before it",
-        "mend the XML; if the file is a xacro template, run xacro on it first",
+        "a tag is not closed, or a quote or bracket is missing, here or before",
+        "correct the XML; if the file is a xacro template, run xacro on it first",
     )
