@@ -481,7 +481,7 @@ def test_a_folder_that_is_missing_is_told_with_a_cure(
 ) -> None:
     model = examples_folder() / "spring_mass_damper" / "spring_mass_damper.toml"
     assert run(["code", str(model), "--out", str(tmp_path / "none" / "f.c")]) == 5
-    assert "fix: give a path in a folder that exists" in capsys.readouterr().err
+    assert "fix: give a path in an existing folder" in capsys.readouterr().err
 
 
 def test_small_numbers_bear_no_needless_digits_or_signs(capsys: pytest.CaptureFixture[str]) -> None:
@@ -539,7 +539,7 @@ def test_simulate_writes_a_page_beside_the_picture(model: Path, capsys: pytest.C
     [
         (["MISSING.toml"], 3, "MISSING.toml"),
         (["MODEL", "-o", "film.mp4"], 2, "animation.suffix"),
-        (["MODEL", "-o", "no/folder/page.html"], 5, "make the directory first"),
+        (["MODEL", "-o", "no/folder/page.html"], 5, "create the directory first"),
         (["MODEL", "--trace", "Mas"], 2, "did you mean 'Mass'"),
         (["MODEL", "--vectors", "slidr"], 2, "did you mean 'slider'"),
         (["MODEL", "--show", "y"], 3, "'y'"),

@@ -17,7 +17,7 @@ _HOME: Final = os.path.dirname(os.path.abspath(__file__))
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One fault, described so that the reader can mend it.
+    """One fault, described so that the reader can correct it.
 
     Attributes
     ----------

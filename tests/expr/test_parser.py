@@ -283,8 +283,8 @@ FAULTS = [
     ("x**sqrt(10000)", "exponent", 4, "100", "parameter"),
     ("x**1e300", "exponent", 4, "1.000e+300", "parameter"),
     ("factorial(10**6)", "unknown_function", 1, "'factorial'", "known names"),
-    ("(2**64)**64", "constant_range", 8, "power is beyond 1.797e308", "mend the numbers"),
-    ("exp(1000)", "constant_range", 1, "exp is beyond", "mend the numbers"),
+    ("(2**64)**64", "constant_range", 8, "power exceeds 1.797e308", "correct the numbers"),
+    ("exp(1000)", "constant_range", 1, "exp is beyond", "correct the numbers"),
     ("1/0", "division_by_zero", 2, "divided by 0", "divisor"),
     ("x/(1-1)", "division_by_zero", 2, "divided by 0", "divisor"),
     ("mod(x, 0)", "division_by_zero", 1, "divided by 0", "divisor"),
@@ -297,7 +297,7 @@ FAULTS = [
     ("sqrt(-1)", "undefined", 1, "no real value", "sign"),
     ("(-8)**(1/3)", "undefined", 5, "no real value", "sign"),
     ("log(0)", "undefined", 1, "no real value", "number"),
-    ("1e400", "number", 1, "beyond 1.797e308", "exponent"),
+    ("1e400", "number", 1, "exceeds 1.797e308", "exponent"),
     ("1e-400", "number", 1, "below 4.9e-324", "exponent"),
     # row 109
     ("9" * 5000, "number", 1, "5000 digits; the limit is 400", "digits"),
@@ -323,9 +323,9 @@ FAULTS = [
     ("2*1,5e-3", "comma_decimal", 4, "comma", "write 1.5e-3"),
     ("sin(0,5)", "comma_decimal", 6, "comma", "write 0.5"),
     ("(0,5)", "comma_decimal", 3, "comma", "write 0.5"),
-    ("1, 5", "comma", 2, "separates no arguments", "one expression"),
-    ("1 ,5", "comma", 3, "separates no arguments", "one expression"),
-    ("x, y", "comma", 2, "separates no arguments", "one expression"),
+    ("1, 5", "comma", 2, "does not separate arguments", "one expression"),
+    ("1 ,5", "comma", 3, "does not separate arguments", "one expression"),
+    ("x, y", "comma", 2, "does not separate arguments", "one expression"),
     ("x – 1", "character", 3, "en dash", "write -"),
     ("a×b", "character", 2, "multiplication sign", "write *"),
     ("a·b", "character", 2, "middle dot", "write *"),
@@ -372,7 +372,7 @@ FAULTS = [
     ("if(a, 1, 2)", "not_condition", 4, "'if' needs a condition", "x != 0"),
     ("if(True and a < b, 1, 2)", "not_condition", 4, "'and' needs a condition", "x != 0"),
     ("not x", "not_condition", 5, "'not' needs a condition", "x != 0"),
-    ("if(a < b < c, 1, 2)", "chained_comparison", 4, "do not chain", "a < b and b < c"),
+    ("if(a < b < c, 1, 2)", "chained_comparison", 4, "cannot be chained", "a < b and b < c"),
 ]  # fmt: skip
 
 

@@ -115,7 +115,7 @@ def test_row_62_forming_ends_in_time_and_names_the_stage(monkeypatch: pytest.Mon
     assert all(spent >= 0.0 for _, spent in error.finished)
     (problem,) = error.problems
     assert problem.where == f"stage {error.stage}" and "time_limit = 20 s" in problem.what
-    assert "trees (" in problem.why and "give more time" in problem.fix
+    assert "trees (" in problem.why and "allow more time" in problem.fix
     assert error.exit_code == 4 and error.__cause__ is None and error.__context__ is None
     assert graphs() == before  # though the error is kept
 

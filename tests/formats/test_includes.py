@@ -189,7 +189,7 @@ def test_saving_keeps_the_include(tmp_path: Path) -> None:
                        model.inputs, model.initial)  # fmt: skip
     assert "[[include]]" not in model_to_toml(changed)
     (tmp_path / "elsewhere").mkdir()
-    with pytest.raises(SymbodyError, match="outside of the folder"):
+    with pytest.raises(SymbodyError, match="outside the folder"):
         sb.save_model(model, tmp_path / "elsewhere" / "car.toml")
     sb.simulate(sb.form_equations(model), 0.1, inputs={"u": "0"}).save(tmp_path / "run.npz")
     (tmp_path / "parts" / "arm.toml").unlink()

@@ -233,7 +233,7 @@ def test_what_is_refused() -> None:
         sb.simulate(ball(), 1.0, events=sb.Event("reaction j"))
     with pytest.raises(UsageError, match="'m' is not a state"):
         sb.simulate(ball(), 1.0, events=sb.Event("y", 0, {"m": "1"}))
-    with pytest.raises(UsageError, match="name of its own"):
+    with pytest.raises(UsageError, match="its own name"):
         sb.simulate(ball(), 1.0, events=[sb.Event("y"), sb.Event("y", 1)])
     with pytest.raises(UsageError, match="not an event"):
         sb.simulate(ball(), 1.0, events=["y"])

@@ -142,7 +142,7 @@ def test_older_files_take_the_model(tree: Any, tmp_path: Path) -> None:
     assert (old.model, old.parameters) == (None, {})
     with pytest.raises(UsageError, match="did you mean|stores further"):
         old["energy"]
-    with pytest.raises(UsageError, match="does not say which mechanism"):
+    with pytest.raises(UsageError, match="does not contain its mechanism"):
         old.of_model()
     loaded = sb.Trajectory.load(path, CRANK)
     assert loaded.model == CRANK

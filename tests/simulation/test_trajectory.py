@@ -119,7 +119,7 @@ def test_times_that_are_not_in_the_motion_are_refused() -> None:
         trajectory().at(5.5)
     with pytest.raises(UsageError, match="more than one axis"):
         trajectory().at([[1.0]])
-    with pytest.raises(UsageError, match="between the samples was not kept.*\n.*times="):
+    with pytest.raises(UsageError, match="between the samples was not stored.*\n.*times="):
         trajectory(dense_output=None).at(1.0)
 
 

@@ -49,7 +49,7 @@ class Redundancy:
         ropes that are taken as taut.
     undetermined : tuple of str
         Outputs that do not follow from the motion: components of reactions, "reaction J Fz", and efforts that
-        hold motions, "effort J". They get the share of least norm.
+        hold motions, "effort J". Their values are those of the minimum-norm solution.
     """
 
     degrees_of_freedom: int

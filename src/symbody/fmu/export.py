@@ -127,7 +127,7 @@ def save_fmu(
     Raises
     ------
     UsageError
-        If the motion needs Python, or a name means nothing.
+        If the motion needs Python, or a name is not valid.
     AssemblyError, CompileError, FormatError
         If loops do not close, an output is unknown, or the archive cannot be written.
     EnvironmentFault

@@ -37,7 +37,7 @@ class Frames(Field[Mapping[str, Frame] | None, FrozenMapping[Frame]]):
 @final
 @part
 class Body(Element):
-    """A rigid body; its own frame stands in the centre of mass.
+    """A rigid body; its own frame is at the centre of mass.
 
     Examples
     --------

@@ -175,8 +175,8 @@ def solve_positions(
 ) -> PositionSolutions:
     """Return the dependent coordinates as functions of the independent ones, in closed form.
 
-    Planar dyads and chains of them are solved by cosines and sines, whatever else by SymPy, in a process that
-    is ended when the time is over.
+    Planar dyads and chains of them are solved by cosines and sines, everything else by SymPy, in a process
+    that is ended when the time is over.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def solve_positions(
     Raises
     ------
     FormulationError
-        If there are not as many dependent coordinates as constraints, one of them stands in no constraint,
+        If there are not as many dependent coordinates as constraints, one of them appears in no constraint,
         no closed form is found, or none within the time.
     """
     names = [_name(item) for item in dependent]

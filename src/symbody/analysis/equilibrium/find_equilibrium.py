@@ -67,7 +67,7 @@ class Equilibrium(State):
     def verdict(self) -> str:
         """The verdict of the linear equations on small deviations, see `Linearization`.
 
-        "critical" where the stiffness vanishes along a direction in which equilibria do not go on: terms of
+        "critical" where the stiffness vanishes along a direction without further equilibria: terms of
         higher order decide, unless something else grows. "undecided" where there are no linear equations:
         where branches cross, or an element may as well be slack as taut.
         """
@@ -96,8 +96,8 @@ def find_equilibrium(
 ) -> Equilibrium:
     """Return the equilibrium nearest to a guess, with others found as its ``branches``.
 
-    Ropes pull or are slack, whatever holds there: none pushes, and none is longer than it is. The states of
-    signals are those whose rates vanish.
+    Ropes pull or are slack, as the equilibrium requires: none pushes, and none is longer than it is. The
+    states of signals are those whose rates vanish.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def find_equilibrium(
     inputs : mapping of name to number or formula
         Constant, by default 0; formulas may read the state.
     unknowns : str or sequence of str
-        Inputs that take whatever value holds the mechanism; they are in ``inputs`` of the result.
+        Inputs that take the value that holds the mechanism; they are in ``inputs`` of the result.
     fixed : mapping of name to number or formula
         Coordinates that keep these values, as a rule with inputs unknown.
     t : float

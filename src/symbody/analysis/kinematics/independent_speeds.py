@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.continuation import Continuation
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, UsageError, nearest, number_in_words
+from symbody.errors import Problem, UsageError, nearest
 from symbody.manifold import pivot_order
 
 Floats = NDArray[np.float64]

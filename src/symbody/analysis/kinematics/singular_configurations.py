@@ -104,9 +104,9 @@ def singular_configurations(
     Parameters
     ----------
     independent : str or sequence of str
-        Coordinates or speeds, as many as there are freedoms.
+        Coordinates or speeds, as many as there are degrees of freedom.
     over : mapping of coordinate to range or number
-        The coordinate along which is looked, with the ends of its range; numbers hold further freedoms still.
+        The coordinate to search along, with the ends of its range; numbers fix further degrees of freedom.
         Both may be formulas in parameters, angles texts such as ``"30 deg"``.
     guess : mapping of name to number or formula in parameters
         Near which the loops close; other assemblies that are found are followed, too.
@@ -117,7 +117,7 @@ def singular_configurations(
     Raises
     ------
     UsageError
-        If names make no sense, there is not one range, or other freedoms are left.
+        If names make no sense, there is not exactly one range, or other degrees of freedom are left.
     AssemblyError
         If the loops close nowhere in the range.
     """

@@ -129,14 +129,14 @@ def trace_positions(
     Parameters
     ----------
     over : mapping of coordinate to (N,) values or one value
-        For as many coordinates as there are freedoms; numbers, formulas, ``"30 deg"``. One value holds still.
+        For each degree of freedom a coordinate: numbers, formulas, ``"30 deg"``. A single value fixes it.
     guess : mapping of name to number or formula in parameters
         Near which the loops close at the first values.
     t : float
         Time [s], for explicit time in the model.
     scales : mapping of "length", "time", "mass" to float, optional
         Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
-        from the first position and the values led through.
+        from the first position and the driven values.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def trace_positions(
     Raises
     ------
     UsageError
-        If names or values make no sense, or freedoms are left.
+        If names or values make no sense, or degrees of freedom are left.
     AssemblyError
         If the loops do not close at the first values.
     """

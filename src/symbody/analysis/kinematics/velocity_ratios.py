@@ -133,12 +133,12 @@ class VelocityRatios:
 
     @checked_arguments
     def holding(self, unknown: str) -> SympyExpr:
-        """Return the input that holds a mechanism with one freedom at rest, as a formula.
+        """Return the input that holds a mechanism with one degree of freedom at rest, as a formula.
 
         Raises
         ------
         UsageError
-            If the mechanism has more freedoms, or the input does not enter in first degree.
+            If the mechanism has more degrees of freedom, or the input does not enter linearly.
         """
         names = self.eqs.input_names
         if unknown not in names or len(self.independent) != 1:
@@ -332,7 +332,7 @@ def velocity_ratios(
     Parameters
     ----------
     independent : str or sequence of str
-        Coordinates or speeds, as many as there are freedoms. By default those from which the others follow
+        Coordinates or speeds, one per degree of freedom. By default those from which the others follow
         best at a configuration, by pivoting; those with an input are preferred.
     at : State
         That configuration; by default one near the model's initial values.
@@ -343,7 +343,7 @@ def velocity_ratios(
     Raises
     ------
     UsageError
-        If names make no sense, or are not as many as freedoms.
+        If names make no sense, or their number differs from the degrees of freedom.
     AssemblyError
         If the loops do not close.
     """

@@ -158,7 +158,7 @@ class Differential(JointCoupling):
 class Constraint(ConstraintElement):
     """Equations in coordinates, or affine in speeds.
 
-    One with rates or speeds is a constraint on velocities, taken as it stands: nonholonomic, unless it is the
+    One with rates or speeds is a velocity constraint, used unchanged: nonholonomic, unless it is the
     rate of one on positions. The multiplier times the derivative of the equation by a coordinate, or by its
     rate, is the effort along that coordinate.
     """

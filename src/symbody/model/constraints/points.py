@@ -86,7 +86,7 @@ class PointOnCurve(FrameConstraint):
         return (self.parameter,)
 
     def check_numbers(self, check: NumericChecks, label: str) -> None:
-        """Refuse a curve that does not change with its parameter."""
+        """Reject a curve that does not change with its parameter."""
         if not any(self.parameter in formula.names for formula in self.curve):
             check.refuse(
                 "model.no_curve",

@@ -28,7 +28,7 @@ from symbody.model.simple_rotation import shift_along, unit_axis
 class Cylindrical(Joint):
     """Turns about an axis and slides along it.
 
-    Friction is refused: it acts along one free direction, a sleeve has two.
+    Friction is an error: it acts along one free direction, and a sleeve has two.
 
     Examples
     --------

@@ -127,7 +127,7 @@ class Bushing(Connection):
     free: Six = Six("Position [m] and angles [rad] at which it is relaxed.", default=_NONE)
 
     def check_numbers(self, check: NumericChecks, label: str) -> None:
-        """Refuse a bushing of a body on itself; remark on negative coefficients of its own directions."""
+        """Reject a bushing of a body on itself; remark on negative coefficients of its own directions."""
         if self.start.body == self.end.body:
             check.refuse(
                 "model.self_joint",

@@ -65,9 +65,9 @@ class EventSide(NamedTuple):
 class Event:
     """A moment when an expression passes zero.
 
-    An event that sets values also happens where its value is zero at a start, or where a motion goes on after
-    an action, a sample or a jump, and leaves zero in the event's direction: the first rate that is not zero
-    decides, of the first and second. So balls that touch hit each other. If the value is zero again after
+    An event that sets values also happens where its value is zero at a start, or where a motion continues
+    after an action, a sample or a jump, and leaves zero in the event's direction: the first rate that is not
+    zero decides, of the first and second. So balls that touch hit each other. If the value is zero again after
     that action and goes the same way, as that of a ball that lies on its floor, the motion ends as
     `Status.CHATTERING`. An event that records or stops, and one of direction 0 whose value had no sign yet,
     happens once its value has left zero.
@@ -80,7 +80,7 @@ class Event:
     expression : str or number
         In t, coordinates, speeds, inputs and parameters, or any output's name.
     direction : int
-        1 for values that rise through zero as the motion goes on, -1 for those that fall, 0 for both.
+        1 for values that rise through zero as the motion continues, -1 for those that fall, 0 for both.
     action : "record", "stop" or mapping of name to formula
         What follows: a note in ``run.events``; the end of the motion, which becomes its last sample; or new
         values of coordinates and speeds, all computed from the state before, for instance
@@ -94,7 +94,7 @@ class Event:
     Raises
     ------
     UsageError
-        If the direction or the action means nothing.
+        If the direction or the action is not valid.
     """
 
     expression: Value

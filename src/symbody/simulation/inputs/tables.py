@@ -42,7 +42,7 @@ class Table:
     Raises
     ------
     UsageError
-        If a time stands there three times, times fall, shapes differ, or numbers are not finite.
+        If a time is listed three times, times fall, shapes differ, or numbers are not finite.
     """
 
     t: ArrayLike
@@ -125,7 +125,7 @@ class Table:
         return np.size(self.t) <= MOST_IN_FORMULAS
 
     def check_span(self, name: str, start: float, end: float) -> None:
-        """Refuse a run that leaves a table which must not be left.
+        """Reject a run that leaves a table with outside='error'.
 
         Raises
         ------

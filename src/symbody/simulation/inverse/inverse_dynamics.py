@@ -55,11 +55,11 @@ def inverse_dynamics(
     Parameters
     ----------
     motion : mapping of coordinate to expression, table or callable
-        As many coordinates as the mechanism has freedoms, those of cut joints too: expressions in t and
+        One coordinate per degree of freedom, including those of cut joints: expressions in t and
         parameters, ``{"theta": "pi*t**2"}``; (times, values) or a cubic `Table`, splined; a function of
         time that returns the coordinate, its rate and its acceleration.
     unknowns : str or sequence of str
-        Inputs to find; more than freedoms get the values of least norm, with a note.
+        Inputs to find; if there are more than degrees of freedom, the minimum-norm solution, with a note.
     times : (N,) array
         Rising times [s]; positions are followed from each to the next. One number gives one sample.
     parameters, inputs : mapping
@@ -79,7 +79,7 @@ def inverse_dynamics(
     Raises
     ------
     UsageError
-        If names make no sense, an unknown enters in higher degree, or the motion leaves freedoms.
+        If names make no sense, an unknown does not enter linearly, or degrees of freedom are left.
     AssemblyError
         If the loops do not close at the first time.
     SimulationError

@@ -61,7 +61,7 @@ class Samples:
             )  # fmt: skip
 
     def draw(self, name: str, count: int, seed: int) -> Floats:
-        """Return `count` values; more of them begin with the same ones, whatever else is drawn."""
+        """Return `count` values; more of them begin with the same ones, regardless of what else is drawn."""
         generator = np.random.default_rng([seed, *name.encode()])
         if self.law == "normal":
             return generator.normal(self.first, self.second, count)

@@ -80,7 +80,7 @@ def sweep(
     samples, seed : int
         How many values are drawn for each `Samples`, together, for every combination; what they follow from.
     executor : concurrent.futures.Executor, optional
-        Whose workers compute, by default threads of this process. What workers lose is given out anew.
+        Whose workers compute, by default threads of this process. Parts that workers lose are computed again.
     threads : int, optional
         Threads of this process, by default one a processor; with an executor those of each worker, 1.
     part : int, optional
@@ -88,7 +88,7 @@ def sweep(
     lanes : bool, optional
         Whether each thread computes several cases side by side, by default for 256 or more.
     store : path, optional
-        A folder that keeps finished parts; the same call goes on where the last one ended.
+        A folder that keeps finished parts; the same call continues where the last one ended.
     progress : bool or callable
         True shows a bar; a callable takes the share that is done, and ends the sweep by returning False.
     patience : float

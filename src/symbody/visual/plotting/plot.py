@@ -67,7 +67,7 @@ def plot(
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,
-        whatever their units; panels of an earlier plot take those of their own units.
+        regardless of their units; panels of an earlier plot take those of their own units.
     x : str
         The output along the horizontal axis; with another than time the start is marked by a dot.
     labels : sequence of str, optional

@@ -54,7 +54,7 @@ _SHARE_OF_PIECE: Final = 0.125
 class GeneralizedAlpha:
     """The implicit method of Chung and Hulbert, of order 2, for stiff motions at moderate accuracy.
 
-    Its steps are as long as accuracy allows, whatever the highest frequency of the mechanism: elastic
+    Its steps are as long as accuracy allows, regardless of the highest frequency of the mechanism: elastic
     segments, bushings, stiff contacts. A tolerance ten times as tight takes twice as many steps;
     ``rtol=1e-4`` or 1e-5 suits it. Closed loops are closed after every step.
 
