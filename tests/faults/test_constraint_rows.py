@@ -292,9 +292,9 @@ def test_row_51_too_many_values_and_too_few() -> None:
 def test_row_52_a_loop_that_cannot_close_names_joint_and_distance() -> None:
     # 1 m + 2 m + 1 m do not reach over 5 m.
     for attempt in (sb.assemble, lambda eqs: sb.simulate(eqs, 1.0)):
-        assert refused(lambda attempt=attempt: attempt(parallelogram(5.0)), AssemblyError, "open by 1 m") == [
-            ("assembly.open", "joint C")
-        ]
+        assert refused(
+            lambda attempt=attempt: attempt(parallelogram(5.0)), AssemblyError, "a gap of 1 m"
+        ) == [("assembly.open", "joint C")]
 
 
 def test_row_53_the_nearest_of_two_assemblies_and_always_the_same() -> None:

@@ -94,7 +94,9 @@ def test_row_78_a_mass_matrix_that_becomes_singular_on_the_way() -> None:
     run = sb.simulate(slider_crank(0.0), 3.0, from_side, {"s": 3.8})
     assert run.status is sb.Status.SINGULAR and not run.success
     assert f"known up to t = {run.t[-1]:.9g} s; there the mass matrix is singular" in run.notes[-1]
-    assert "the motion of theta, beta has no mass" in run.notes[-1] and "give what moves there" in run.notes[-1]
+    assert (
+        "the motion of theta, beta has no mass" in run.notes[-1] and "give what moves there" in run.notes[-1]
+    )
     # Without force the slider goes at 1 m/s from where it starts to 1 m + 3 m.
     start = np.cos(0.5) + np.sqrt(9 - np.sin(0.5) ** 2)
     assert run.t[-1] == pytest.approx(4.0 - start, abs=1e-6)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.continuation import Continuation
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, UsageError, nearest
+from symbody.errors import Problem, UsageError, nearest, number_in_words
 from symbody.manifold import pivot_order
 
 Floats = NDArray[np.float64]
@@ -68,8 +68,8 @@ def check_names(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[str
     if not problems and len(set(labels)) != count:
         problems = [
             Problem("kinematics.independent_count", "independent",
-                    f"{len(set(labels))} speeds are named, but the mechanism has {count} degrees of "
-                    f"freedom", "",
+                    f"{len(set(labels))} speeds are named, but the mechanism has "
+                    f"{number_in_words(count, 'degree of freedom')}", "",
                     f"name {count} of {', '.join(eqs.speed_names)}")
         ]  # fmt: skip
     if problems:
