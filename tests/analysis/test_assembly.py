@@ -107,7 +107,7 @@ def test_a_loop_that_cannot_close_names_joint_and_distance() -> None:
         sb.assemble(sb.form_equations(lifted), {})
     (problem,) = caught.value.problems
     assert problem.code == "assembly.open" and problem.where == "joint C"
-    assert "open by 1 m" in problem.what
+    assert "a gap of 1 m" in problem.what
 
 
 def test_unknown_names_are_refused_with_the_nearest() -> None:

@@ -225,7 +225,7 @@ def test_the_jump_of_a_measured_angle_is_no_event() -> None:
 
 def test_what_is_refused() -> None:
     for bad in ({"direction": 2}, {"action": "jump"}, {"action": {}}):
-        with pytest.raises(UsageError, match="means nothing"):
+        with pytest.raises(UsageError, match="is not a valid choice"):
             sb.Event("y", **bad)
     with pytest.raises(FormulationError, match="neither an output nor an expression"):
         sb.simulate(ball(), 1.0, events=sb.Event("z"))

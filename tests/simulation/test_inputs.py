@@ -121,7 +121,7 @@ def test_faults_of_tables() -> None:
         sb.Table([0, 1], [0, np.nan])
     with pytest.raises(UsageError, match="not numbers"):
         sb.Table([0, 1], ["a", 0])
-    with pytest.raises(UsageError, match="mean nothing"):
+    with pytest.raises(UsageError, match="not a valid choice"):
         sb.Table([0, 1], [0, 1], "quintic")
     short = sb.Table([0, 1], [0, 1], outside="error")
     assert sb.simulate(cart(), 1.0, inputs={"F": short}).success

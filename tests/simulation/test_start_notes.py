@@ -55,7 +55,7 @@ def test_a_mechanism_that_cannot_move_says_so() -> None:
     ]
     ground = {"post": sb.Frame(at=(2, 2, 0))}
     model = sb.Model("triangle", [*bars, *joints], ground=ground, initial={"phi": "0.1", "psi": "pi/2"})
-    (note,) = [note for note in sb.simulate(sb.form_equations(model), 0.1).notes if "no freedom" in note]
+    (note,) = [note for note in sb.simulate(sb.form_equations(model), 0.1).notes if "no degree of freedom" in note]
     assert "2 constraints for 2 speeds" in note
 
 

@@ -188,5 +188,5 @@ def _in_states(eqs: EquationSet, event: Event) -> Event:
 
 def _wrong(event: Event, what: str, fix: str) -> UsageError:
     return UsageError(
-        Problem("simulation.event", f"event {event.label!r}", f"{what} is not defined", fix=fix)
+        Problem("simulation.event", f"event {event.label!r}", f"{what} is not a valid choice", fix=fix)
     )

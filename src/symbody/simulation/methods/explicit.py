@@ -214,7 +214,7 @@ def check_times(times: ArrayLike | None, start: float, end: float) -> Floats | N
     for bound in (start, end):  # 3*0.1 is 0.3 but for the last bit
         samples[np.abs(samples - bound) <= _ROUNDED * abs(bound)] = bound
     if not (direction * np.diff(samples) > 0.0).all():
-        word = "rise" if direction > 0.0 else "fall"
+        word = "increase" if direction > 0.0 else "decrease"
         raise _usage(
             "times", f"times do not {word} throughout", f"sort them so that they {word}, each only once"
         )
