@@ -67,7 +67,7 @@ def test_a_method_that_does_not_exist_is_refused(options: dict[str, Any], code: 
         ({"atol": [1e-8] * 3}, r"atol has shape \(3,\)"),
         ({"times": [0.0, 2.0, 1.0]}, "do not increase"),
         ({"times": [0.0, 0.0, 1.0]}, "do not increase"),
-        ({"times": [0.0, 1.0], "span": (1.0, 0.0)}, "do not fall"),
+        ({"times": [0.0, 1.0], "span": (1.0, 0.0)}, "do not decrease"),
         ({"times": [0.0, 5.0]}, "lie outside the motion's span 0 to 1"),
         ({"times": [-1.0, 0.5]}, "lie outside the motion's span 0 to 1"),
         ({"times": [0.0, math.nan]}, "not a list of finite numbers"),
