@@ -138,7 +138,7 @@ def test_views_and_fit(surfer: Surfer, four_bar: Any) -> None:
 def test_what_is_shown(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     plain = pixels(page, 1.0)
-    page.get_by_role("button", name="What is shown").click()
+    page.get_by_role("button", name="Display options").click()
     for label in ("Frames", "Joints"):
         page.get_by_role("checkbox", name=label, exact=True).check()
         assert changed(plain, marked := pixels(page, 1.0)) > 0
@@ -263,7 +263,7 @@ def test_no_serious_violation(surfer: Surfer, four_bar: Any) -> None:
     from axe_playwright_python.sync_playwright import Axe
 
     page = surfer.open_player({**four_bar, "options": {"theme": "light", "autoplay": False, "labels": True}})
-    page.get_by_role("button", name="What is shown").click()
+    page.get_by_role("button", name="Display options").click()
     page.evaluate("symbodyPlayer.select('coupler')")
     for theme in ("light", "dark", "contrast"):
         page.evaluate("theme => symbodyPlayer.settings.set('theme', theme)", theme)

@@ -165,7 +165,7 @@ export function undo(): void {
 export function redo(): void {
   endGesture();
   history.getState().redo();
-  afterTravel("Done again");
+  afterTravel("Redone");
 }
 
 function afterTravel(spoken: string): void {

@@ -123,8 +123,8 @@ export class Bench {
     const names: Record<keyof Readings, readonly [string, string]> = {
       time: ["Time", "Time of the motion"],
       total: ["Energy", "Kinetic and potential energy"],
-      change: ["Energy drift", "Energy less its first value and the work of inputs, dampers and the pointer: what the integration adds or loses"],
-      violation: ["Constraint error", "The largest position constraint over the mechanism's size"],
+      change: ["Energy drift", "Energy minus its initial value and the work of inputs, dampers and the pointer: the energy that integration adds or loses"],
+      violation: ["Constraint error", "Largest error of the position constraints, relative to the size of the mechanism"],
     };
     const rows = (Object.keys(names) as (keyof Readings)[]).flatMap((key) => [
       create("dt", { title: names[key][1] }, names[key][0]),

@@ -45,7 +45,7 @@ describe("forms from the schema", () => {
 
   it("take units and labels from the descriptions", () => {
     const body = fieldsOf(schema, definitionNode(schema, "BodyEntry"));
-    expect(body.find((each) => each.key === "mass")).toMatchObject({ unit: "kg", tip: "Mass; zero is legal as long as the mechanism as a whole can be accelerated." });
+    expect(body.find((each) => each.key === "mass")).toMatchObject({ unit: "kg", tip: "Mass; zero is allowed as long as the mechanism as a whole has mass in every direction of motion." });
     expect(body.find((each) => each.key === "inertia")?.control).toMatchObject({ labels: ["xx", "yy", "zz"] });
     const drive = definitionNode(schema, "DriveEntry");
     const units = (acting: Acting): string[] => ["applied", "stiffness", "damping", "free"].map((key) => fieldsOf(schema, drive, acting).find((each) => each.key === key)!.unit);

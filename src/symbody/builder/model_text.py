@@ -78,8 +78,8 @@ def data_from_text(text: str, name: str, folder: str = "") -> Opened:
 def _part_note(include: Include) -> str:
     count = number_in_words(len(include.part.elements), "element")
     return (
-        f"part {include.prefix} of {include.file}, {count}: it is computed with the model, and kept when the "
-        "file is saved; the diagram shows it as one box. Edit the part in its own file"
+        f"part {include.prefix} of {include.file}, {count}: it is simulated with the model and saved with "
+        f"the file; the diagram shows it as one box. Edit the part in its own file"
     )
 
 

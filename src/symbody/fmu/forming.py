@@ -183,14 +183,14 @@ def _check_motion(
     eqs: EquationSet, integrator: object, constraints: object, events: tuple[Event, ...], samples: FmuSamples
 ) -> None:
     reasons = {
-        f"{type(integrator).__name__} takes its steps in Python": not isinstance(integrator, Method | None),
+        f"{type(integrator).__name__} runs in Python": not isinstance(integrator, Method | None),
         f"{type(integrator).__name__} does not sample {', '.join(samples.names)}": bool(samples.values)
         and isinstance(integrator, GeneralizedAlpha),
-        f"{type(constraints).__name__} takes its steps in Python": not isinstance(
+        f"{type(constraints).__name__} runs in Python": not isinstance(
             constraints, Projection | Baumgarte | None
         ),
         "prescribed rates may jump": may_jump(eqs),
-        "dependent speeds are watched": bool(
+        "pivots of dependent speeds are monitored": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),
         "an event sets new values where joints stick and slip, or ropes slacken": switches(eqs.formed)
@@ -201,6 +201,6 @@ def _check_motion(
         raise UsageError(
             Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
                     "an FMU computes without Python",
-                    "prescribe motions without corners; give sb.Explicit(), sb.FixedStep(..), or without "
-                    "samples sb.GeneralizedAlpha(..); sb.Projection() or sb.Baumgarte()")
+                    "prescribe motions without corners; use sb.Explicit(), sb.FixedStep(..), or without "
+                    "sampled signals sb.GeneralizedAlpha(..); and sb.Projection() or sb.Baumgarte()")
         )  # fmt: skip

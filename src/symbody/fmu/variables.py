@@ -164,7 +164,7 @@ def _inputs(program: FmuProgram) -> Iterator[FmuVariable]:
 
 def _held_values(program: FmuProgram) -> Iterator[FmuVariable]:
     for value in program.samples.values:
-        unit, words = program.eqs.units.get(value.name, ""), f"{value.name}: held between samples"
+        unit, words = program.eqs.units.get(value.name, ""), f"{value.name}: held constant between samples"
         yield FmuVariable(variable_name(value.name), "local", "discrete", "exact", value.initial, unit, words)
 
 

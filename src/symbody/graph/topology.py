@@ -185,9 +185,11 @@ def _check_curved(cut: Collection[str]) -> None:
     """Refuse to cut joints that shift along a curve."""
     problems = [
         Problem("topology.curved_chord", f"joint {name}",
-                "it shifts along a curve, and the translation tree does not contain it",
-                "such a joint gives coordinates: rows that close a loop hold for straight shifts",
-                "let the trees contain it, cut others of its loop, or write the curve as a PointOnCurve")
+                "it translates along a curve, but the translation tree does not contain it",
+                "such a joint must supply coordinates: loop-closure equations are valid for straight "
+                "displacements only",
+                "put it into the trees and cut another joint of its loop, or model the curve as a "
+                "PointOnCurve")
         for name in sorted(cut)
     ]  # fmt: skip
     if problems:
@@ -198,8 +200,8 @@ def _check_mixing(topology: Topology) -> None:
     """Refuse a joint in one tree whose rotation and translation share a coordinate."""
     problems = [
         Problem("topology.mixed_joint", f"joint {joint.name}",
-                f"it is in one tree only, but its turning and shifting share {shared}",
-                "such a joint gives all its coordinates or none", "put it in both trees or in neither")
+                f"it is in one tree only, but its rotation and translation share {shared}",
+                "such a joint supplies all its coordinates or none", "put it in both trees or in neither")
         for joint in topology.joints
         if (joint.name in topology.rotation_branches) != (joint.name in topology.translation_branches)
         and (shared := _common_part(joint))
@@ -237,7 +239,7 @@ def _check_count(topology: Topology) -> None:
         joints = [topology.joint(branch.edge.name) for branch in tree.branches]
         freedoms = sum(3 - count(joint) for joint in joints)
         if freedoms + sum(map(count, joints)) != 3 * bodies:
-            raise AssertionError(f"{kind} tree does not span the bodies")
+            raise AssertionError(f"the {kind} tree does not reach all bodies")
 
 
 def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:
@@ -246,16 +248,18 @@ def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:
         turns, slides = joint.name in topology.rotation_branches, joint.name in topology.translation_branches
         if not (turns or slides):
             reason = (
-                "its loop has cheaper joints" if joint.has_named_coordinates else "it names no coordinates"
+                "other joints of its loop lead to simpler equations"
+                if joint.has_named_coordinates
+                else "it names no coordinates"
             )
             reason = reason if joint.tree == InTrees() else "as the model says"
-            notes.append(f"joint {joint.name} is cut: {reason}; what it locks becomes constraints")
+            notes.append(f"joint {joint.name} is cut: {reason}; the directions it locks become constraints")
         elif turns != slides:
             kind = "rotation" if turns else "translation"
             notes.append(f"joint {joint.name} is in the {kind} tree only")
         if (turns or slides) and not joint.has_named_coordinates:
             names = ", ".join(joint.coordinates)
-            notes.append(f"joint {joint.name}: coordinates without a name of their own are called {names}")
+            notes.append(f"joint {joint.name}: its unnamed coordinates are called {names}")
     for joint in free:
         parts = ["orientation"] if joint.tree.rotation else []
         parts += ["position"] if joint.tree.translation else []

@@ -57,11 +57,11 @@ def equilibrium_section(setting: Setting) -> ReportSection:
 def _equilibrium(setting: Setting) -> Iterator[Block]:
     eqs = setting.eqs
     if isinstance(setting.start, str):
-        yield Paragraph(f"None was looked for: {setting.start}")
+        yield Paragraph(f"No search was made: {setting.start}")
         return
     if len(eqs.speed_names) > _MOST_SPEEDS:
         yield Paragraph(
-            f"None was looked for: there are {len(eqs.speed_names)} speeds. find_equilibrium(eqs) does."
+            f"No search was made, because there are {len(eqs.speed_names)} speeds; use find_equilibrium(eqs)."
         )
         return
     try:
@@ -78,9 +78,9 @@ def _equilibrium(setting: Setting) -> Iterator[Block]:
     try:
         linear = linearize(eqs, balance)
     except SymbodyError as error:
-        yield Paragraph(f"It has no linear equations: {reason(error)}")
+        yield Paragraph(f"The equations cannot be linearized: {reason(error)}")
         return
-    yield Paragraph(f"Its small motions are {linear.verdict}.")
+    yield Paragraph(f"Small motions are {linear.verdict}.")
     yield Notes(tuple(note for note in linear.notes if note not in balance.notes))
     shown = [mode for mode in linear.modes if mode.eigenvalue.imag >= 0.0]
     zeros = sum(map(_is_zero, shown))
@@ -123,14 +123,14 @@ def _motion(run: Trajectory, has_constraints: bool) -> Iterator[Block]:
             "motion", "Coordinates over time", lambda kind: motion_picture(run, names[:_MOST_CURVES], kind)
         )
     if len(names) > _MOST_CURVES:
-        yield Paragraph(f"Shown are the first {_MOST_CURVES} of {len(names)} coordinates.")
+        yield Paragraph(f"The first {_MOST_CURVES} of {len(names)} coordinates are shown.")
     energies = ("kinetic_energy", "potential_energy", "energy")
     yield Figure("energy", "Energies over time", lambda kind: motion_picture(run, energies, kind))
     energy = np.asarray(run["energy"])
-    yield Paragraph(f"Energy: {energy[0]:.6g} J at first, {energy[-1]:.6g} J at the end.")
+    yield Paragraph(f"Energy: {energy[0]:.6g} J at the start, {energy[-1]:.6g} J at the end.")
     if has_constraints:
         worst = float(np.max(run.constraint_violation, initial=0.0))
-        yield Paragraph(f"Largest open constraint: {worst:.2g} of the mechanism's size.")
+        yield Paragraph(f"Largest constraint error: {worst:.2g} of the mechanism's size.")
     rows = tuple((f"{event.t:.9g}", event.name) for event in run.events[:30])
     yield TextTable(("t [s]", "event"), rows)
     yield Notes(run.notes)

@@ -214,4 +214,4 @@ def _with_definitions(shown: str, named: list[tuple[str, str]]) -> str:
     if not named:
         return shown
     where = equations_html((mathml_name(name), text) for name, text in named)
-    return f"{shown}<details><summary>where {len(named)} shared parts have names</summary>{where}</details>\n"
+    return f"{shown}<details><summary>{len(named)} named shared parts</summary>{where}</details>\n"

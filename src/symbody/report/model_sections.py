@@ -46,12 +46,12 @@ def _mechanism(setting: Setting) -> Iterator[Block]:
     try:
         freedoms = _freedoms(eqs.degrees_of_freedom)
     except SymbodyError as error:
-        freedoms = f"degrees of freedom that are not counted ({error.problems[0].what})"
+        freedoms = f"degrees of freedom that could not be counted ({error.problems[0].what})"
     yield Paragraph(f"{model.name[:1].upper()}{model.name[1:]} has {freedoms}.")
     yield TextTable(("what", "number", "names"), tuple(_summary(eqs)))
     state = setting.start
     if isinstance(state, str):
-        yield Paragraph(f"It is not drawn: {state}")
+        yield Paragraph(f"No picture: {state}")
     else:
         caption = f"{model.name} at t = {state.t:g} s"
         yield Figure("mechanism", caption, lambda kind: mechanism_picture(state, kind))
@@ -82,7 +82,7 @@ def graph_section(setting: Setting) -> ReportSection:
     blocks: list[Block] = [
         Paragraph(
             "Bodies are nodes, joints are edges. Coordinates are those of the joints in the trees; a joint "
-            "outside both is cut, and what it locks becomes constraints."
+            "outside both is cut, and the directions it locks become constraints."
         )
     ]
     trees = (topology.rotation, topology.translation)
@@ -128,7 +128,7 @@ def parts_section(setting: Setting) -> ReportSection:
         "parts", "Bodies and joints",
         (
             TextTable(("body", "mass [kg]", "inertia [kg m\u00b2]"), tuple(map(_body_row, model.bodies))),
-            _table(("frame", "origin [m]", "turned about"), tuple(frames)),
+            _table(("frame", "origin [m]", "rotated about"), tuple(frames)),
             _table(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
             _table(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
         ),
@@ -212,7 +212,7 @@ def coordinates_section(setting: Setting) -> ReportSection:
     rows: list[tuple[Cell, ...]] = []
     for name in eqs.coordinate_names:
         joint = places.get(name)
-        where = f"{type(joint).__name__} {joint.name}" if joint is not None else "beside the joints"
+        where = f"{type(joint).__name__} {joint.name}" if joint is not None else "in addition to joints"
         rows.append((Name(name), Unit(units.get(name, "")), where))
     speeds: list[tuple[Cell, ...]] = [(Name(name), Unit(units.get(name, ""))) for name in eqs.speed_names]
     states: list[tuple[Cell, ...]] = [(Name(name), "a signal") for name in eqs.signal_state_names]

@@ -11,7 +11,7 @@ function notice(problems: readonly Problem[]): void {
 /** Whether the user agrees to leave edits that are in no file. */
 function mayLeave(): boolean {
   const state = useStore.getState();
-  return state.document === null || !isDirty(state) || window.confirm("The model has changes that are in no file. Leave them?");
+  return state.document === null || !isDirty(state) || window.confirm("The model has unsaved changes. Discard them?");
 }
 
 async function show(answer: Promise<DocumentAnswer>): Promise<boolean> {
@@ -83,7 +83,7 @@ async function lookOutside(): Promise<void> {
   const { document: shown, outside, server } = useStore.getState();
   if (shown?.path == null || shown.fingerprint === null || outside || server !== "here") return;
   const changed = await api.changed(shown.id, shown.fingerprint).catch(() => false);
-  if (changed && useStore.getState().document === shown) useStore.setState({ outside: true, spoken: "The file was changed outside." });
+  if (changed && useStore.getState().document === shown) useStore.setState({ outside: true, spoken: "Another program changed the file." });
 }
 
 /** Write a text, or bytes, as a file of the browser. */

@@ -50,7 +50,7 @@ export function fieldsOf(schema: JsonObject, node: SchemaNode, acting: Acting = 
 }
 
 /** Of keys that the schema says nothing of. */
-const TIPS: Readonly<Record<string, string>> = { name: "Messages and outputs call it so; no other element has the same name." };
+const TIPS: Readonly<Record<string, string>> = { name: "Used in messages and outputs; unique in the model." };
 
 export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean, acting: Acting = ""): Field {
   const description = textOf(node["description"] ?? TIPS[key]);

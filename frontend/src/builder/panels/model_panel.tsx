@@ -23,13 +23,13 @@ export function ModelPanel(): ReactElement {
       <FieldFrame label="Name" problems={useProblems("/name")}>
         {(id, describedBy) => <LiveInput pointer="/name" id={id} describedBy={describedBy} value={textOf(data["name"])} change={(text) => { setValue("/name", text === "" ? undefined : text); }} />}
       </FieldFrame>
-      <FieldGroup label="Gravity" unit="m/s²" tip="Acceleration of free fall, in the axes of the ground." problems={useProblems("/gravity")}>
+      <FieldGroup label="Gravity" unit="m/s²" tip="Acceleration of gravity, in ground axes." problems={useProblems("/gravity")}>
         <VectorInput pointer="/gravity" value={isArray(gravity) ? gravity : []} labels={["x", "y", "z"]} label="Gravity" />
         {gravity === undefined && <GravityButtons />}
       </FieldGroup>
-      <Table section="parameters" title="Parameters" tip="Values, or formulas of other parameters." unnamed="p1" rename={renameOfParameter} />
+      <Table section="parameters" title="Parameters" tip="Values, or formulas in other parameters." unnamed="p1" rename={renameOfParameter} />
       <Inputs />
-      <Table section="initial" title="Initial values" tip="Of coordinates and speeds; others start at zero, or where the loops close. An exact value holds when loops are closed; a guess may be moved." unnamed="" rename={renameOfInitial} />
+      <Table section="initial" title="Initial values" tip="Initial values of coordinates and speeds; others start at zero, or where the loops close. Closing the loops does not change an exact value; it may change a guess." unnamed="" rename={renameOfInitial} />
     </div>
   );
 }
@@ -154,7 +154,7 @@ function Inputs(): ReactElement {
     useStore.setState({ focusPointer: `/inputs/${names.length}` });
   };
   return (
-    <FieldGroup label="Inputs" tip="Quantities given from outside while it moves, such as motor torques." problems={useProblems("/inputs")}>
+    <FieldGroup label="Inputs" tip="Quantities given from outside during the motion, such as motor torques." problems={useProblems("/inputs")}>
       {names.map((name, index) => (
         <div className="map-head" key={index}>
           <NameInput pointer={`/inputs/${index}`} label={`Input ${index + 1}`} value={name} change={(text) => acceptName(`${INPUTS}/${index}`, text)} />

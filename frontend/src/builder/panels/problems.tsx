@@ -36,7 +36,7 @@ export function isFault({ severity }: Problem): boolean {
 /** What is worth knowing though nothing is wrong. */
 export function Notes(): ReactElement {
   const notes = useAllProblems().filter((each) => !isFault(each));
-  if (notes.length === 0) return <p className="soft pad">Nothing to note.</p>;
+  if (notes.length === 0) return <p className="soft pad">No notes.</p>;
   return <ul className="problem-list" aria-label="Notes"><ProblemItems problems={notes} /></ul>;
 }
 
@@ -44,7 +44,7 @@ export function Problems(): ReactElement {
   const problems = useAllProblems().filter(isFault);
   const checked = useStore((state) => state.checked !== null);
   if (problems.length === 0) {
-    return <p className="soft pad good"><Icon name="check" size={16} /> {checked ? "Nothing is wrong." : "Checking…"}</p>;
+    return <p className="soft pad good"><Icon name="check" size={16} /> {checked ? "No problems." : "Checking…"}</p>;
   }
   return (
     <ul className="problem-list" aria-label="Problems">

@@ -58,7 +58,7 @@ function ChosenCurves({ simulated }: { readonly simulated: Simulated }): ReactEl
         {tree.map((each) => <TreeBranch key={each.title} branch={each} ticks={ticks} choose={choose} />)}
         <MoreOutputs simulated={simulated} added={(name) => { choose([...ticks, name]); }} />
       </div>
-      {ticks.length === 0 ? <p className="soft pad">Tick what shall be drawn.</p> : <Plots simulated={simulated} names={ticks} />}
+      {ticks.length === 0 ? <p className="soft pad">Select curves to draw.</p> : <Plots simulated={simulated} names={ticks} />}
     </div>
   );
 }
@@ -110,7 +110,7 @@ function RunLine({ simulated, stale }: { readonly simulated: Simulated; readonly
   return (
     <p className="run-line soft">
       {facts["success"] === false && <b className="failed" title={textOf(facts["status"])}>It did not reach its end: {textOf(facts["advice"])}.</b>}
-      {stale && <b className="stale">Before the last edits.</b>} {parts.filter((each) => each !== "").join(" · ")}
+      {stale && <b className="stale">Computed before the last edits.</b>} {parts.filter((each) => each !== "").join(" · ")}
     </p>
   );
 }

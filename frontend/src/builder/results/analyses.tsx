@@ -9,10 +9,10 @@ import type { JobKind } from "../types";
 import { AnalysisResult } from "./analysis_result";
 
 const KINDS: readonly (readonly [JobKind, string])[] = [
-  ["equilibrium", "Where it rests, and whether it stays there."],
-  ["modes", "Frequencies, damping and shapes of small motions about an equilibrium; each can be watched."],
+  ["equilibrium", "Equilibrium positions and their stability."],
+  ["modes", "Frequencies, damping and shapes of small motions about an equilibrium; each mode can be animated."],
   ["singular", "Singular positions, in which the first coordinate does not determine the others: a drive there cannot move the mechanism."],
-  ["ratios", "How fast all speeds are beside the independent ones, at the start."],
+  ["ratios", "Ratios of all speeds to the independent speeds, at the start."],
 ];
 
 export function Analyses(): ReactElement {

@@ -81,7 +81,8 @@ def assemble(
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
         order, those of the model last, as long as they are independent. `State.moved` lists the others.
         Without a guess of positions those of the model are kept, as if they were fixed, where the loops close
-        with them, and either they are no more than there are freedoms left, or nothing else is fixed.
+        with them, and either they are no more than there are degrees of freedom left, or nothing else is
+        fixed.
     parameters, inputs : mapping
         As for `simulate`; they matter for explicit time, accelerations and multipliers.
     t : float

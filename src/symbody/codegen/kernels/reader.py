@@ -75,7 +75,7 @@ def _content(syntax: ast.Module, file: str) -> _Content:
         elif isinstance(node, ast.FunctionDef):
             definitions.append(node)
         elif not _is_docstring(node):
-            source.refuse(node, "only imports, constants and functions stand in a kernel file", "remove it")
+            source.refuse(node, "a kernel file contains only imports, constants and functions", "remove it")
     signatures = {name: (tuple(tree.parameters), tree.result) for name, tree in kernels.items()}
     signatures |= {node.name: read_signature(source, node) for node in definitions}
     own = {node.name: FunctionReader(source, signatures, node).read() for node in definitions}

@@ -46,9 +46,9 @@ TITLES: Final[Mapping[str, SectionTitle]] = MappingProxyType(
     }
 )
 _IDENTICAL: Final = "holds identically"
-_UNRESISTED: Final = "no inertia resists {}, no force acts on it"
+_UNRESISTED: Final = "{} has no inertia, and no force acts on it"
 _SLIPS: Final = "while it slips; at rest it holds up to this magnitude"
-_NOTHING_MOVES: Final = "none: there are no speeds, all motions are prescribed or nothing can move"
+_NOTHING_MOVES: Final = "none: there are no speeds, because all motions are prescribed or nothing can move"
 
 
 @dataclass(frozen=True, slots=True)

@@ -149,7 +149,7 @@ def check_value_shapes(events: Sequence[Event], values: CompiledFunction) -> Non
     """
     problems = [
         Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
-                "an event watches one number", "name one component, such as 'reaction J Fx'")
+                "an event needs a single number", "name one component, such as 'reaction J Fx'")
         for event, output in zip(events, values.outputs, strict=True) if output.shape
     ]  # fmt: skip
     if problems:
@@ -169,7 +169,7 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
     problems = [
         Problem("simulation.event_shape", f"event {label!r}",
                 f"the new value of {name} has shape {output.shape}",
-                "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
+                "a coordinate or speed is a single number", "name one component, such as 'reaction J Fx'")
         for (label, name), output in zip(named, outputs, strict=True) if output.shape
     ]  # fmt: skip
     if problems:

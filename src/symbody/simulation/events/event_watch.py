@@ -197,8 +197,9 @@ def unmet_note(event: Event, values: Mapping[str, float]) -> str:
     """Return what to say about an action that sets what the constraints do not admit."""
     listed = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
     return (
-        f"the action of event {event.label!r} sets {listed}: the constraints admit no such state near "
-        "the one before; set fewer values, and the others follow, or values that fit each other"
+        f"the action of event {event.label!r} sets {listed}: no state near the previous one satisfies the "
+        f"constraints with these values; set fewer values, so that the others can adjust, or set consistent "
+        f"values"
     )
 
 
@@ -206,8 +207,8 @@ def spoiled_note(event: Event, place: int, value: float) -> str:
     """Return what to say about an action that sets a state to what is not finite."""
     name, formula = list(event.mapping.items())[place]
     return (
-        f"the action of event {event.label!r} sets {name} to {value:g}: {str(formula)!r} has no finite value "
-        "in the state before; give a formula that has one wherever the event happens"
+        f"the action of event {event.label!r} sets {name} to {value:g}: {str(formula)!r} is not finite in "
+        f"the state before the event; use a formula that is finite wherever the event happens"
     )
 
 
@@ -215,9 +216,9 @@ def chattering_note(label: str, goes_on: bool) -> str:
     """Return what to say about an event that chatters; `goes_on` if its action at a start turned nothing."""
     if goes_on:
         return (
-            f"event {label!r} happens at a start where its value is zero, and after its action the value is "
-            "zero again and goes the same way; let the action turn the value back or move it off zero, or "
-            "begin beside zero"
+            f"event {label!r} happens at the start, where its value is zero, and after its action the value "
+            f"is zero again and moves in the same direction; let the action reverse the value or move it "
+            f"away from zero, or start away from zero"
         )
     return f"event {label!r} happens again and again"
 
@@ -236,13 +237,13 @@ def value_notes(labels: Sequence[str], seen: Floats) -> tuple[str, ...]:
     for label, (is_none, since, has_pole, t, why, when) in zip(labels, seen.tolist(), strict=True):
         if is_none:
             notes.append(
-                f"event {label!r}: its value is not a number at t = {since:.6g} s, so it cannot happen "
-                "there; give it a formula that has a value everywhere"
+                f"event {label!r}: its value is not a number at t = {since:.6g} s, so the event cannot "
+                f"happen there; use a formula that is defined everywhere"
             )
         if has_pole:
             notes.append(
-                f"event {label!r}: its value has a pole at t = {t:.6g} s, where its sign changes, but no "
-                "zero; give it a formula without poles, such as the denominator"
+                f"event {label!r}: its value changes sign at t = {t:.6g} s at a pole, not at a zero; use a "
+                f"formula without poles, such as the denominator"
             )
         if why:
             waiting.setdefault((why, when), []).append(repr(label))
@@ -255,10 +256,12 @@ def _waiting_note(labels: Sequence[str], why: float, t: float) -> str:
     )
     if why == at.RESTS:
         return (
-            f"{name} zero at t = {t:.6g} s with first and second rates of zero: nothing happens there before "
-            "another action, sample or jump changes these rates, or zero has been left"
+            f"{name} zero at t = {t:.6g} s with zero first and second derivatives: the event does not "
+            f"happen there until another action, sample or jump changes these derivatives, or the value "
+            f"leaves zero"
         )
     return (
-        f"{name} zero at t = {t:.6g} s without a sign before, and direction = 0 does not say from which "
-        "side zero is passed: nothing happens there before zero has been left; give direction = 1 or -1"
+        f"{name} zero at t = {t:.6g} s with no sign before it, and direction = 0 does not say from which "
+        f"side it passes zero: the event does not happen until the value leaves zero; give direction = 1 or "
+        f"-1"
     )

@@ -150,7 +150,7 @@ def check_numbers(values: Sequence[HeldValue], outputs: Sequence[Output]) -> Non
     """
     problems = [
         Problem("signal.no_number", f"signal {value.name}", f"its value has shape {output.shape}",
-                "a signal is one number at each time", "name one component, such as 'reaction A Fx'")
+                "a signal is a single number at each time", "name one component, such as 'reaction A Fx'")
         for value, output in zip(values, outputs, strict=True) if output.shape
     ]  # fmt: skip
     if problems:

@@ -32,8 +32,8 @@ Floats = NDArray[np.float64]
 
 NOTE: Final = "independent coordinates are integrated by SciPy's DOP853 in Python: slower than Projection"
 _OPEN: Final = (
-    "the start is a change point, where the mechanism can go on in several ways, and its velocities are not "
-    "those of one of them: start a little beside it, or give other velocities"
+    "the start is a change point, where the mechanism can move along several branches, and the velocities "
+    "do not select one: start slightly away from it, or give other velocities"
 )
 # A step of so few roundings of the time: near a lock-up what is solved for is rounding, too.
 _SHORTEST: Final = 1000.0
