@@ -19,7 +19,7 @@ from symbody.kernels import block
 from symbody.kernels.configurations import assembly as assembly_block
 from symbody.kernels.events import watch_block
 from symbody.kernels.implicit import implicit_block
-from symbody.kernels.samples import sample_block
+from symbody.kernels.samples.sample_hold import SampleHold
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
 OPEN: Final = 2e-7
@@ -45,7 +45,6 @@ _BLOCK_PLACES: Final = (
     "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "LENGTH",
 )  # fmt: skip
 _WATCH_PLACES: Final = ("TABLE", "EVENT_SIZE", "CAME", "LARGEST", "AT_START")
-_SAMPLER_PLACES: Final = ("START", "NEXT", "RECORDED", "VALUES", "STEPS", "TAKEN", "GROUPS")
 _IMPLICIT_FUNCTIONS: Final = {
     "turn": implicit_block.RATE_FUNCTION,
     "jacobian": implicit_block.DERIVATIVE_FUNCTION,
@@ -166,7 +165,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
     numbers |= {f"SB_W_{name}": getattr(watch_block, name) for name in _WATCH_PLACES}
-    numbers |= {f"SB_Z_{name}": getattr(sample_block, name) for name in _SAMPLER_PLACES}
+    numbers |= {f"SB_Z_{name.upper()}": field.place for name, field in SampleHold.fields.items()}
     texts = {
         "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
         "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),

@@ -45,20 +45,20 @@ from symbody.kernels.events.watch_block import (
 from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import evaluate
-from symbody.kernels.samples.sample_block import RECORDED, ROOM
+from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.kernels.samples.sampling import is_due, is_instant, piece_end, show_values, take_samples
 from symbody.kernels.step_bounds import behind_jump
 from symbody.kernels.step_machine import advance
 
 
-def sample(f: Function, h: Function, B: Reals, Z: Reals, Q: Reals, Y: Reals) -> int:
+def sample(f: Function, h: Function, B: Reals, held: SampleHold, Q: Reals, Y: Reals) -> int:
     """Take the samples that are due, and go on with the derivative behind them; return a code of `block`."""
-    if Z[RECORDED] == Z[ROOM]:
+    if held.recorded == held.room:
         return NO_SAMPLE_ROOM
     t = B[TIME]
-    if take_samples(h, Q, Z, Y, t, part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N]))) != 0:
+    if take_samples(h, Q, held, Y, t, part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N]))) != 0:
         return SAMPLE_FAULT
-    show_values(Z, part(B, int(B[FUNCTION]), 1))
+    show_values(held, part(B, int(B[FUNCTION]), 1))
     if t != B[T_END]:
         B[TIME] = behind_jump(B, t)
         evaluate(f, B, B[TIME], STATE_OLD, 0)
@@ -66,12 +66,12 @@ def sample(f: Function, h: Function, B: Reals, Z: Reals, Q: Reals, Y: Reals) -> 
 
 
 def advance_to_sample(
-    f: Function, g: Function, B: Reals, Z: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals,
+    f: Function, g: Function, B: Reals, held: SampleHold, times: Reals, t: Reals, x: Reals, breaks: Reals,
     pieces: Reals,
 ) -> int:  # fmt: skip
     """Try one step, which ends at the next sample; return one of the codes of `block`."""
     end = B[T_END]
-    stop = piece_end(B, Z, end)
+    stop = piece_end(B, held, end)
     planned = B[STEP]
     B[T_END] = stop
     code = advance(f, g, B, times, t, x, breaks, pieces, 1)
@@ -84,19 +84,19 @@ def advance_to_sample(
 
 
 def advance_sampled(
-    f: Function, g: Function, h: Function, B: Reals, Z: Reals, Q: Reals, times: Reals, t: Reals, x: Reals,
-    breaks: Reals, pieces: Reals, Y: Reals, trials: int,
+    f: Function, g: Function, h: Function, B: Reals, held: SampleHold, Q: Reals, times: Reals, t: Reals,
+    x: Reals, breaks: Reals, pieces: Reals, Y: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps and take the samples on the way; return one of the codes of `block`.
 
     `NO_SAMPLE_ROOM` wants more room for the record of held values.
     """
     for _trial in range(trials):
-        if is_due(Z, B[TIME]) != 0:
-            code = sample(f, h, B, Z, Q, Y)
+        if is_due(held, B[TIME]) != 0:
+            code = sample(f, h, B, held, Q, Y)
             if code != RUNNING:
                 return code
-        code = advance_to_sample(f, g, B, Z, times, t, x, breaks, pieces)
+        code = advance_to_sample(f, g, B, held, times, t, x, breaks, pieces)
         if code != RUNNING:
             return code
     return RUNNING
@@ -115,18 +115,18 @@ def values_before(e: Function, B: Reals, W: Reals) -> None:
             W[row + SIDE] = side
 
 
-def watch_sample(e: Function, B: Reals, W: Reals, Z: Reals) -> None:
+def watch_sample(e: Function, B: Reals, W: Reals, held: SampleHold) -> None:
     """Watch the motion behind a sample: values that jump through zero there have a zero there."""
-    show_values(Z, part(W, int(W[NUMBERS]), 1))
+    show_values(held, part(W, int(W[NUMBERS]), 1))
     if W[ACTIONS] != 0.0:
-        show_values(Z, part(W, int(W[ACTIONS]), 1))
+        show_values(held, part(W, int(W[ACTIONS]), 1))
     t = B[TIME]
     start_stretch(W, int(B[STEPS]))
     compute_values(e, W, t, part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])))
     for k in range(int(W[EVENTS])):
         row = int(W[TABLE]) + EVENT_SIZE * k
         if B[STEPS] != 0.0 or W[HAPPENED] != 0.0:
-            W[row + JUST_HAPPENED] = has_just_happened(W, Z, k, t)
+            W[row + JUST_HAPPENED] = has_just_happened(W, held, k, t)
         side = sign(W[int(W[VALUES]) + k])
         if W[row + SIDE] * side > 0.0 and W[row + JUST_HAPPENED] == 0.0:
             W[row + GOES_THROUGH] = side
@@ -134,17 +134,17 @@ def watch_sample(e: Function, B: Reals, W: Reals, Z: Reals) -> None:
             add_zero(W, t, k, side)
 
 
-def has_just_happened(W: Reals, Z: Reals, place: int, t: float) -> float:
+def has_just_happened(W: Reals, held: SampleHold, place: int, t: float) -> float:
     """Return 1 if an event has happened at a time, else 0."""
     count = int(W[int(W[TABLE]) + EVENT_SIZE * place + RECENT_COUNT])
     if count == 0:
         return 0.0
-    return float(is_instant(Z, W[int(W[RECENT]) + MOST_RECENT * place + count - 1], t))
+    return float(is_instant(held, W[int(W[RECENT]) + MOST_RECENT * place + count - 1], t))
 
 
 def sample_watched(
-    f: Function, e: Function, a: Function, c: Function, h: Function, B: Reals, W: Reals, Z: Reals, Q: Reals,
-    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, Y: Reals,
+    f: Function, e: Function, a: Function, c: Function, h: Function, B: Reals, W: Reals, held: SampleHold,
+    Q: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, Y: Reals,
 ) -> int:  # fmt: skip
     """Let all happen that comes before the samples that are due, and take these; return a code of `block`."""
     happened = NOTHING_YET
@@ -161,21 +161,21 @@ def sample_watched(
     if happened != NOTHING_YET:
         return end_at_event(B, W, t, x, breaks, pieces, happened)
     values_before(e, B, W)
-    code = sample(f, h, B, Z, Q, Y)
+    code = sample(f, h, B, held, Q, Y)
     if code == RUNNING:
-        watch_sample(e, B, W, Z)
+        watch_sample(e, B, W, held)
     return code
 
 
 def step_watched(
-    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, W: Reals, Z: Reals,
+    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, W: Reals, held: SampleHold,
     times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
 ) -> int:  # fmt: skip
     """Try one step, and let events happen unless samples are due at its end; return a code of `block`."""
     code = FULL
     if B[EVERY_STEP] == 0.0 or B[SAMPLES] + 2.0 <= B[SAMPLE_ROOM]:
-        code = advance_to_sample(f, g, B, Z, times, t, x, breaks, pieces)
-    if B[STEPS] == 0.0 or (code == RUNNING and is_due(Z, B[TIME]) != 0):
+        code = advance_to_sample(f, g, B, held, times, t, x, breaks, pieces)
+    if B[STEPS] == 0.0 or (code == RUNNING and is_due(held, B[TIME]) != 0):
         return code
     is_over = 1
     if code == RUNNING or code == FULL:
@@ -193,16 +193,16 @@ def step_watched(
 
 def advance_sampled_watched(
     f: Function, g: Function, e: Function, a: Function, c: Function, h: Function, B: Reals, W: Reals,
-    Z: Reals, Q: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, Y: Reals,
-    trials: int,
+    held: SampleHold, Q: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
+    Y: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps, take samples and let events happen; return one of the codes of `block`."""
     for _trial in range(trials):
-        while is_due(Z, B[TIME]) != 0:
-            code = sample_watched(f, e, a, c, h, B, W, Z, Q, times, t, x, breaks, pieces, H, Y)
+        while is_due(held, B[TIME]) != 0:
+            code = sample_watched(f, e, a, c, h, B, W, held, Q, times, t, x, breaks, pieces, H, Y)
             if code != RUNNING:
                 return code
-        code = step_watched(f, g, e, a, c, B, W, Z, times, t, x, breaks, pieces, H)
+        code = step_watched(f, g, e, a, c, B, W, held, times, t, x, breaks, pieces, H)
         if code != RUNNING:
             return code
     return RUNNING

@@ -12,7 +12,6 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.sequence import Output
 from symbody.kernels import block as run_at
 from symbody.kernels.events import watch_block as watch_at
-from symbody.kernels.samples import sample_block as at
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import LoopCall, RightHandSide
@@ -78,7 +77,7 @@ class SampledLoop:
         sampler = self.sampler
         if not sample_kernels().is_due(address(sampler.block), t):
             return
-        if sampler.block[at.RECORDED] == sampler.block[at.ROOM]:
+        if sampler.hold.recorded == sampler.hold.room:
             sampler.grow()
         places = map(address, (self._numbers, sampler.block, sampler.record))
         if sample_kernels().take_samples(self._address, *places, t, address(x)):
@@ -137,7 +136,7 @@ class SampledLoop:
         """Raise what a law of an input raised, or what the status of the function means."""
         if self._callback is not None and self._callback.error is not None:
             raise self._callback.error
-        check_status(int(self.sampler.block[at.FAULT]))
+        check_status(self.sampler.hold.fault)
 
 
 def check_numbers(values: Sequence[HeldValue], outputs: Sequence[Output]) -> None:
