@@ -16,7 +16,7 @@ reader of kernels, ask the class for its fields.
 """
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar, get_args, get_origin
 
@@ -64,6 +64,12 @@ class Field:
         size: int = self.kind.size if issubclass(self.kind, Record) and self.stored is None else 1
         return size
 
+    @property
+    def entry_size(self) -> int:
+        """How many entries one real or record takes of what the field stores."""
+        size: int = self.kind.size if issubclass(self.kind, Record) else 1
+        return size
+
     def __get__(self, record: "Record | None", owner: type) -> Any:
         """Return the value of the field in a record; the field itself for the class."""
         if record is None:
@@ -75,12 +81,13 @@ class Field:
             return self.kind(value)
         begin = record.offset + int(value)
         if self.is_row:
-            return Rows(record.entries, begin, self.kind)
+            return Rows(record.entries, begin, self.kind, self.count(record))
         if issubclass(self.kind, Record):
             return self.kind(record.entries, begin)
         if isinstance(record.entries, list):
             return Reals(record.entries, begin)
-        return record.entries[begin : begin + self.count(record)]
+        end = begin + self.count(record) if self.stored.factors or value == 0.0 else None
+        return record.entries[begin:end]
 
     def __set__(self, record: "Record", value: float) -> None:
         """Change a number."""
@@ -88,13 +95,14 @@ class Field:
 
     def count(self, record: "Record") -> int:
         """Return how many reals or records are stored where the field says."""
-        count = 1
-        for factor in () if self.stored is None else self.stored.factors:
+        factors = () if self.stored is None else self.stored.factors
+        count = int(bool(factors))
+        for factor in factors:
             count *= getattr(record, factor) if isinstance(factor, str) else factor
         return count
 
 
-class Record:
+class Record(Reals):
     """An array of reals whose entries have names.
 
     Attributes
@@ -108,12 +116,12 @@ class Record:
         How many entries the fields take.
     """
 
-    __slots__ = ("entries", "offset")
+    __slots__ = ()
     fields: ClassVar[Mapping[str, Field]] = MappingProxyType({})
     size: ClassVar[int] = 0
 
     def __init__(self, entries: Any, offset: int = 0) -> None:
-        self.entries, self.offset = entries, offset
+        self.entries, self.offset = entries, offset  # a NumPy array is seen through, not copied
 
     def __init_subclass__(cls) -> None:
         """Lay out the fields."""
@@ -124,23 +132,22 @@ class Record:
             setattr(cls, name, field)
         cls.fields = MappingProxyType(fields)
 
-    def shift(self, offset: int) -> Reals:
-        """Return the entries from a place of the record on."""
-        return Reals(self.entries, self.offset + offset)
-
 
 class Rows(Generic[R]):
     """Records one after the other."""
 
-    __slots__ = ("_begin", "_entries", "_kind")
+    __slots__ = ("_begin", "_count", "_entries", "_kind")
 
-    def __init__(self, entries: Any, begin: int, kind: type[R]) -> None:
-        self._entries, self._begin, self._kind = entries, begin, kind
+    def __init__(self, entries: Any, begin: int, kind: type[R], count: int) -> None:
+        self._entries, self._begin, self._kind, self._count = entries, begin, kind, count
 
     def __getitem__(self, k: int) -> R:
         return self._kind(self._entries, self._begin + self._kind.size * k)
 
+    def __iter__(self) -> Iterator[R]:
+        return map(self.__getitem__, range(self._count))
 
-def exists(record: Record) -> bool:
-    """Return whether a record that is stored elsewhere is there: it never begins at place 0 of the array."""
-    return record.offset != 0
+
+def exists(reals: Reals) -> bool:
+    """Return whether a field stores anything: nothing that is stored begins at place 0 of the array."""
+    return reals.offset != 0 if isinstance(reals, Reals) else len(reals) > 0

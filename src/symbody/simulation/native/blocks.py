@@ -60,7 +60,7 @@ def pack(kind: type[Record], **values: ArrayLike) -> Floats:
     record, end = kind(head), kind.size
     for name, field in kind.fields.items():
         if field.stored is not None:
-            part = np.ravel(values.get(name, np.zeros(field.count(record))))
+            part = np.ravel(values.get(name, np.zeros(field.count(record) * field.entry_size)))
             if part.size or field.stored.factors:
                 head[field.place] = end
             parts.append(part)
