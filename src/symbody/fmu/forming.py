@@ -29,7 +29,7 @@ from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Project
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
-from symbody.simulation.native.closing import CLOSING
+from symbody.simulation.native.closing import closing_of
 from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
@@ -76,7 +76,7 @@ def make_program(
     }
     if motion.is_closed or eqs.multiplier_names:
         made["projection"] = functions.make(eqs, "projection", PROJECTED)
-        made["assembly"] = functions.make(eqs, "assembly", CLOSING)
+    made |= _functions_of_closing(functions, motion.eqs, modal)
     if isinstance(integrator, GeneralizedAlpha):
         made["turn"] = functions.make(eqs, "turn", ["qdot"])
         made["jacobian"] = functions.make(with_state_jacobian(eqs, {}), "jacobian", [STATE_JACOBIAN])
@@ -98,6 +98,17 @@ def make_program(
         eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples,
         integrator or Explicit(),
     )  # fmt: skip
+
+
+def _functions_of_closing(
+    functions: _Functions, eqs: EquationSet, modal: ModalEquations
+) -> dict[str, ModelFunction]:
+    """Return what closes states, in the equations that do so for all modes."""
+    close = closing_of(eqs, holds=True)
+    whole = modal.eqs if close.eqs is eqs else modal_equations(close.eqs).eqs
+    if not (whole.multiplier_names or whole.quaternions):
+        return {}
+    return {"assembly": functions.make(whole, "assembly", close.outputs)}
 
 
 def _functions_of_modes(functions: _Functions, modal: ModalEquations) -> dict[str, ModelFunction]:

@@ -12,7 +12,7 @@ from symbody.errors import Problem, TopologyError
 from symbody.graph.curved_shifts import is_curved
 from symbody.graph.linear_graph import Edge, LinearGraph
 from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
-from symbody.graph.trees import Preference, TreeChoice, cycle_problem, preferences
+from symbody.graph.trees import Preference, TreeChoice, Trees, cycle_problem, preferences
 from symbody.model.constraint import FrameConstraint
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joints import Free
@@ -75,6 +75,15 @@ class Topology:
     def translation_branches(self) -> frozenset[str]:
         """Names of the joints in the translation tree."""
         return self._branch_names("translation", self.translation)
+
+    @property
+    def trees(self) -> Trees:
+        """The choice that gives these trees again: the joints of the model in each."""
+        names = [joint.name for joint in self.model.joints]
+        return Trees(
+            [name for name in names if name in self.rotation_branches],
+            [name for name in names if name in self.translation_branches],
+        )
 
     def _branch_names(self, kind: str, tree: SpanningTree) -> frozenset[str]:
         found = self._inside.get(kind)
@@ -211,7 +220,13 @@ def _common_part(joint: Joint) -> str:
 
 
 def _check_count(topology: Topology) -> None:
-    """Assert that coordinates and locked directions of each tree make 3 for each body."""
+    """Check that coordinates and locked directions of each tree make 3 for each body.
+
+    Raises
+    ------
+    AssertionError
+        If they do not: an error of the program, whatever the model is.
+    """
     bodies = len(topology.model.bodies)
     locked: Mapping[str, Callable[[Joint], int]] = {
         "rotation": lambda joint: joint.locked_rotations,
@@ -221,7 +236,8 @@ def _check_count(topology: Topology) -> None:
         tree: SpanningTree = getattr(topology, kind)
         joints = [topology.joint(branch.edge.name) for branch in tree.branches]
         freedoms = sum(3 - count(joint) for joint in joints)
-        assert freedoms + sum(map(count, joints)) == 3 * bodies, f"{kind} tree does not span the bodies"
+        if freedoms + sum(map(count, joints)) != 3 * bodies:
+            raise AssertionError(f"{kind} tree does not span the bodies")
 
 
 def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:

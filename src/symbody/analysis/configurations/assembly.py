@@ -35,6 +35,7 @@ from symbody.analysis.configurations.ranges import (
     clip_to_ranges,
 )
 from symbody.analysis.configurations.ropes import assemble_with_ropes
+from symbody.analysis.configurations.unsubstituted import substituted_state, with_followers
 from symbody.analysis.constraint_evaluator import (
     ConstraintEvaluator,
     constraint_evaluator,
@@ -46,6 +47,7 @@ from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
+from symbody.equations.closing_equations import closing_equations
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError
@@ -104,6 +106,8 @@ def assemble(
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
     exact, near = by_priority(fixed or {}, guess or {})
+    if closing_equations(eqs) is not eqs:
+        return _assemble_whole(eqs, exact, near, parameters, inputs, t, ranges, scales)
     exact = {**held_initial_values(eqs, exact, near), **exact}
     signals, exact, near = split_signals(eqs, exact, near, parameters)
     rest = parameters, inputs, t, ranges, scales
@@ -112,6 +116,23 @@ def assemble(
         with suppress(AssemblyError):
             return _assemble(eqs, {**exact, **kept}, near, *rest, signals)
     return _assemble(eqs, exact, near, *rest, signals)
+
+
+def _assemble_whole(
+    eqs: EquationSet,
+    fixed: Mapping[str, FirstValue],
+    guess: Mapping[str, Value],
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    ranges: Mapping[str, tuple[Value, Value]] | None,
+    scales: Mapping[str, float] | None,
+) -> State:
+    """Return a state that is found in other equations, those that close it."""
+    known = named_values(eqs, guess, parameters, strict=set(guess))
+    near = {**with_followers(eqs, known, parameters or {}), **guess}
+    state = assemble(closing_equations(eqs), fixed, near, parameters, inputs, t, ranges, scales=scales)
+    return substituted_state(eqs, state, scales)
 
 
 def _fitting_values(

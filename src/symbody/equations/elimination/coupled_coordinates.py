@@ -33,6 +33,7 @@ from symbody.model.constraints.couplings import (
     RackPinion,
 )
 from symbody.model.model import Model
+from symbody.single_flight import SingleFlight
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,8 @@ class CoupledCoordinates:
         What was substituted, and which couplings stay constraints.
     rows : tuple of ConstraintEquation
         The couplings; they are not among the constraints.
+    unsubstituted : SingleFlight
+        The same equations with the couplings as constraints, once something has formed them.
     """
 
     values: Mapping[str, Expr]
@@ -61,6 +64,7 @@ class CoupledCoordinates:
     divisors: Mapping[str, Expr] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     rows: tuple[ConstraintEquation, ...] = ()
+    unsubstituted: SingleFlight[None, Any] = field(default_factory=SingleFlight, repr=False, compare=False)
 
     @property
     def multiplier_names(self) -> frozenset[str]:

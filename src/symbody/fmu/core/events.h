@@ -73,6 +73,7 @@ static int set_states(Motion *m, int *must_stop)
     *must_stop = 0;
     for (k = 0; k < SB_EVENTS; k++) *must_stop |= m->pending[k] && sb_stops[k];
     if (SB_ACTIONS && compute(m, &sb_functions[SB_ACTION], m->x, actions)) return -1;
+    note_before(m);
     for (j = 0; j < SB_ACTIONS; j++)
         if (m->pending[sb_action_events[j]]) {
             m->x[sb_action_states[j]] = actions[j];

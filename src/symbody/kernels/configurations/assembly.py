@@ -31,7 +31,16 @@ QUATERNION_PLACES: Final = 14
 ENOUGH: Final = 21  # the residual from which on nothing is moved
 WEIGHED: Final = 22  # whether the function writes the mass matrix behind J: see `closing`
 LIMITED: Final = 23  # 1 for each coordinate that moves by a size at most in a step, 0 for linear ones
-HEADER: Final = 24
+# Substituted coordinates that a closing counts in, see `closing`: how many with their rates, how many states
+# they are left out of; where flags of held ones of these states begin, the places of these states and of
+# what is left out among all, and all states.
+FOLLOWERS: Final = 24
+STATES: Final = 25
+ASKED: Final = 26
+PLACES: Final = 27
+FOLLOWER_PLACES: Final = 28
+WHOLE: Final = 29
+HEADER: Final = 30
 
 # As in `symbody.manifold.newton`, which says why: residuals over their sizes, moves over those of states.
 MOST_ROUNDS: Final = 80

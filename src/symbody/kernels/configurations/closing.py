@@ -3,6 +3,9 @@
 What is held keeps its value, or the state cannot be closed. Held rates and the constraints determine others;
 of all else the change has the least kinetic energy, and where no inertia resists it the least sum of squares
 of rates over their sizes. The function writes what `assembly` reads, then the mass matrix.
+
+Where coordinates are substituted that follow from several others, the function is that of the equations with
+these couplings as constraints, and writes last what follows: a state is closed with all coordinates in it.
 """
 
 from __future__ import annotations
@@ -10,14 +13,18 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.configurations.assembly import (
+    ASKED,
     ASSEMBLED,
     CLOSED,
     COORDINATES,
+    FOLLOWER_PLACES,
+    FOLLOWERS,
     HELD,
     MATRICES,
     NUMBERS,
     OUT,
     OUT_SIZE,
+    PLACES,
     QUATERNION_PLACES,
     QUATERNIONS,
     RESIDUALS,
@@ -26,7 +33,9 @@ from symbody.kernels.configurations.assembly import (
     SIZES,
     SPEEDS,
     SPEEDS_FAIL,
+    STATES,
     WEIGHED,
+    WHOLE,
     assemble_positions,
 )
 from symbody.kernels.language import Function, Reals, part, sqrt
@@ -166,8 +175,8 @@ def close_speeds(h: Function, A: Reals, t: float, x: Reals) -> int:
 
 def hold(A: Reals, count: int, places: Reals) -> None:
     """Hold the states at so many places, and no others."""
-    n = int(A[SPEEDS]) + int(A[COORDINATES])
-    held = part(A, int(A[HELD]), n)
+    n = int(A[SPEEDS]) + int(A[COORDINATES]) - int(A[FOLLOWERS])
+    held = part(A, int(A[ASKED]), n)
     for i in range(n):
         held[i] = 0.0
     for k in range(count):
@@ -208,13 +217,52 @@ def normalize_held(A: Reals, q: Reals) -> None:
                 q[place] = q[place] / sqrt(total)
 
 
-def close_state(h: Function, A: Reals, t: float, x: Reals) -> int:
-    """Move a state x = (u, q) onto the constraints, those that are held aside; return how that ended."""
+def close_all(h: Function, A: Reals, t: float, x: Reals) -> int:
+    """Move a state x = (u, q) of the function onto the constraints; return how that ended."""
     normalize_held(A, part(x, int(A[SPEEDS]), int(A[COORDINATES])))
     result = assemble_positions(h, A, t, x)
     if result != ASSEMBLED:
         return result
     return close_speeds(h, A, t, x)
+
+
+def enter_states(A: Reals, x: Reals) -> None:
+    """Copy states to their places among all."""
+    for i in range(int(A[STATES])):
+        A[int(A[WHOLE]) + int(A[int(A[PLACES]) + i])] = x[i]
+
+
+def note_followers(h: Function, A: Reals, t: float, x: Reals) -> None:
+    """Store the coordinates that are substituted, and their rates, as they are before states x change."""
+    count = int(A[FOLLOWERS])
+    if count == 0:
+        return
+    enter_states(A, x)
+    out = part(A, int(A[OUT]), int(A[OUT_SIZE]))
+    # The function may say that accelerations do not exist, which does not matter.
+    _status = call(h, int(A[SPEEDS]), part(A, int(A[NUMBERS]), 1), t, part(A, int(A[WHOLE]), 1), out)
+    for k in range(count):
+        place = int(A[WHOLE]) + int(A[int(A[FOLLOWER_PLACES]) + k])
+        A[place] = out[int(A[OUT_SIZE]) - count + k]
+
+
+def close_state(h: Function, A: Reals, t: float, x: Reals) -> int:
+    """Move a state x = (u, q) onto the constraints, those that are held aside; return how that ended.
+
+    Where coordinates are substituted `note_followers` has seen the state before it changed.
+    """
+    if A[FOLLOWERS] == 0.0:
+        return close_all(h, A, t, x)
+    enter_states(A, x)
+    for k in range(int(A[FOLLOWERS])):
+        A[int(A[HELD]) + int(A[int(A[FOLLOWER_PLACES]) + k])] = 0.0
+    count = int(A[SPEEDS]) + int(A[COORDINATES]) - int(A[FOLLOWERS])
+    for i in range(count):
+        A[int(A[HELD]) + int(A[int(A[PLACES]) + i])] = A[int(A[ASKED]) + i]
+    result = close_all(h, A, t, part(A, int(A[WHOLE]), 1))
+    for i in range(count):
+        x[i] = A[int(A[WHOLE]) + int(A[int(A[PLACES]) + i])]
+    return result
 
 
 def closing_size(n: int) -> int:

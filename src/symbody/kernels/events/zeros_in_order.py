@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.configurations.assembly import ASSEMBLED
-from symbody.kernels.configurations.closing import close_state, hold
+from symbody.kernels.configurations.closing import close_state, hold, note_followers
 from symbody.kernels.events.acting_events import judge_action
 from symbody.kernels.events.event_location import BESIDE, state_at, value_at
 from symbody.kernels.events.event_monitor import (
@@ -169,6 +169,7 @@ def happen(
     monitor.cut = monitor.pending[number].time
     state_at(monitor, breaks, pieces, monitor.cut, before)
     if acts != 0:
+        note_before(c, monitor, monitor.cut, before)
         close_held(c, monitor, monitor.cut, before, 0, before)
         monitor.unmet = 0.0  # what drifts stays as it is where it cannot be closed
         copy(n, before, monitor.after)
@@ -287,6 +288,7 @@ def act(a: Function, c: Function, monitor: EventMonitor, place: int, t: float) -
     event = monitor.events[place]
     x = monitor.after
     values = monitor.acted
+    note_before(c, monitor, t, x)
     compute_action(a, monitor, t, x, values)
     energy = values[0]
     first = event.set_first
@@ -300,6 +302,12 @@ def act(a: Function, c: Function, monitor: EventMonitor, place: int, t: float) -
     close_held(c, monitor, t, x, event.set_count, part(monitor.targets, first, 1))
     compute_action(a, monitor, t, x, values)
     x[n - 1] = x[n - 1] + (values[0] - energy)
+
+
+def note_before(c: Function, monitor: EventMonitor, t: float, x: Reals) -> None:
+    """Note what a closing has to know of a state before it is changed."""
+    if exists(monitor.closing):
+        note_followers(c, monitor.closing, t, x)
 
 
 def close_held(c: Function, monitor: EventMonitor, t: float, x: Reals, count: int, places: Reals) -> None:

@@ -254,8 +254,7 @@ class Stepper(OwnCopies):
         checked_inputs(inputs, self._places)
         if chosen:
             parameters = {**self._problem.parameters, **chosen}
-            is_closed = self._problem.problem.is_closed
-            moved = close_again(self._problem, self._numbers, parameters) if is_closed else None
+            moved = close_again(self._problem, self._numbers, parameters)
             self._use(parameters, self._problem.sizes, moved)
         set_inputs(self._numbers.array, self._places, inputs)
         self._missing.difference_update(inputs)

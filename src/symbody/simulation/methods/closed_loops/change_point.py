@@ -102,15 +102,18 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
     constraints = plan.constraints or _PROJECTION
     integration = plan.integration
     problem, eqs, t, x = integration.problem, integration.eqs, integration.span[0], integration.state
-    if isinstance(constraints, Partition) or not eqs.multiplier_names or not eqs.speed_names:
+    if not eqs.multiplier_names or not eqs.speed_names:
         return integrate_plan(plan)
     if eqs.plans.get(
         "constant rows", partial(has_constant_rows, eqs)
     ):  # nothing becomes dependent on the way
         return integrate_plan(plan)
+    follows = is_overconstrained(problem, t, x)
+    if isinstance(constraints, Partition):
+        run = integrate_plan(plan)
+        return run if follows or not run.raw.status.success else _judge_passages(plan, run)
     by_partition = replace(plan, constraints=_PARTITION)
     is_replaceable = isinstance(constraints, Projection) and isinstance(plan.integrator, Explicit | None)
-    follows = is_overconstrained(problem, t, x)
     if follows and is_replaceable:
         return integrate_by_partition(plan)
     run = integrate_plan(plan) if isinstance(constraints, GGL) or not follows else integrate_independent(plan)

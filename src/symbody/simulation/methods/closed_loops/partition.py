@@ -90,7 +90,12 @@ def _mean(values: Floats) -> float:
 
 
 class _PartitionStepper:
-    """DOP853 over the independent coordinates, begun anew when they are chosen anew."""
+    """DOP853 over the independent coordinates, begun anew when they are chosen anew.
+
+    Its `f`, `h_abs`, `max_step` and `n_stages` are not documented by SciPy. With documented arguments alone
+    each step would need a solver of its own, whose beginning costs one evaluation in twelve and forgets how
+    long the next step may be.
+    """
 
     def __init__(self, integration: IntegrationProblem, method: Partition, explicit: Explicit) -> None:
         self._integration, self._worst, self._explicit = integration, method.worst, explicit
