@@ -16,7 +16,7 @@ from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import block
-from symbody.kernels.configurations import assembly as assembly_block
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
 from symbody.kernels.implicit import implicit_block
 from symbody.kernels.samples.sample_hold import SampleHold
@@ -120,7 +120,7 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
             projector = int(motion[block.PROJECTOR])
             places[name] = projector + int(motion[projector + block.P_FUNCTION])
         elif name == "assembly":
-            places[name] = motion.size + int(assembly[assembly_block.NUMBERS])
+            places[name] = motion.size + int(assembly[AssemblyProblem.fields["numbers"].place])
         elif name in _IMPLICIT_FUNCTIONS:
             places[name] = places["implicit"] + int(implicit[_IMPLICIT_FUNCTIONS[name]])
         elif name != "motion":
@@ -152,7 +152,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_SLOPES": rows * (n + n_r),
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
-        "SB_HELD": assembly_block.ASKED, "SB_IS_CLOSED": int("assembly" in functions),
+        "SB_HELD": AssemblyProblem.fields["asked"].place, "SB_IS_CLOSED": int("assembly" in functions),
         "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
         "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
         "SB_WATCH": places["watch"],

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.language import Reals
 from symbody.kernels.record import Record, Rows, stored
 
@@ -114,7 +115,9 @@ class EventMonitor(Record):
     values: Reals = stored("event_count")
     actions: Reals = stored()  # numbers of the function of actions; nowhere if no event acts
     acted: Reals = stored("action_values")  # what it writes
-    closing: Reals = stored()  # what closes states, see `closing`; nowhere if there is nothing to close
+    closing: AssemblyProblem = (
+        stored()
+    )  # what closes states, see `closing`; nowhere if there is nothing to close
     before: Reals = stored("states")
     after: Reals = stored("states")
     scratch: Reals = stored("states", 3)

@@ -29,7 +29,7 @@ from symbody.kernels.block import (
     VERDICT_SIZE,
     N,
 )
-from symbody.kernels.configurations.closing import closing_numbers, set_metric
+from symbody.kernels.configurations.closing import set_metric
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.events.watched_motion import advance_watched
 from symbody.kernels.language import Function, Reals, part
@@ -59,9 +59,8 @@ def prepare_watch(B: Reals, monitor: EventMonitor, size: int, fresh: Reals, row:
     if exists(monitor.actions):
         place = place + set_numbers(monitor.actions, part(row, place, 1))
     if exists(monitor.closing):
-        A = monitor.closing
-        place = place + set_metric(A, part(row, place, 1))
-        place = place + set_numbers(part(A, closing_numbers(A), 1), part(row, place, 1))
+        place = place + set_metric(monitor.closing, part(row, place, 1))
+        place = place + set_numbers(monitor.closing.numbers, part(row, place, 1))
 
 
 def note_looks(monitor: EventMonitor, look: Reals) -> None:

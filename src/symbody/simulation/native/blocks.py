@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from symbody.kernels import block as at
-from symbody.kernels.record import Record
 from symbody.simulation.native.description import Floats, Goal, Projector, RightHandSide
 from symbody.simulation.native.runge_kutta import Tableau
 from symbody.single_flight import SingleFlight
@@ -43,29 +41,6 @@ def make_block(
     block[at.MAX_STEP], block[at.MAX_TRIALS] = goal.max_step, goal.max_trials
     block[at.STOP_WHEN_STIFF], block[at.FIRST_STEP] = goal.stop_when_stiff, first_step
     return block
-
-
-def pack(kind: type[Record], **values: ArrayLike) -> Floats:
-    """Return the array of a record: its numbers, then what its fields store.
-
-    Parameters
-    ----------
-    **values : numbers and arrays
-        Of fields by their names. What is not given is zero, and a single record that is not given is nowhere.
-    """
-    head, parts = np.zeros(kind.size), list[Floats]()
-    for name, value in values.items():
-        if kind.fields[name].stored is None:
-            head[kind.fields[name].place] = value
-    record, end = kind(head), kind.size
-    for name, field in kind.fields.items():
-        if field.stored is not None:
-            part = np.ravel(values.get(name, np.zeros(field.count(record) * field.entry_size)))
-            if part.size or field.stored.factors:
-                head[field.place] = end
-            parts.append(part)
-            end += part.size
-    return np.concatenate([head, *parts])
 
 
 def state_of(block: Floats) -> Floats:

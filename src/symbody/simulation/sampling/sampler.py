@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.kernels.pack import pack
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.simulation.inputs.held_law import HeldRecord, places_in
-from symbody.simulation.native.blocks import pack
 
 Floats = NDArray[np.float64]
 
