@@ -291,7 +291,9 @@ def test_a_file_is_saved_as_it_was_and_changes_outside_are_seen(visit: Any, sett
     builder.wait("s.outside", 20)
     builder.fill("Mass", "3*m1")
     builder.keys("Control+s")
-    builder.wait("s.notice.length > 0")
+    builder.wait("s.spoken.includes('not saved')")
+    assert page.locator(".outside").count() == 1 and page.get_by_test_id("notice").count() == 0  # said once
+    assert page.locator(".doc-title b").inner_text() == "crank"
     assert path.read_text(encoding="utf-8").endswith("# by hand\n")
 
 

@@ -49,10 +49,14 @@ def blobs(dark: NDArray[np.bool_]) -> int:
 
 @pytest.mark.parametrize("name", ["s", "beta", "theta", "phi", "x"])
 def test_dots_are_dots_at_16_px(name: str, surfer: Surfer) -> None:
+    letter = blobs(pixels(surfer, mathml_name(name), 16))  # thin strokes break at this size
     for order in (1, 2):
         dark = pixels(surfer, mathml_name(name, order), 16)
-        top = np.nonzero(dark.any(axis=1))[0][0]
+        rows = dark.any(axis=1)
+        top = np.nonzero(rows)[0][0]
+        assert not rows[top : top + DOT + 2].all(), "no white row between dots and letter"
         assert blobs(dark[top : top + DOT]) == order
+        assert blobs(dark) == order + letter, "a dot touches its letter"
 
 
 def test_brackets_grow(surfer: Surfer) -> None:

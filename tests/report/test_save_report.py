@@ -56,6 +56,22 @@ def test_pages_of_examples(name: str, tmp_path: Path) -> None:
     assert page.formulas
 
 
+def test_a_report_begins_with_a_summary_and_ends_with_costs(tmp_path: Path) -> None:
+    """Face 46: a summary first, a capital letter, numbered equations, names typeset in notes, costs at the end."""
+    eqs = load("four_bar")
+    text = write(eqs, tmp_path / "x.html")
+    assert "<p>Four-bar has 1 degree of freedom.</p>" in text
+    assert text.index("<td>Crank, Coupler, Rocker</td>") < text.index("<figure>")
+    assert text.index('id="equations"') < text.index("Operations of each output")
+    assert "counter(equation)" in text and "dropped (lambda_C_3" not in text
+    tex = write(eqs, tmp_path / "x.tex", sections=["equations"])
+    equations = len(eqs.speed_names) + len(eqs.multiplier_names)
+    rows = [row for part in re.findall(r"begin{align}(.*?)end{align}", tex, re.DOTALL)
+            for row in part.strip("\n\\").split("\\\\\n")]  # fmt: skip
+    assert sum(r"\notag" not in row for row in rows) == equations
+    assert r"($\lambda_{C,3}$" in write(eqs, tmp_path / "y.tex", sections=["coordinates"])
+
+
 def test_every_kind_of_file(tmp_path: Path) -> None:
     eqs = load("slider_crank")
     run = sb.simulate(eqs, (0, 0.2))

@@ -20,6 +20,6 @@ export function decodeData(value: unknown): PlayerData {
     scene,
     source: sourceOf(scene, moved),
     title: typeof title === "string" && title !== "" ? title : scene.name,
-    settings: settingsFrom(options),
+    settings: settingsFrom(options, scene.bodies.length - 1),
   };
 }

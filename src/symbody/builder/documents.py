@@ -171,6 +171,7 @@ class Documents:
             "data": opened.data,
             "fingerprint": mark,
             "problems": opened.problems,
+            "comments": dict(opened.comments),
             "wires": model_wires(opened.data),
         }
 

@@ -36,6 +36,16 @@ from symbody.simulation.results.trajectory import Trajectory
 _MOST_CURVES: Final = 8
 _MOST_SPEEDS: Final = 100  # of an equilibrium and its modes, whose time grows with the cube
 _MOST_OPERATIONS: Final = 20_000  # of code whose size is measured by writing it
+_COUNTED: Final = (
+    "mass_matrix",
+    "forcing",
+    "jacobian",
+    "gamma",
+    "constraints",
+    "kinetic_energy",
+    "udot",
+    "xdot",
+)
 _LANGUAGES: Final = ("c", "python", "fortran", "matlab", "julia", "rust")
 
 
@@ -127,12 +137,20 @@ def _motion(run: Trajectory, has_constraints: bool) -> Iterator[Block]:
 
 
 def code_section(setting: Setting) -> ReportSection:
-    """Return the size of the generated code of the state's rates in each language."""
+    """Return the operations of each output, and the size of the state's rates as code of each language."""
     eqs = setting.eqs
     count = eqs.operation_count("xdot")
-    blocks: list[Block] = [Paragraph(f"The rates of the state, xdot, take {count} operations.")]
+    without_constraints = ("jacobian", "gamma", "constraints")
+    counted = [name for name in _COUNTED if eqs.multiplier_names or name not in without_constraints]
+    blocks: list[Block] = [
+        Paragraph("Operations of each output, shared parts once, parameters as symbols:"),
+        TextTable(
+            ("output", "operations"), tuple((name, str(eqs.operation_count(name))) for name in counted)
+        ),
+    ]
     if count > _MOST_OPERATIONS:
         return ReportSection("code", "Code", blocks)
+    blocks.append(Paragraph("The rates of the state, xdot, as code:"))
     rows: list[tuple[Cell, ...]] = []
     for language in _LANGUAGES:
         try:

@@ -40,16 +40,6 @@ _MOST_BODIES: Final = 8
 _MOST_SPEEDS: Final = 12
 # Outputs of frames, and how they are written.
 _LETTERS: Final = {"r": "r", "v": "v", "w": "omega"}
-_COUNTED: Final = (
-    "mass_matrix",
-    "forcing",
-    "jacobian",
-    "gamma",
-    "constraints",
-    "kinetic_energy",
-    "udot",
-    "xdot",
-)
 
 
 def kinematics_section(setting: Setting) -> ReportSection:
@@ -111,7 +101,7 @@ def _constraints(setting: Setting) -> Iterator[Block]:
 
 
 def dynamics_section(setting: Setting) -> ReportSection:
-    """Return M, F, J and gamma, and how many operations each output takes."""
+    """Return M, F, J and gamma."""
     eqs = setting.eqs
     blocks: list[Block] = []
     if eqs.speed_names:
@@ -119,15 +109,6 @@ def dynamics_section(setting: Setting) -> ReportSection:
     else:
         blocks.append(Paragraph("There are no speeds: nothing moves, or all that moves is prescribed."))
     blocks += _matrices(setting) if eqs.speed_names else ()
-    counted: list[tuple[Cell, ...]] = []
-    for name in _COUNTED:
-        if name in ("jacobian", "gamma", "constraints") and not eqs.multiplier_names:
-            continue
-        counted.append((name, str(eqs.operation_count(name))))
-    blocks += [
-        Paragraph("Operations of each output, shared parts once, parameters as symbols:"),
-        TextTable(("output", "operations"), tuple(counted)),
-    ]
     return ReportSection("dynamics", "Mass matrix, forcing, Jacobian", blocks)
 
 

@@ -53,14 +53,15 @@ export async function saveTo(path: string, overwrite: boolean): Promise<boolean>
   const fingerprint = path === document.path ? document.fingerprint : null;
   try {
     const answer = await api.save({ document: document.id, path, data, fingerprint, overwrite });
-    const name = answer.path.split(/[/\\]/).at(-1) ?? document.name;
+    const file = answer.path.split(/[/\\]/).at(-1) ?? document.name;
+    const name = file.replace(/\.toml$/i, "");
     useStore.setState({ saved: data, document: { ...document, path: answer.path, name, fingerprint: answer.fingerprint }, outside: false, notice: [], dialog: null });
-    say(`${name} saved`);
+    say(`${file} saved`);
     return true;
   } catch (error) {
     const changed = error instanceof ServerError && error.status === 409;
-    if (changed && path === document.path) useStore.setState({ outside: true });
-    notice(problemsOf(error));
+    if (!changed || path !== document.path) notice(problemsOf(error));
+    else useStore.setState({ outside: true, spoken: `${document.name} is not saved: the file was changed by another program` }); // the bar has what can be done
     return false;
   }
 }

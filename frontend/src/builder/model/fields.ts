@@ -77,6 +77,12 @@ function unitAndTip(description: string, acting: Acting): readonly [string, stri
   return unit.includes(",") ? ["", `${tip} [${unit}]`.trim()] : [unit, tip];
 }
 
+/** Return the unit of a parameter and its comment in the file, which may begin with the unit. */
+export function meaningOf(unit: string, comment: string): string {
+  const rest = unit !== "" && comment.startsWith(unit) ? comment.slice(unit.length).replace(/^[\s:,;]+/, "") : comment;
+  return [printedUnit(unit), rest].filter((each) => each !== "").join(" · ");
+}
+
 export function labelOf(key: string): string {
   const words = key.replaceAll("_", " ");
   return words.charAt(0).toUpperCase() + words.slice(1);

@@ -3,6 +3,7 @@
 import { useId, useState, type ReactElement } from "react";
 import { expectChanges } from "../checking";
 import { freeName, INPUTS, symbolsOf, textOf } from "../model/entries";
+import { meaningOf } from "../model/fields";
 import { isExact, withPriority } from "../model/initial";
 import { isArray, isObject, joinPointer, valueAt, withValue } from "../model/pointers";
 import { renameInitial, renameParameter } from "../model/rename";
@@ -97,15 +98,24 @@ function useInitialNames(section: string): readonly string[] {
 function TableRow({ section, name, value, list, rename }: { readonly section: string; readonly name: string; readonly value: Json; readonly list: string; rename: TableProps["rename"] }): ReactElement {
   const pointer = `/${section}${joinPointer(name)}`;
   const problems = useProblems(pointer);
+  const meaning = useMeaning(section, name);
   return (
     <div className="table-row">
       <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={(text) => rename(name, text)} list={section === "initial" ? list : ""} />
       <span aria-hidden="true">=</span>
       <div><FormulaInput pointer={isObject(value) ? `${pointer}/value` : pointer} value={isObject(value) ? value["value"] : value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}{section === "initial" && <PriorityChoice pointer={pointer} name={name} value={value} />}</div>
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, pointer, undefined)); }}><Icon name="trash" size={14} /></button>
+      {meaning !== "" && <p className="tip meaning">{meaning}</p>}
       <ProblemLines problems={problems} />
     </div>
   );
+}
+
+/** Return the unit of a parameter and what the file says of it. */
+function useMeaning(section: string, name: string): string {
+  const unit = useStore((state) => state.check?.summary?.units[name]);
+  const comment = useStore((state) => state.document?.comments[name]);
+  return section === "parameters" ? meaningOf(unit ?? "", comment ?? "") : "";
 }
 
 const PRIORITIES = [{ value: "guess", text: "Guess" }, { value: "exact", text: "Exact" }] as const;

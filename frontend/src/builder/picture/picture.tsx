@@ -2,7 +2,7 @@
 
 import { useEffect, useMemo, useRef, useState, type ReactElement, type RefObject } from "react";
 import { Player } from "../../player/player";
-import { DEFAULTS } from "../../player/settings";
+import { defaultsFor } from "../../player/settings";
 import { castOf, decodeMotion, decodeScene, LiveSource, sourceOf, type Scene, type SceneElement } from "../../viewer";
 import { entriesOf, entryNamed, GROUND, type EntryId } from "../model/entries";
 import { select, useStore } from "../store";
@@ -39,7 +39,7 @@ function makePlayer(root: HTMLElement, scene: unknown, motion: unknown, moves: b
   const base = sourceOf(decoded, motion === null ? null : decodeMotion(motion, decoded.bodies.length));
   const source = new LiveSource(base, decoded.bodies.length);
   const theme = resolvedTheme(useStore.getState().theme);
-  const kept = before?.player.settings.values ?? DEFAULTS;
+  const kept = before?.player.settings.values ?? defaultsFor(decoded.bodies.length - 1);
   const settings = { ...kept, theme, curves: false, autoplay: moves };
   const player = new Player(root, { scene: decoded, source, title: "", settings }, {
     onSelect: (element) => { chosenInPicture(element); },
