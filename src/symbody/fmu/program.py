@@ -18,7 +18,7 @@ from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
 from symbody.kernels import block
-from symbody.kernels.events import watch_block
+from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.simulation.events.event_functions import numbers_of_events
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
@@ -169,7 +169,8 @@ class FmuProgram:
         room_for_work = n + 1  # which the rules of events leave out
         sizes = WatchNumbers(room_for_work, len(eqs.speed_names), nothing, np.zeros(1), nothing)
         made = make_watch_block(events, sizes)
-        made[[watch_block.DIRECTION, watch_block.ACTION_VALUES]] = 1.0, n
+        monitor = EventMonitor(made)
+        monitor.direction, monitor.action_values = 1.0, n
         return made
 
     def block(self) -> Floats:

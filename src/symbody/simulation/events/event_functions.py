@@ -17,7 +17,7 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Sequence as Operations
-from symbody.kernels.events import watch_block as at
+from symbody.kernels.events.event_monitor import RECORDS, SETS, STOPS, EventMonitor
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
@@ -88,7 +88,7 @@ class EventFunctions:
     def make_block(self, span: float) -> Floats:
         """Return the block of a watch over a run of some length [s]."""
         block = self._first_block.copy()
-        block[at.SPAN] = span
+        EventMonitor(block).span = span
         return block
 
     @cached_property
@@ -178,7 +178,7 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
 
 def event_numbers(eqs: EquationSet, event: Event, of_time: bool) -> WatchedEvent:
     """Return an event as numbers; `of_time` if its value reads no state."""
-    action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
+    action = STOPS if event.action == "stop" else SETS if event.mapping else RECORDS
     wraps = _reads_measured_angle(eqs, str(event.expression))
     targets = tuple(eqs.state_names.index(name) for name in event.mapping)
     level = event.level if isinstance(event, LevelEvent) else 0.0

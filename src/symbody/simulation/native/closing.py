@@ -12,8 +12,9 @@ from symbody.analysis.curvature import limited_coordinates
 from symbody.analysis.scales import Scales
 from symbody.equations.closing_equations import closing_equations, follower_names, follower_outputs
 from symbody.equations.equation_set import EquationSet
-from symbody.kernels.configurations import assembly as at
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.closing import closing_size
+from symbody.kernels.pack import pack
 from symbody.simulation.native.description import Floats
 
 # What the function of a closing writes; the mass matrix, and behind it what is substituted, to hold values.
@@ -106,22 +107,17 @@ def closing_block(
     """
     (n_u, n_q, four, limited, places, followers), count = shape, outputs[0]
     whole = n_u + n_q + len(places) if places else 0  # states of signals lie behind
-    parts = {
-        at.HELD: np.zeros(n_u + n_q), at.SIZES: sizes[: n_u + n_q], at.SCALES: sizes[n_u + n_q :],
-        at.OUT: np.zeros(sum(outputs)), at.MATRICES: np.zeros(closing_size(max(n_q, n_u))),
-        at.NUMBERS: numbers, at.OLD: np.zeros(n_q), at.QUATERNION_PLACES: np.array(four, dtype=np.float64),
-        at.LIMITED: np.array(limited, dtype=np.float64), at.PLACES: np.array(places, dtype=np.float64),
-        at.FOLLOWER_PLACES: np.array(followers, dtype=np.float64), at.WHOLE: np.zeros(whole),
-        at.ASKED: np.zeros(n_u + n_q - len(followers) if places else 0),
-    }  # fmt: skip
-    head = np.zeros(at.HEADER)
-    begins = at.HEADER + np.cumsum([0, *(part.size for part in parts.values())])
-    head[[*parts]] = begins[:-1]
-    head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, outputs[2]
-    head[[at.QUATERNIONS, at.OUT_SIZE]] = len(four) / 4, sum(outputs)
-    head[[at.FOLLOWERS, at.STATES]] = len(followers), len(places)
+    closed = math.sqrt(max(count, 1)) * share
+    block = pack(
+        AssemblyProblem, speeds=n_u, coordinates=n_q, residuals=count, rows=outputs[2], out_size=sum(outputs),
+        quaternion_count=len(four) // 4, share=closed, enough=closed, weighed=len(outputs) >= len(CLOSING),
+        followers=len(followers), states=len(places),
+        held=np.zeros(n_u + n_q), sizes=sizes[: n_u + n_q], scales=sizes[n_u + n_q :],
+        matrices=np.zeros(closing_size(max(n_q, n_u))), numbers=numbers, quaternion_places=four,
+        limited=limited, places=places, follower_places=followers, whole=np.zeros(whole),
+        asked=np.zeros(n_u + n_q - len(followers) if places else 0),
+    )  # fmt: skip
     if not places:
-        head[at.ASKED] = head[at.HELD]
-    head[at.WEIGHED] = len(outputs) >= len(CLOSING)
-    head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * share
-    return np.concatenate([head, *parts.values()])
+        fields = AssemblyProblem.fields
+        block[fields["asked"].place] = block[fields["held"].place]
+    return block

@@ -22,7 +22,7 @@ from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree
 from symbody.equations.equation_set import EquationSet
 from symbody.kernels import block
-from symbody.kernels.configurations import assembly as assembly_block
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.closing import closing_block, closing_of, metric
@@ -183,7 +183,8 @@ def _numbers(
             "mass": spring.mass, "frequency": spring.frequency, "interval": _PULL_INTERVAL,
         }  # fmt: skip
     places = {name: getattr(block, name) for name in _PLACES}
-    places |= {"ASSEMBLY_HELD": assembly_block.ASKED, "ASSEMBLY_NUMBERS": assembly_block.NUMBERS}
+    problem = AssemblyProblem.fields
+    places |= {"ASSEMBLY_HELD": problem["asked"].place, "ASSEMBLY_NUMBERS": problem["numbers"].place}
     first_step = motion.method.first_step or 0.0
     return {
         "at": places,
