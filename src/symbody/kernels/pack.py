@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.kernels.record import Record
+from symbody.kernels.layout import Layout
 
 Floats = NDArray[np.float64]
 
 
-def pack(kind: type[Record], **values: ArrayLike) -> Floats:
+def pack(kind: type[Layout], **values: ArrayLike) -> Floats:
     """Return the array of a record: its numbers, then what its fields store.
 
     Parameters
@@ -20,13 +20,13 @@ def pack(kind: type[Record], **values: ArrayLike) -> Floats:
     """
     head, parts = np.zeros(kind.size), list[Floats]()
     for name, value in values.items():
-        if kind.fields[name].stored is None:
+        if kind.fields[name].pointer is None:
             head[kind.fields[name].place] = value
     record, end = kind(head), kind.size
     for name, field in kind.fields.items():
-        if field.stored is not None:
+        if field.pointer is not None:
             part = np.ravel(values.get(name, np.zeros(field.count(record) * field.entry_size)))
-            if part.size or field.stored.factors:
+            if part.size or field.pointer.factors:
                 head[field.place] = end
             parts.append(part)
             end += part.size

@@ -198,7 +198,7 @@ class PlainAssembly:
         self._begins = {
             name: int(self._template[field.place])
             for name, field in AssemblyProblem.fields.items()
-            if field.stored is not None
+            if field.pointer is not None
         }
         begin = self._begins["numbers"] + block.R_PLACE
         self._constants = slice(begin, begin + constants)

@@ -17,7 +17,7 @@ from symbody.codegen.kernels.tree import (
     Variable,
     add,
 )
-from symbody.kernels.record import Field, Record
+from symbody.kernels.layout import Layout, RecordField
 
 _ZERO = Literal(0, Type.INTEGER)
 
@@ -26,7 +26,7 @@ _ZERO = Literal(0, Type.INTEGER)
 class RecordPlace:
     """Where a record lies: its class, the array, and where it begins there, an integer."""
 
-    record: type[Record]
+    record: type[Layout]
     array: Expression
     offset: Expression = _ZERO
 
@@ -37,27 +37,27 @@ class RecordPlace:
             return self.array
         return Part(self.array, self.offset, Literal(self.record.size, Type.INTEGER))
 
-    def entry(self, field: Field) -> ArrayEntry:
+    def entry(self, field: RecordField) -> ArrayEntry:
         """Return the entry of a field: its number, or where it is stored."""
         return ArrayEntry(self.array, add(self.offset, field.place))
 
-    def number(self, field: Field) -> Expression:
+    def number(self, field: RecordField) -> Expression:
         """Return the value of a field that is a number."""
         entry = self.entry(field)
         return entry if field.kind is float else Apply("integer", (entry,), Type.INTEGER)
 
-    def begin(self, field: Field) -> Expression:
+    def begin(self, field: RecordField) -> Expression:
         """Return where what a field stores begins in the array."""
         place = Apply("integer", (self.entry(field),), Type.INTEGER)
         return place if self.offset == _ZERO else Apply("+", (self.offset, place), Type.INTEGER)
 
-    def reals(self, field: Field) -> Part:
+    def reals(self, field: RecordField) -> Part:
         """Return the reals that a field stores."""
         return Part(self.array, self.begin(field), self._count(field))
 
-    def inner(self, field: Field, index: Expression | None = None) -> RecordPlace:
+    def inner(self, field: RecordField, index: Expression | None = None) -> RecordPlace:
         """Return the record that a field is or stores; of several the one with an index."""
-        if field.stored is None:
+        if field.pointer is None:
             return RecordPlace(field.kind, self.array, add(self.offset, field.place))
         begin = self.begin(field)
         if index is not None:
@@ -66,8 +66,8 @@ class RecordPlace:
             begin = begin if index == _ZERO else Apply("+", (begin, step), Type.INTEGER)
         return RecordPlace(field.kind, self.array, begin)
 
-    def _count(self, field: Field) -> Expression:
-        factors = () if field.stored is None else field.stored.factors
+    def _count(self, field: RecordField) -> Expression:
+        factors = () if field.pointer is None else field.pointer.factors
         counts: list[Expression] = [
             self.number(self.record.fields[factor])
             if isinstance(factor, str)
@@ -94,7 +94,7 @@ class RecordReader:
     def __init__(
         self,
         source: KernelSource,
-        classes: dict[str, type[Record]],
+        classes: dict[str, type[Layout]],
         read_index: Callable[[ast.expr], Expression],
     ) -> None:
         self.classes = classes
@@ -113,7 +113,7 @@ class RecordReader:
                 return place.inner(field, self._read_index(index)) if field.is_row else None
             case ast.Attribute() if self.find(node.value) is not None:
                 place, field = self._field(node)
-                return place.inner(field) if issubclass(field.kind, Record) and not field.is_row else None
+                return place.inner(field) if issubclass(field.kind, Layout) and not field.is_row else None
         return None
 
     def value(self, node: ast.Attribute) -> Expression:
@@ -121,7 +121,7 @@ class RecordReader:
         place, field = self._field(node)
         if field.is_row:
             self._source.refuse(node, f"{field.name} are several records", "take one of them by its index")
-        return place.number(field) if field.stored is None else place.reals(field)
+        return place.number(field) if field.pointer is None else place.reals(field)
 
     def number(self, node: ast.Attribute) -> tuple[ArrayEntry, Type]:
         """Return the entry of a number, to store into, and the type of its values."""
@@ -135,7 +135,7 @@ class RecordReader:
         place, field = self._field(node)
         return Apply("!=", (place.entry(field), Literal(0.0, Type.REAL)), Type.TRUTH)
 
-    def _field(self, node: ast.Attribute) -> tuple[RecordPlace, Field]:
+    def _field(self, node: ast.Attribute) -> tuple[RecordPlace, RecordField]:
         place = self.find(node.value)
         if place is None:
             self._source.refuse(node, f"{ast.unparse(node.value)} is no record", "declare it as one")

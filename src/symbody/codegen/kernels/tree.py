@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
 from typing import Final
 
-from symbody.kernels.record import Record
+from symbody.kernels.layout import Layout
 
-RecordClass = type[Record]
+LayoutClass = type[Layout]
 
 
 class Type(Enum):
@@ -177,7 +177,7 @@ class Parameter:
     name: str
     type: Type
     is_changed: bool = False
-    record: RecordClass | None = None
+    record: LayoutClass | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from typing import Final
 
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.language import Reals
-from symbody.kernels.record import Record, Rows, stored
+from symbody.kernels.layout import Layout, Rows, pointer
 
 # What `look` returns.
 NOTHING_YET: Final = 0
@@ -35,7 +35,7 @@ STOPS: Final = 1.0
 SETS: Final = 2.0
 
 
-class MonitoredEvent(Record):
+class MonitoredEvent(Layout):
     """One event, and what the search remembers of its value. What is asked by *whether* is 1 or 0."""
 
     way: float  # direction of the zeros that count
@@ -77,7 +77,7 @@ class MonitoredEvent(Record):
     at_start: float  # whether the event happens because of how its value leaves zero at a start
 
 
-class Zero(Record):
+class Zero(Layout):
     """A zero of a value: when, of which event, in which direction."""
 
     time: float
@@ -85,7 +85,7 @@ class Zero(Record):
     direction: float
 
 
-class EventMonitor(Record):
+class EventMonitor(Layout):
     """A search for events along a motion. What is asked by *whether* is 1 or 0."""
 
     states: int
@@ -99,32 +99,32 @@ class EventMonitor(Record):
 
     # The shares of an interval at which it is sampled, and the matrix from samples to coefficients; behind
     # that of an extremum samples, scratch and the slope's coefficients.
-    extremum_fit: Reals = stored(EXTREMUM_NODES, EXTREMUM_NODES + 3)
-    step_fit: Reals = stored(STEP_NODES, STEP_NODES + 1)
-    events: Rows[MonitoredEvent] = stored("event_count")
-    targets: Reals = stored()  # places of the states that actions set
-    pending: Rows[Zero] = stored(
+    extremum_fit: Reals = pointer(EXTREMUM_NODES, EXTREMUM_NODES + 3)
+    step_fit: Reals = pointer(STEP_NODES, STEP_NODES + 1)
+    events: Rows[MonitoredEvent] = pointer("event_count")
+    targets: Reals = pointer()  # places of the states that actions set
+    pending: Rows[Zero] = pointer(
         "event_count", ZEROS_PER_EVENT
     )  # zeros that wait until all before them are known
-    leaf: Reals = stored(STEP_NODES)  # samples of the part of a step that is looked at: times, then values
-    stack: Reals = stored(
+    leaf: Reals = pointer(STEP_NODES)  # samples of the part of a step that is looked at: times, then values
+    stack: Reals = pointer(
         2 * (DEEPEST + 2)
     )  # where later parts end, and how often the step was halved for them
-    recent: Reals = stored("event_count", MOST_RECENT)  # when each event happened last
-    numbers: Reals = stored()  # of the function of the values
-    values: Reals = stored("event_count")
-    actions: Reals = stored()  # numbers of the function of actions; nowhere if no event acts
-    acted: Reals = stored("action_values")  # what it writes
+    recent: Reals = pointer("event_count", MOST_RECENT)  # when each event happened last
+    numbers: Reals = pointer()  # of the function of the values
+    values: Reals = pointer("event_count")
+    actions: Reals = pointer()  # numbers of the function of actions; nowhere if no event acts
+    acted: Reals = pointer("action_values")  # what it writes
     closing: AssemblyProblem = (
-        stored()
+        pointer()
     )  # what closes states, see `closing`; nowhere if there is nothing to close
-    before: Reals = stored("states")
-    after: Reals = stored("states")
-    scratch: Reals = stored("states", 3)
-    rate: Reals = stored("states")  # rates of the states, the work left out
+    before: Reals = pointer("states")
+    after: Reals = pointer("states")
+    scratch: Reals = pointer("states", 3)
+    rate: Reals = pointer("states")  # rates of the states, the work left out
     # The fit of a cut: for each row of a piece a share of a step, the matrix from states there to the rows,
     # and these states.
-    cut_fit: Reals = stored()
+    cut_fit: Reals = pointer()
 
     first_step: int  # of the smooth motion
     sampled: int  # steps

@@ -1,10 +1,10 @@
 """`SampleHold`: values that are held between samples, and the times at which they are sampled."""
 
 from symbody.kernels.language import Reals
-from symbody.kernels.record import Record, stored
+from symbody.kernels.layout import Layout, pointer
 
 
-class SampleHold(Record):
+class SampleHold(Layout):
     """Values that are held between samples.
 
     Attributes
@@ -33,9 +33,9 @@ class SampleHold(Record):
     recorded: int
     room: int
     fault: int
-    values: Reals = stored("count")
-    slots: Reals = stored("count")
-    group_of: Reals = stored("count")
-    steps: Reals = stored("groups")
-    taken: Reals = stored("groups")
-    new: Reals = stored("count")
+    values: Reals = pointer("count")
+    slots: Reals = pointer("count")
+    group_of: Reals = pointer("count")
+    steps: Reals = pointer("groups")
+    taken: Reals = pointer("groups")
+    new: Reals = pointer("count")
