@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.kernels.layout import Layout
+from symbody.kernels.record_layout import RecordLayout
 
 Floats = NDArray[np.float64]
 
 
-def pack(kind: type[Layout], **values: ArrayLike) -> Floats:
+def pack(kind: type[RecordLayout], **values: ArrayLike) -> Floats:
     """Return the array of a record: its numbers, then what its fields store.
 
     Parameters

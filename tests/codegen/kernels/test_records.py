@@ -15,15 +15,15 @@ from symbody.codegen.kernels.tree import Apply, ArrayEntry, KernelTree, Literal,
 from symbody.codegen.llvm.kernel_library import compile_kernels
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent, Zero
 from symbody.kernels.language import Reals
-from symbody.kernels.layout import exists
 from symbody.kernels.pack import pack
+from symbody.kernels.record_layout import exists
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.native.machine import address
 
 HEAD = """
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
 from symbody.kernels.language import Reals
-from symbody.kernels.layout import exists
+from symbody.kernels.record_layout import exists
 from symbody.kernels.samples.sample_hold import SampleHold
 """
 HOLD = Variable("hold", Type.ARRAY)

@@ -17,10 +17,10 @@ from typing import Final
 from symbody.codegen.kernels.functions import FunctionReader, read_signature
 from symbody.codegen.kernels.source import KernelSource
 from symbody.codegen.kernels.tree import KernelTree, Literal, Type, called_kernels, changed_arrays, effects_of
-from symbody.kernels.layout import Layout
+from symbody.kernels.record_layout import RecordLayout
 
 PACKAGE: Final = "symbody.kernels"
-LANGUAGE: Final = (f"{PACKAGE}.language", f"{PACKAGE}.layout")
+LANGUAGE: Final = (f"{PACKAGE}.language", f"{PACKAGE}.record_layout")
 
 
 def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
@@ -122,7 +122,7 @@ def _constants(module: str) -> Mapping[str, Literal]:
 
 
 @cache
-def _records(module: str) -> Mapping[str, type[Layout]]:
+def _records(module: str) -> Mapping[str, type[RecordLayout]]:
     """Return the records of a file: its classes, which know their layout."""
     names = [node.name for node in _syntax(module).body if isinstance(node, ast.ClassDef)]
     return {name: getattr(import_module(module), name) for name in names}

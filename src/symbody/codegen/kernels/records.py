@@ -17,7 +17,7 @@ from symbody.codegen.kernels.tree import (
     Variable,
     add,
 )
-from symbody.kernels.layout import Layout, RecordField
+from symbody.kernels.record_layout import RecordField, RecordLayout
 
 _ZERO = Literal(0, Type.INTEGER)
 
@@ -26,7 +26,7 @@ _ZERO = Literal(0, Type.INTEGER)
 class RecordPlace:
     """Where a record lies: its class, the array, and where it begins there, an integer."""
 
-    record: type[Layout]
+    record: type[RecordLayout]
     array: Expression
     offset: Expression = _ZERO
 
@@ -94,7 +94,7 @@ class RecordReader:
     def __init__(
         self,
         source: KernelSource,
-        classes: dict[str, type[Layout]],
+        classes: dict[str, type[RecordLayout]],
         read_index: Callable[[ast.expr], Expression],
     ) -> None:
         self.classes = classes
@@ -113,7 +113,9 @@ class RecordReader:
                 return place.inner(field, self._read_index(index)) if field.is_row else None
             case ast.Attribute() if self.find(node.value) is not None:
                 place, field = self._field(node)
-                return place.inner(field) if issubclass(field.kind, Layout) and not field.is_row else None
+                return (
+                    place.inner(field) if issubclass(field.kind, RecordLayout) and not field.is_row else None
+                )
         return None
 
     def value(self, node: ast.Attribute) -> Expression:

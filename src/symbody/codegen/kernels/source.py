@@ -8,7 +8,7 @@ from typing import NoReturn
 
 from symbody.codegen.kernels.tree import Literal, Type
 from symbody.errors import Problem, SymbodyError
-from symbody.kernels.layout import Layout
+from symbody.kernels.record_layout import RecordLayout
 
 
 class KernelError(SymbodyError):
@@ -21,7 +21,7 @@ class KernelSource:
 
     file: str
     constants: dict[str, Literal] = field(default_factory=dict)
-    records: dict[str, type[Layout]] = field(default_factory=dict)
+    records: dict[str, type[RecordLayout]] = field(default_factory=dict)
 
     def refuse(self, node: ast.AST, what: str, fix: str) -> NoReturn:
         """Raise for a place in the file."""

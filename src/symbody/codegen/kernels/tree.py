@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
 from typing import Final
 
-from symbody.kernels.layout import Layout
+from symbody.kernels.record_layout import RecordLayout
 
-LayoutClass = type[Layout]
+RecordClass = type[RecordLayout]
 
 
 class Type(Enum):
@@ -177,7 +177,7 @@ class Parameter:
     name: str
     type: Type
     is_changed: bool = False
-    record: LayoutClass | None = None
+    record: RecordClass | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,10 @@
 """`AssemblyProblem`: what closes a state, and how it is to be closed."""
 
 from symbody.kernels.language import Reals
-from symbody.kernels.layout import Layout, pointer
+from symbody.kernels.record_layout import RecordLayout, pointer
 
 
-class AssemblyProblem(Layout):
+class AssemblyProblem(RecordLayout):
     """The state of a mechanism that is to be closed: sizes, what is held, scratch.
 
     States are x = (u, q), and `rows` those of J. The function writes the constraints on positions, their

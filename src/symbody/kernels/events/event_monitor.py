@@ -4,7 +4,7 @@ from typing import Final
 
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.language import Reals
-from symbody.kernels.layout import Layout, Rows, pointer
+from symbody.kernels.record_layout import RecordLayout, Rows, pointer
 
 # What `look` returns.
 NOTHING_YET: Final = 0
@@ -35,7 +35,7 @@ STOPS: Final = 1.0
 SETS: Final = 2.0
 
 
-class MonitoredEvent(Layout):
+class MonitoredEvent(RecordLayout):
     """One event, and what the search remembers of its value. What is asked by *whether* is 1 or 0."""
 
     way: float  # direction of the zeros that count
@@ -77,7 +77,7 @@ class MonitoredEvent(Layout):
     at_start: float  # whether the event happens because of how its value leaves zero at a start
 
 
-class Zero(Layout):
+class Zero(RecordLayout):
     """A zero of a value: when, of which event, in which direction."""
 
     time: float
@@ -85,7 +85,7 @@ class Zero(Layout):
     direction: float
 
 
-class EventMonitor(Layout):
+class EventMonitor(RecordLayout):
     """A search for events along a motion. What is asked by *whether* is 1 or 0."""
 
     states: int

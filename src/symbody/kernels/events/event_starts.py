@@ -27,7 +27,7 @@ from symbody.kernels.events.event_slopes import (
     take_rates_of_step,
 )
 from symbody.kernels.language import Function, Reals, part
-from symbody.kernels.layout import exists
+from symbody.kernels.record_layout import exists
 from symbody.kernels.step_bounds import EPSILON
 
 AWAY: Final = 1e-6  # of the largest value so far, and of time and states

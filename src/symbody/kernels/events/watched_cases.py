@@ -33,8 +33,8 @@ from symbody.kernels.configurations.closing import set_metric
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.events.watched_motion import advance_watched
 from symbody.kernels.language import Function, Reals, part
-from symbody.kernels.layout import exists
 from symbody.kernels.many_motions import conclude, prepare, set_numbers
+from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.step_machine import begin
 

@@ -35,7 +35,7 @@ from symbody.kernels.events.event_slopes import (
 )
 from symbody.kernels.events.event_starts import LOWEST
 from symbody.kernels.language import Function, Reals, is_finite, part
-from symbody.kernels.layout import exists
+from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 
 SIMULTANEOUS: Final = 1e-12

@@ -1,10 +1,10 @@
 """`SampleHold`: values that are held between samples, and the times at which they are sampled."""
 
 from symbody.kernels.language import Reals
-from symbody.kernels.layout import Layout, pointer
+from symbody.kernels.record_layout import RecordLayout, pointer
 
 
-class SampleHold(Layout):
+class SampleHold(RecordLayout):
     """Values that are held between samples.
 
     Attributes

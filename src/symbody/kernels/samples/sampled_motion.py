@@ -27,7 +27,7 @@ from symbody.kernels.events.event_monitor import GOES_ON, MOST_RECENT, NO_ROOM, 
 from symbody.kernels.events.event_watch import look, start_stretch
 from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on
 from symbody.kernels.language import Function, Reals, part
-from symbody.kernels.layout import exists
+from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import evaluate
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.kernels.samples.sampling import is_due, is_instant, piece_end, show_values, take_samples

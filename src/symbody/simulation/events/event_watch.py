@@ -21,7 +21,7 @@ from symbody.kernels.events.event_monitor import (
     ZEROS_PER_EVENT,
     EventMonitor,
 )
-from symbody.kernels.layout import exists
+from symbody.kernels.record_layout import exists
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import Event, EventSide, Occurrence
 from symbody.simulation.events.watch_arrays import with_cut_fit

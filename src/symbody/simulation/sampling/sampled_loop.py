@@ -12,7 +12,7 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.sequence import Output
 from symbody.kernels import block as run_at
 from symbody.kernels.events.event_monitor import EventMonitor
-from symbody.kernels.layout import exists
+from symbody.kernels.record_layout import exists
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import LoopCall, RightHandSide

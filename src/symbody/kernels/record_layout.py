@@ -22,7 +22,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, TypeVar, get_args, get_or
 
 from symbody.kernels.language import Reals
 
-R = TypeVar("R", bound="Layout")
+R = TypeVar("R", bound="RecordLayout")
 
 
 class Pointer(NamedTuple):
@@ -61,39 +61,39 @@ class RecordField:
     @property
     def size(self) -> int:
         """How many entries the field takes in line."""
-        size: int = self.kind.size if issubclass(self.kind, Layout) and self.pointer is None else 1
+        size: int = self.kind.size if issubclass(self.kind, RecordLayout) and self.pointer is None else 1
         return size
 
     @property
     def entry_size(self) -> int:
         """How many entries one real or record takes of what the field stores."""
-        size: int = self.kind.size if issubclass(self.kind, Layout) else 1
+        size: int = self.kind.size if issubclass(self.kind, RecordLayout) else 1
         return size
 
-    def __get__(self, record: "Layout | None", owner: type) -> Any:
+    def __get__(self, record: "RecordLayout | None", owner: type) -> Any:
         """Return the value of the field in a record; the field itself for the class."""
         if record is None:
             return self
         value = record.entries[record.offset + self.place]
         if self.pointer is None:
-            if issubclass(self.kind, Layout):
+            if issubclass(self.kind, RecordLayout):
                 return self.kind(record.entries, record.offset + self.place)
             return self.kind(value)
         begin = record.offset + int(value)
         if self.is_row:
             return Rows(record.entries, begin, self.kind, self.count(record))
-        if issubclass(self.kind, Layout):
+        if issubclass(self.kind, RecordLayout):
             return self.kind(record.entries, begin)
         if isinstance(record.entries, list):
             return Reals(record.entries, begin)
         end = begin + self.count(record) if self.pointer.factors or value == 0.0 else None
         return record.entries[begin:end]
 
-    def __set__(self, record: "Layout", value: float) -> None:
+    def __set__(self, record: "RecordLayout", value: float) -> None:
         """Change a number."""
         record.entries[record.offset + self.place] = float(value)
 
-    def count(self, record: "Layout") -> int:
+    def count(self, record: "RecordLayout") -> int:
         """Return how many reals or records the field points to."""
         factors = () if self.pointer is None else self.pointer.factors
         count = int(bool(factors))
@@ -102,7 +102,7 @@ class RecordField:
         return count
 
 
-class Layout(Reals):
+class RecordLayout(Reals):
     """An array of reals whose entries have names.
 
     Attributes
