@@ -59,15 +59,19 @@ class RecordField:
         self.kind: Any = get_args(annotation)[0] if self.is_row else annotation
 
     @property
+    def is_record(self) -> bool:
+        """Whether the field is a record, or points to some."""
+        return issubclass(self.kind, RecordLayout)
+
+    @property
     def size(self) -> int:
         """How many entries the field takes in line."""
-        size: int = self.kind.size if issubclass(self.kind, RecordLayout) and self.pointer is None else 1
-        return size
+        return self.entry_size if self.pointer is None else 1
 
     @property
     def entry_size(self) -> int:
-        """How many entries one real or record takes of what the field stores."""
-        size: int = self.kind.size if issubclass(self.kind, RecordLayout) else 1
+        """How many entries a real, or one of the records, takes."""
+        size: int = self.kind.size if self.is_record else 1
         return size
 
     def __get__(self, record: "RecordLayout | None", owner: type) -> Any:
@@ -76,13 +80,13 @@ class RecordField:
             return self
         value = record.entries[record.offset + self.place]
         if self.pointer is None:
-            if issubclass(self.kind, RecordLayout):
+            if self.is_record:
                 return self.kind(record.entries, record.offset + self.place)
             return self.kind(value)
         begin = record.offset + int(value)
         if self.is_row:
             return Rows(record.entries, begin, self.kind, self.count(record))
-        if issubclass(self.kind, RecordLayout):
+        if self.is_record:
             return self.kind(record.entries, begin)
         if isinstance(record.entries, list):
             return Reals(record.entries, begin)

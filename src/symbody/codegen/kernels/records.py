@@ -113,9 +113,7 @@ class RecordReader:
                 return place.inner(field, self._read_index(index)) if field.is_row else None
             case ast.Attribute() if self.find(node.value) is not None:
                 place, field = self._field(node)
-                return (
-                    place.inner(field) if issubclass(field.kind, RecordLayout) and not field.is_row else None
-                )
+                return place.inner(field) if field.is_record and not field.is_row else None
         return None
 
     def value(self, node: ast.Attribute) -> Expression:
