@@ -18,16 +18,24 @@ def pack(kind: type[RecordLayout], **values: ArrayLike) -> Floats:
     **values : numbers and arrays
         Of fields by their names. What is not given is zero, and a single record that is not given is nowhere.
     """
-    head, parts = np.zeros(kind.size), list[Floats]()
+    numbers = [0.0] * kind.size
     for name, value in values.items():
-        if kind.fields[name].pointer is None:
-            head[kind.fields[name].place] = value
-    record, end = kind(head), kind.size
-    for name, field in kind.fields.items():
-        if field.pointer is not None:
-            part = np.ravel(values.get(name, np.zeros(field.count(record) * field.entry_size)))
-            if part.size or field.pointer.factors:
-                head[field.place] = end
-            parts.append(part)
-            end += part.size
-    return np.concatenate([head, *parts])
+        field = kind.fields[name]
+        if field.pointer is None:
+            numbers[field.place] = float(value)  # type: ignore[arg-type]
+    record, end = kind(numbers), kind.size
+    arrays: list[tuple[int, Floats]] = []
+    for field in kind.pointers:
+        given = values.get(field.name)
+        array = None if given is None else np.asarray(given, dtype=np.float64)
+        size = field.count(record) * field.entry_size if array is None else array.size
+        if size or field.sizes:
+            numbers[field.place] = end
+        if array is not None and size:
+            arrays.append((end, array.ravel()))
+        end += size
+    block = np.zeros(end)
+    block[: kind.size] = numbers
+    for begin, array in arrays:
+        block[begin : begin + array.size] = array
+    return block

@@ -46,22 +46,21 @@ class RecordField:
     place : int
         Where it lies, counted from the beginning of the record.
     pointer : Pointer or None
-        How much the field points to; None for what lies in line.
-    is_row : bool
-        Whether it is one of several records.
+        None for what lies in line.
+    sizes : tuple of str and int
+        The factors of how much the field points to.
+    is_record, is_row : bool
+        Whether it is a record or points to some, and whether to several.
     """
 
-    __slots__ = ("is_row", "kind", "name", "place", "pointer")
+    __slots__ = ("is_record", "is_row", "kind", "name", "place", "pointer", "sizes")
 
     def __init__(self, name: str, annotation: Any, place: int, size: Pointer | None) -> None:
         self.name, self.place, self.pointer = name, place, size
         self.is_row = get_origin(annotation) is Rows
         self.kind: Any = get_args(annotation)[0] if self.is_row else annotation
-
-    @property
-    def is_record(self) -> bool:
-        """Whether the field is a record, or points to some."""
-        return issubclass(self.kind, RecordLayout)
+        self.is_record = issubclass(self.kind, RecordLayout)
+        self.sizes = () if size is None else size.factors
 
     @property
     def size(self) -> int:
@@ -90,7 +89,7 @@ class RecordField:
             return self.kind(record.entries, begin)
         if isinstance(record.entries, list):
             return Reals(record.entries, begin)
-        end = begin + self.count(record) if self.pointer.factors or value == 0.0 else None
+        end = begin + self.count(record) if self.sizes or value == 0.0 else None
         return record.entries[begin:end]
 
     def __set__(self, record: "RecordLayout", value: float) -> None:
@@ -99,9 +98,8 @@ class RecordField:
 
     def count(self, record: "RecordLayout") -> int:
         """Return how many reals or records the field points to."""
-        factors = () if self.pointer is None else self.pointer.factors
-        count = int(bool(factors))
-        for factor in factors:
+        count = int(bool(self.sizes))
+        for factor in self.sizes:
             count *= getattr(record, factor) if isinstance(factor, str) else factor
         return count
 
@@ -116,12 +114,15 @@ class RecordLayout(Reals):
     offset : int
         Where the record begins in it.
     fields : mapping of name to RecordField
+    pointers : tuple of RecordField
+        Those of them that say where something lies.
     size : int
         How many entries the fields take.
     """
 
     __slots__ = ()
     fields: ClassVar[Mapping[str, RecordField]] = MappingProxyType({})
+    pointers: ClassVar[tuple[RecordField, ...]] = ()
     size: ClassVar[int] = 0
 
     def __init__(self, entries: Any, offset: int = 0) -> None:
@@ -135,6 +136,7 @@ class RecordLayout(Reals):
             cls.size += field.size
             setattr(cls, name, field)
         cls.fields = MappingProxyType(fields)
+        cls.pointers = tuple(field for field in fields.values() if field.pointer is not None)
 
 
 class Rows(Generic[R]):

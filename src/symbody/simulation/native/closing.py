@@ -62,15 +62,20 @@ class Closing(NamedTuple):
 def closing_of(eqs: EquationSet, *, holds: bool) -> Closing:
     """Return what closes states of equations, some of them held or none."""
     if not holds:
-        return Closing(eqs, POSED, _state_shape(eqs))
+        return Closing(eqs, POSED, _shape_of(eqs))
     whole = closing_equations(eqs)
     if whole is eqs:
-        return Closing(eqs, CLOSING, _state_shape(eqs))
+        return Closing(eqs, CLOSING, _shape_of(eqs))
     index = whole.state_names.index
     places = tuple(index(name) for name in eqs.state_names)
     followers = tuple(index(name) for name in follower_names(eqs))
     shape = _state_shape(whole)._replace(places=places, followers=followers)
     return Closing(whole, (*CLOSING, *follower_outputs(eqs)), shape)
+
+
+def _shape_of(eqs: EquationSet) -> StateShape:
+    shape: StateShape = eqs.plans.get("state shape", lambda: _state_shape(eqs))
+    return shape
 
 
 def _state_shape(eqs: EquationSet) -> StateShape:
