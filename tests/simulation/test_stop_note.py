@@ -78,7 +78,10 @@ def test_where_constraints_follow_from_others_partition_goes_on_or_is_named() ->
     # Whether steps collapse where a row vanishes hangs on rounding; a motion is right, or the note has the cure.
     run, held = sb.simulate(eqs, 2.4), sb.simulate(eqs, 2.4, constraints=sb.Baumgarte(50.0))
     assert run.status is sb.Status.SUCCESS
-    for motion, note in ((run, "sb.Partition() integrates the motion"), (held, "sb.Partition() may pass this position")):
+    for motion, note in (
+        (run, "sb.Partition() integrates the motion"),
+        (held, "sb.Partition() may pass this position"),
+    ):
         assert motion.success or any(note in each for each in motion.notes)
         assert not motion.success or motion["psi"][-1] == pytest.approx(-0.2 * np.pi * 2.4, abs=1e-6)
 
