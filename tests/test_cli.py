@@ -365,7 +365,7 @@ def test_check_names_what_is_redundant(tmp_path: Path, capsys: pytest.CaptureFix
     assert run(["check", str(path)]) == 0
     text = capsys.readouterr().out
     assert "redundant constraints: 1 (lambda_again_1)\n" in text
-    assert "degrees of freedom: 1\n" in text and "would be 0 freedoms" in text
+    assert "degrees of freedom: 1\n" in text and "would be 0 degrees of freedom" in text
 
 
 def test_simulate_names_the_command_where_equations_are_long(
@@ -543,7 +543,7 @@ def test_simulate_writes_a_page_beside_the_picture(model: Path, capsys: pytest.C
         (["MODEL", "--trace", "Mas"], 2, "did you mean 'Mass'"),
         (["MODEL", "--vectors", "slidr"], 2, "did you mean 'slider'"),
         (["MODEL", "--show", "y"], 3, "'y'"),
-        (["MODEL", "--open"], 5, "by hand"),
+        (["MODEL", "--open"], 5, "manually"),
     ],
 )
 def test_animate_refuses(

@@ -136,7 +136,7 @@ def test_a_continuum_beside_a_critical_direction() -> None:
         sb.Force("P", "Rod.T", vector=(0, -2, 0)),
     ]  # fmt: skip
     found = sb.find_equilibrium(sb.form_equations(sb.Model("cart", parts)))
-    assert any("continuum of 1 dimension(s) along x:" in note for note in found.notes)
+    assert any("continuum of 1 dimension(s) along x;" in note for note in found.notes)
     assert any("stiffness vanishes along q," in note for note in found.notes) and found.verdict == "critical"
 
 

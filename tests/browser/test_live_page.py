@@ -54,7 +54,7 @@ def test_a_page_runs_pauses_steps_and_starts_anew(surfer: Surfer, tmp_path: Path
     assert page.evaluate("symbodyLive.simulation.time") == pytest.approx(before + 1 / 60)
     page.get_by_role("button", name="Reset").click()
     assert page.evaluate("symbodyLive.simulation.time") == 0
-    page.get_by_role("button", name="Play").click()
+    page.get_by_role("button", name="Play", exact=True).click()
     wait_until(page, "symbodyLive.simulation.time > 0.05")
     eqs = equations("slider_crank")
     assert page.locator(".sb-formulas .sb-equation").count() == len(eqs.speed_names) + len(

@@ -250,7 +250,7 @@ def test_without_webgl_time_and_curves_go_on(playwright_driver: Any, four_bar: A
     browser = playwright_driver.chromium.launch(executable_path=executable(), args=flags)
     surfer = Surfer(browser, tmp_path)
     page = surfer.open_player(four_bar)
-    assert "offers no WebGL" in page.get_by_role("alert").inner_text()
+    assert "does not support WebGL" in page.get_by_role("alert").inner_text()
     assert not state(page)["webgl"]
     page.get_by_role("button", name="Play", exact=True).click()
     wait_until(page, "symbodyPlayer.time > 0.05")
@@ -348,7 +348,7 @@ def test_keys_are_listed(surfer: Surfer, four_bar: Any) -> None:
     assert not dialog.is_visible()
 
 
-@pytest.mark.parametrize(("text", "reason"), [("{\"scene\":", "cut off"), ('{"scene": {"version": 9}}', "version 9"), ("null", "no mechanism")])  # fmt: skip
+@pytest.mark.parametrize(("text", "reason"), [("{\"scene\":", "truncated"), ('{"scene": {"version": 9}}', "version 9"), ("null", "no mechanism")])  # fmt: skip
 def test_damaged_data_are_named(surfer: Surfer, text: str, reason: str) -> None:
     page = surfer.open_page(text)
     assert reason in page.get_by_role("alert").inner_text()

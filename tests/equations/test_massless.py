@@ -358,5 +358,7 @@ def test_a_joint_that_nothing_resists_is_told_with_a_cure() -> None:
         "pivot", "ground", "Rod.top", axis="y", coordinate="phi", torque=sb.Drive(damping=0.1)
     )
     eqs = sb.form_equations(sb.Model("planar", [rod, pivot]))
-    assert any("phi_dot" in note and "give it mass, or inertia about the axis" in note for note in eqs.notes)
+    assert any(
+        "phi_dot" in note and "give the body mass, or inertia about the axis" in note for note in eqs.notes
+    )
     assert not any("prescribed" in note for note in sb.simulate(eqs, 1.0).notes)

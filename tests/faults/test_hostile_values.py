@@ -170,7 +170,7 @@ def test_nearly_redundant_constraints_are_told() -> None:
     """
     run = sb.simulate(three_cranks(1e-9), 0.1)
     (note,) = (note for note in run.notes if "B1, B2 are nearly redundant" in note)
-    share = float(note.partition(" by ")[2].split()[0])
+    share = float(note.partition(" a gap of ")[2].split()[0])
     assert 1e-11 < share < 1e-9
     equal = sb.simulate(three_cranks(0.0), 0.1)
     assert equal.success and not any("nearly redundant" in note for note in equal.notes)

@@ -27,7 +27,7 @@ RTOL = 1e-8
 STEPS = {sb.Projection: 200, sb.Partition: 200, sb.Stiff: 300_000}
 SMALL_STEPS = 3000
 NUDGE = 1e-6
-LEFT = ("change point", "locked", "open", "follow from others")
+LEFT = ("change point", "locked", "are undetermined", "constraints are redundant")
 
 
 def joint_values(made: PlaneMechanism, y: Floats) -> dict[str, Floats]:

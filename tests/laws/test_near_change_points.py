@@ -119,7 +119,9 @@ def test_partition_by_name_ends_where_a_step_goes_over_to_another_branch(
     exact, rates = made.motion(TIMES.tolist())
     eqs = sb.form_equations(made.model())
     run = sb.simulate(eqs, TIMES[-1], **arguments(made, exact), constraints=sb.Partition(), rtol=rtol)
-    assert run.status is sb.Status.SINGULAR and any("sb.Partition() goes over" in note for note in run.notes)
+    assert run.status is sb.Status.SINGULAR and any(
+        "sb.Partition() switches to another" in note for note in run.notes
+    )
     assert deviation(made, exact, run) < allowed(run.statistics.accepted, rates) * rtol / RTOL
 
 

@@ -117,7 +117,7 @@ def test_tustin_leads_back_to_the_continuous_filter() -> None:
         (lambda: sb.Delay("z", "t", 50, sample=0.01), "block.delay_samples", "1000 at most"),
         (lambda: sb.RateLimit("z", "t", 1), "block.time", "sample"),
         (lambda: sb.RateLimit("z", "t", 1, 0.1, sample=0.1), "block.time", "remove time"),
-        (lambda: sb.Hysteresis("z", "t", 1, -1, 0.1), "block.thresholds", "exchange"),
+        (lambda: sb.Hysteresis("z", "t", 1, -1, 0.1), "block.thresholds", "swap"),
     ],
 )  # fmt: skip
 def test_wrong_samples_are_refused(make, code: str, words: str) -> None:  # type: ignore[no-untyped-def]

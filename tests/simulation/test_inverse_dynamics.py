@@ -175,7 +175,7 @@ QUESTIONS: Mapping[str, tuple[dict[str, object], type[sb.SymbodyError], tuple[st
     "inverse.known_unknown": (
         {"motion": {"theta": "t"}, "unknowns": "T", "inputs": {"T": 1}}, sb.UsageError, ("inputs",),
     ),
-    "inverse.times": ({"motion": {"theta": "t"}, "unknowns": "T", "times": [1, 0]}, sb.UsageError, ("rise",)),
+    "inverse.times": ({"motion": {"theta": "t"}, "unknowns": "T", "times": [1, 0]}, sb.UsageError, ("do not increase",)),
     "inverse.table_corners": (
         {"motion": {"theta": sb.Table([0, 3], [0, 1])}, "unknowns": "T"}, sb.UsageError, ("cubic",),
     ),
@@ -199,7 +199,9 @@ def test_freedoms_left_are_counted_and_named() -> None:
     with pytest.raises(sb.UsageError) as caught:
         sb.inverse_dynamics(equations_of("rr_robot"), {"beta_1": "t"}, ["T1", "T2"], [0, 1])
     (problem,) = caught.value.problems
-    assert problem.code == "inverse.freedoms_left" and "1 freedom is left: beta_2_dot" in problem.what
+    assert (
+        problem.code == "inverse.freedoms_left" and "1 degree of freedom is left: beta_2_dot" in problem.what
+    )
 
 
 def test_a_motion_that_breaks_constraints_is_told_with_its_time() -> None:

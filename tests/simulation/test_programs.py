@@ -114,5 +114,5 @@ def test_what_cannot_be_a_program_is_refused() -> None:
         sb.UsageError, match="programs cannot be generated in 'cobol'\n.*c, javascript, python"
     ):
         sb.generate_simulation(eqs, 1.0, "cobol")
-    with pytest.raises(sb.UsageError, match="inputs F are computed in Python\n.*give formulas"):
+    with pytest.raises(sb.UsageError, match="inputs F are computed in Python\n.*give inputs as formulas"):
         sb.generate_simulation(eqs, 1.0, inputs={"F": lambda t, q, u: 1.0})

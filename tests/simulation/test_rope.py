@@ -52,7 +52,7 @@ def test_a_ball_thrown_up_flies_until_the_rope_is_taut() -> None:
     assert run["work"][k] == pytest.approx(0.0, abs=1e-9)
     assert run["work"][k + 1] == pytest.approx(-lost, abs=1e-9)
     assert run.energy_drift < 1e-9
-    (note,) = [note for note in run.notes if "shock" in note]
+    (note,) = [note for note in run.notes if "impact" in note]
     assert f"rope by {M * (along @ before):.6g} N s; {lost:.6g} J are lost" in note
 
 
@@ -142,7 +142,7 @@ def test_a_falling_load_is_caught_by_a_winch_and_hoisted() -> None:
     hanging = np.flatnonzero(run.t == run.events[0].t)[1]
     assert run["y_dot"][hanging:] == pytest.approx(0.2, abs=1e-9)
     assert run["rope_tension rope"][hanging:] == pytest.approx(M * G, rel=1e-9)
-    (note,) = [note for note in run.notes if "shock" in note]
+    (note,) = [note for note in run.notes if "impact" in note]
     jump = G * t + 0.2
     assert f"{M * jump:.6g} N s; {M * jump**2 / 2:.6g} J are lost" in note
     assert run.energy_drift < 1e-9

@@ -5,7 +5,6 @@ Exit codes: 0 done, 2 usage, 3 model, 4 numerics, 5 environment, 130 interrupted
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -17,11 +16,23 @@ import typer
 import symbody
 import symbody.builder
 from symbody.cli.doctor import run_doctor
+from symbody.cli.examples_command import examples
 from symbody.cli.flags import FlagCommand, FlagGroup
 from symbody.cli.fmu_command import fmu
 from symbody.cli.forming import form_file
 from symbody.cli.motion_lines import motion_json, motion_lines
-from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Substitute, Tree, option
+from symbody.cli.options import (
+    Curves,
+    Force,
+    Initials,
+    Inputs,
+    ModelFile,
+    Pairs,
+    Settings,
+    Substitute,
+    Tree,
+    option,
+)
 from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.pages import open_page, read_sliders, write_live_page, write_motion_page
 from symbody.cli.report_command import report
@@ -32,9 +43,8 @@ from symbody.cli.summary import summary
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.equation_lines import equation_lines
 from symbody.equations.outputs.textbook import MOST_SPEEDS
-from symbody.errors import Problem, UsageError, nearest, number_in_words
+from symbody.errors import Problem, UsageError, number_in_words
 from symbody.expr.printing.wrapping import text_width
-from symbody.formats.model_files import example_names, example_text, examples_folder
 from symbody.simulation.native.run import check_memory
 from symbody.simulation.programs.generate_code import generate_code
 from symbody.simulation.results.trajectory import Trajectory
@@ -53,6 +63,7 @@ app = typer.Typer(
 command = partial(app.command, cls=FlagCommand)
 command()(fmu)
 command()(report)
+command()(examples)
 
 
 def _version(asked: bool) -> None:
@@ -137,12 +148,7 @@ def simulate(
     parameters: Settings = None,
     inputs: Inputs = None,
     initial: Initials = None,
-    curves: Annotated[
-        Pairs,
-        option(
-            "--show", "-s", metavar="OUTPUT", text="Output to plot; repeatable. Default: all coordinates."
-        ),
-    ] = None,
+    curves: Curves = None,
     out: Annotated[Path | None, option("--out", "-o", text="Plot file; default: next to the model.")] = None,
     csv: Annotated[Path | None, option("--csv", text="Also write states and curves as CSV.")] = None,
     samples: Annotated[
@@ -193,20 +199,10 @@ def animate(
     parameters: Settings = None,
     inputs: Inputs = None,
     initial: Initials = None,
-    curves: Annotated[
-        Pairs,
-        option(
-            "--show",
-            "-s",
-            metavar="OUTPUT",
-            text="A curve below the picture; repeatable. Default: all coordinates.",
-        ),
-    ] = None,
+    curves: Curves = None,
     vectors: Annotated[
         Pairs,
-        option(
-            "--vectors", metavar="ELEMENT", text="Forces to draw: all, applied, none or names; repeatable."
-        ),
+        option("--vectors", metavar="ELEMENT", text="Forces to draw: all, applied, none, names; repeatable."),
     ] = None,
     traces: Annotated[
         Pairs, option("--trace", metavar="POINT", text="Body.frame whose path is drawn; repeatable.")
@@ -223,9 +219,7 @@ def animate(
     sliders: Annotated[
         Pairs,
         option(
-            "--slider",
-            metavar="NAME[=LOW:HIGH]",
-            text="Slider for a parameter, input or initial value; with --live.",
+            "--slider", metavar="NAME[=LOW:HIGH]", text="Live slider for a parameter, input or initial value."
         ),
     ] = None,
     tree: Tree = None,
@@ -258,14 +252,9 @@ def animate(
 def _check_samples(samples: int | None) -> None:
     if samples is not None and samples < 2:
         raise UsageError(
-            Problem(
-                "cli.samples",
-                "--samples",
-                f"a motion needs more than {samples} samples",
-                "",
-                "give 2 or more",
-            )
-        )
+            Problem("cli.samples", "--samples", f"a motion needs more than {samples} samples", "",
+                    "give 2 or more")
+        )  # fmt: skip
 
 
 def _exit_unless_done(motion: Trajectory) -> None:
@@ -377,40 +366,6 @@ def _introduction(eqs: EquationSet, model: Path) -> list[str]:
 def _print(lines: Iterable[str]) -> None:
     for line in lines:
         typer.echo(line)
-
-
-@command()
-def examples(
-    name: Annotated[
-        str | None, typer.Argument(help="An example; without a name, all examples are listed.")
-    ] = None,
-    copy: Annotated[
-        Path | None, typer.Option("--copy", help="Folder to copy the example's files to.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
-) -> None:
-    """List the examples, print one, or copy its files."""
-    folder = examples_folder()
-    known = example_names(folder)
-    if name is None:
-        _print(known)
-    elif name not in known:
-        alike = [other for other in known if name in other] or known
-        raise UsageError(
-            Problem("cli.unknown_example", name, f"there is no example {name!r}", "", nearest(name, alike))
-        )
-    elif copy is None:
-        typer.echo(example_text(folder / name), nl=False)
-    else:
-        _print(_copy_files(folder / name, copy, force))
-
-
-def _copy_files(source: Path, target: Path, force: bool) -> list[str]:
-    target.mkdir(parents=True, exist_ok=True)
-    files = sorted(path for path in source.iterdir() if path.is_file())
-    for path in files:
-        refuse_overwriting(target / path.name, force)
-    return [str(shutil.copyfile(path, target / path.name)) for path in files]
 
 
 @command()

@@ -34,6 +34,10 @@ Inputs = Annotated[
 Initials = Annotated[
     Pairs, option("--initial", metavar="NAME=VALUE", text="Initial value of x or x_dot; repeatable.")
 ]
+Curves = Annotated[
+    Pairs,
+    option("--show", "-s", metavar="OUTPUT", text="Output to plot; repeatable. Default: all coordinates."),
+]
 Tree = Annotated[
     TreeWord | None,
     typer.Option("--tree", help="Coordinates of the joints, or of free bodies; default: as in the model."),

@@ -34,8 +34,7 @@ class Status(Enum):
     )
     TOO_MANY_STEPS = (
         "max_steps was reached: increase it, loosen rtol and atol, or use sb.Stiff() if fast damped motions "
-        "force "
-        "small steps, sb.GeneralizedAlpha() if they are hardly damped"
+        "force small steps, sb.GeneralizedAlpha() if they are hardly damped"
     )
     STIFF = "fast damped motions, not accuracy, keep the steps small: use sb.Stiff()"
     CHATTERING = (

@@ -217,8 +217,8 @@ def solve_dependent(rows: Floats, choice: Choice, right: Floats) -> Floats:
 
 def _not_independent(names: Collection[str], count: int) -> Problem:
     return Problem(
-        "linearize.singular_choice", "independent", f"{', '.join(names)} do not determine all other states "
-            f"here",
+        "linearize.singular_choice", "independent",
+        f"not all other states are determined by {', '.join(names)} here",
         "the coefficients of the others in the constraints are singular at this configuration",
         f"name {count} other coordinates, or leave independent out: the best are then chosen by pivoting",
     )  # fmt: skip

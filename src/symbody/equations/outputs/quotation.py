@@ -15,9 +15,9 @@ def quotation_cure(text: str, outputs: Iterable[str]) -> str:
     """Return what to type where outputs inside a formula lack their quotes; empty where none do.
 
     >>> quotation_cure("2*reaction A Fx", ["reaction A"])
-    "inside a formula outputs stand in single quotes: 2*'reaction A Fx'"
+    "inside a formula, write outputs in single quotes: 2*'reaction A Fx'"
     >>> quotation_cure("[reaction A Fx]^2", ["reaction A"])
-    "inside a formula outputs stand in single quotes: 'reaction A Fx'^2"
+    "inside a formula, write outputs in single quotes: 'reaction A Fx'^2"
     """
     if re.search(r"[-+*/^(<>,]", text) is None:
         return ""

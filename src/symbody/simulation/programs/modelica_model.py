@@ -174,21 +174,16 @@ def _product(text: str) -> str | None:
 def _remarks(eqs: EquationSet, free: tuple[str, ...], *, is_closed: bool) -> Iterator[str]:
     yield "Written by symbody from a model; SI units."
     if is_closed:
-        yield (
-            "Constraints enter as accelerations with Baumgarte stabilization, which keeps loops closed. "
-            "Accelerations and"
-        )
-        yield "multipliers follow from linear equations. Initial values that are not fixed are solved for."
+        yield "Constraints enter as accelerations with Baumgarte stabilization, which keeps loops closed."
+        yield "Accelerations and multipliers follow from linear equations."
+        yield "Initial values that are not fixed are solved for."
     if eqs.quaternions and is_closed:
-        yield (
-            "There are quaternions: all initial values are fixed, and are consistent with the parameter "
-            "values below."
-        )
+        yield "There are quaternions: all initial values are fixed, consistent with the parameters below."
     model = eqs.model
     tables = [table.name for table in model.tables] if isinstance(model, Model) else []
     inputs = [name for name in tables if name in eqs.input_names]
     if inputs:
-        yield f"The model has tables for the inputs {', '.join(inputs)}: connect a source to them."
+        yield f"The model has tables for the inputs {', '.join(inputs)}: connect a source of these values."
     left = [name for name in eqs.parameter_names if name not in free]
     if left and free:
         yield (

@@ -53,7 +53,7 @@ _PROJECTION: Final = Projection()
 _PARTITION: Final = Partition()
 _CHANGED: Final = (
     "at t = {:.6g} s constraints become dependent (change point), where sb.Projection() may continue on "
-    "another branch: use sb.Partition()"
+    "another branch, so sb.Partition() integrates the motion"
 )
 _LEFT: Final = (
     "at t = {:.6g} s constraints become dependent (change point), where {} leaves the branch of the motion: "
@@ -86,7 +86,7 @@ _LOCKED: Final = (
 )
 _EXCHANGED: Final = (
     "at t = {:.6g} s sb.Projection() cannot continue: some constraints are redundant, see sb.redundancy(), "
-    "and which of them are independent changes there; use sb.Partition()"
+    "and which of them are independent changes there, so sb.Partition() integrates the motion"
 )
 _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, Status.TOO_MANY_STEPS)
 # Ends after which the motion is looked at: one that was interrupted is not begun again.
