@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from symbody.kernels.record_layout import RecordLayout
 
 Floats = NDArray[np.float64]
 
 
-def pack(kind: type[RecordLayout], **values: ArrayLike) -> Floats:
+def pack(kind: type[RecordLayout], **values: Any) -> Floats:
     """Return the array of a record: its numbers, then what its fields store.
 
     Parameters
@@ -22,7 +24,7 @@ def pack(kind: type[RecordLayout], **values: ArrayLike) -> Floats:
     for name, value in values.items():
         field = kind.fields[name]
         if field.pointer is None:
-            numbers[field.place] = float(value)  # type: ignore[arg-type]
+            numbers[field.place] = float(value)
     record, end = kind(numbers), kind.size
     arrays: list[tuple[int, Floats]] = []
     for field in kind.pointers:

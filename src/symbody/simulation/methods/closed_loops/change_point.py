@@ -51,29 +51,34 @@ _SHORT: Final = 1e-3
 _TWO: Final = 2
 _PROJECTION: Final = Projection()
 _PARTITION: Final = Partition()
+# What is said where `Partition` takes over; else a cure follows.
+_TAKES_OVER: Final = ", so sb.Partition() integrates the motion"
+_BY_PARTITION: Final = "omit constraints=, or use sb.Partition()"
 _CHANGED: Final = (
     "at t = {:.6g} s constraints become dependent (change point), where sb.Projection() may continue on "
-    "another branch, so sb.Partition() integrates the motion"
+    "another branch"
 )
 _LEFT: Final = (
-    "at t = {:.6g} s constraints become dependent (change point), where {} leaves the branch of the motion: "
-    "omit constraints=, or use sb.Partition()"
+    "at t = {:.6g} s constraints become dependent (change point), where {} leaves the branch of the motion",
+    _BY_PARTITION,
 )
 _LEAPT: Final = (
     "near t = {:.6g} s branches of the mechanism pass each other without meeting (lengths that differ by "
-    "{:.2g} of the mechanism's size would make them meet), and {} switches to another one: use a smaller rtol"
+    "{:.2g} of the mechanism's size would make them meet), and {} switches to another one",
+    "use a smaller rtol",
 )
 _UNBALANCED: Final = (
     "near t = {:.6g} s branches of the mechanism meet or come close, and energy minus work changes there by "
-    "{:.3g} J with {}, but by {:.3g} J in a neighbouring step: use a smaller rtol, or omit constraints="
+    "{:.3g} J with {}, but by {:.3g} J in a neighbouring step",
+    "use a smaller rtol, or omit constraints=",
 )
 _ENDS: Final = (
-    "the motion ends near a change point, where constraints become dependent and {} cannot continue: omit "
-    "constraints=, or use sb.Partition()"
+    "the motion ends near a change point, where constraints become dependent and {} cannot continue",
+    _BY_PARTITION,
 )
 _STARTS: Final = (
-    "the start is a change point, where constraints become dependent and {} cannot continue: omit "
-    "constraints=, use sb.Partition(), or start slightly away from it"
+    "the start is a change point, where constraints become dependent and {} cannot continue",
+    "omit constraints=, use sb.Partition(), or start slightly away from it",
 )
 _SEVERAL: Final = (
     "the start is a change point, where the mechanism can move along several branches, and the velocities "
@@ -82,11 +87,12 @@ _SEVERAL: Final = (
 )
 _LOCKED: Final = (
     "some constraints are redundant only where all loops are closed, see sb.redundancy(), so that for {} "
-    "the mechanism is locked near such states: omit constraints=, or use sb.Partition()"
+    "the mechanism is locked near such states",
+    _BY_PARTITION,
 )
 _EXCHANGED: Final = (
     "at t = {:.6g} s sb.Projection() cannot continue: some constraints are redundant, see sb.redundancy(), "
-    "and which of them are independent changes there, so sb.Partition() integrates the motion"
+    "and which of them are independent changes there"
 )
 _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, Status.TOO_MANY_STEPS)
 # Ends after which the motion is looked at: one that was interrupted is not begun again.
@@ -134,25 +140,25 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
             run = run._replace(notes=(*run.notes, _SEVERAL))
     if end is None:
         return end_where_rows_change(plan, run)
-    return end_run(run, end.t, end.note.format(f"sb.{type(constraints).__name__}()"))
+    return end_run(run, end.t, end.note(f"sb.{type(constraints).__name__}()"))
 
 
 def _judge_passages(plan: MotionPlan, run: Integration) -> Integration:
     """Return a run by `Partition` that ends before a passage that its energies or its branch do not allow."""
     passages = find_passages(plan.integration.problem, run.raw)
     end = None if passages is None else _untaken_passage(plan.integration, passages)
-    return run if end is None else end_run(run, end.t, end.note.format("sb.Partition()"))
+    return run if end is None else end_run(run, end.t, end.note("sb.Partition()"))
 
 
 def _untaken_passage(integration: IntegrationProblem, passages: Passages) -> _BranchEnd | None:
     """Return where a motion goes over to a branch that does not meet its own, or gains or loses energy."""
     leap = passages.leap()
     if leap is not None:
-        return _BranchEnd(leap.before, _LEAPT.format(leap.at, leap.opening, "{}"))
+        return _BranchEnd(leap.before, _LEAPT, (leap.at, leap.opening, "{}"))
     for at, before, after in passages.sides():
         balance = passage_balance(integration.problem, passages.dense, before, after, integration.rtol)
         if not balance.holds:
-            return _BranchEnd(before, _UNBALANCED.format(at, balance.change, "{}", balance.usual))
+            return _BranchEnd(before, _UNBALANCED, (at, balance.change, "{}", balance.usual))
     return None
 
 
@@ -190,10 +196,10 @@ def _reason_to_replace(
 ) -> str:
     """Return why `Partition` should integrate again what `Projection` computed; empty if it need not."""
     if at is not None:
-        return _CHANGED.format(at)
+        return _CHANGED.format(at) + _TAKES_OVER
     if end is not None:
-        return end.note.format("sb.Projection()")
-    return _EXCHANGED.format(raw.reached) if _breaks_off_dependent(problem, raw) else ""
+        return end.what("sb.Projection()") + _TAKES_OVER
+    return _EXCHANGED.format(raw.reached) + _TAKES_OVER if _breaks_off_dependent(problem, raw) else ""
 
 
 def _breaks_off_dependent(problem: SimulationProblem, raw: RawRun) -> bool:
@@ -219,10 +225,22 @@ def _first_change_point(passages: Passages, raw: RawRun) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class _BranchEnd:
-    """Where a motion leaves the branch of its start; None if its run ended there by itself."""
+    """Where a motion leaves the branch of its start; None if its run ended there by itself.
+
+    `said` is what to say of it and the cure, `values` are those of the fields, "{}" that of the method.
+    """
 
     t: float | None
-    note: str
+    said: tuple[str, str]
+    values: tuple[float | str, ...] = ("{}",)
+
+    def what(self, method: str) -> str:
+        """Return what happens with a method that holds constraints."""
+        return self.said[0].format(*self.values).format(method)
+
+    def note(self, method: str) -> str:
+        """Return what happens, and the cure."""
+        return f"{self.what(method)}: {self.said[1]}"
 
 
 def _end_of_branch(
@@ -236,7 +254,7 @@ def _end_of_branch(
         for at in passages.times():
             before = passages.jump(at, happened)
             if before is not None:
-                return _BranchEnd(before, _LEFT.format(at, "{}"))
+                return _BranchEnd(before, _LEFT, (at, "{}"))
         if (end := _untaken_passage(integration, passages)) is not None:
             return end
     if raw.status.success:
