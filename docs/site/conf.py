@@ -45,8 +45,9 @@ autodoc_member_order = "bysource"
 
 html_theme = "furo"
 html_title = "symbody"
-html_static_path = ["static"]
-html_css_files = ["symbody.css"]
+_PAGES = "../../src/symbody/display"
+html_static_path = ["static", f"{_PAGES}/maths.css", f"{_PAGES}/maths.woff2"]  # formulas as in pages
+html_css_files = ["maths.css", "symbody.css"]
 html_js_files = ["accessible.js", "search_text.js"]
 html_show_sphinx = False
 html_copy_source = False

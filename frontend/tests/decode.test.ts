@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { settingsFrom } from "../src/player/settings";
 import { decodeData } from "../src/player/data";
 import { fixture, fixtureValue } from "./fixture";
 
@@ -58,7 +59,12 @@ describe("decodeData", () => {
 
   it("leaves out options that are unknown or of another type", () => {
     const { settings } = decodeData(changed("options", { ghosts: 99, theme: "pink", labels: "yes", nothing: 1, view: "top" }));
-    expect(settings).toMatchObject({ ghosts: 12, theme: "auto", labels: false, view: "top" });
+    expect(settings).toMatchObject({ ghosts: 12, theme: "auto", labels: true, view: "top" });
     expect(settings).not.toHaveProperty("nothing");
+  });
+
+  it("shows the names of up to six bodies", () => {
+    expect([0, 6, 7].map((bodies) => settingsFrom({}, bodies).labels)).toEqual([true, true, false]);
+    expect(settingsFrom({ labels: false }, 2).labels).toBe(false);
   });
 });

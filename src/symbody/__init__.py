@@ -24,6 +24,6 @@ def __getattr__(name: str) -> object:
         nearest = import_module("symbody.errors").nearest
         others = import_module("symbody.formats.checking").OTHER_NAMES
         word = others.get(name.lower(), "").title().replace("_", "")
-        cure = f"it is called {word!r} here" if word in __all__ else nearest(name, __all__)
+        cure = f"in symbody it is called {word!r}" if word in __all__ else nearest(name, __all__)
         text = f"symbody has no {name!r}; {cure}"
         raise AttributeError(text, name=name) from error

@@ -255,7 +255,7 @@ def _problem(function: str, name: str, value: object, hint: object) -> Problem:
     kind = type(value).__name__
     return Problem(
         "call.argument", f"{function}, argument {name}",
-        f"{_short_repr(value)}, of type {kind}, does not fit", "", f"give {_words(hint)}",
+        f"{_short_repr(value)}, of type {kind}, is not valid here", "", f"give {_words(hint)}",
     )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ _HOME: Final = os.path.dirname(os.path.abspath(__file__))
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One fault, described so that the reader can mend it.
+    """One fault, described so that the reader can correct it.
 
     Attributes
     ----------
@@ -186,8 +186,9 @@ def nearest(name: str, known: Iterable[str], what: str = "names") -> str:
 def number_in_words(number: int, word: str) -> str:
     """Return a number of things in words.
 
-    >>> number_in_words(1, "body"), number_in_words(2, "body"), number_in_words(0, "joint")
-    ('1 body', '2 bodies', '0 joints')
+    >>> number_in_words(1, "body"), number_in_words(2, "body"), number_in_words(0, "degree of freedom")
+    ('1 body', '2 bodies', '0 degrees of freedom')
     """
-    plural = f"{word[:-1]}ies" if word.endswith("y") else f"{word}s"
+    first, of, rest = word.partition(" of ")
+    plural = (f"{first[:-1]}ies" if first.endswith("y") else f"{first}s") + of + rest
     return f"{number} {word if number == 1 else plural}"

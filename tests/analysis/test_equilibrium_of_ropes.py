@@ -184,7 +184,7 @@ def test_linear_equations_have_the_ropes_that_pull() -> None:
         assert free.A.shape == (4, 4) and not free.A[:2].any()
         assert "rope rope is slack: it constrains nothing" in free.notes
     level = sb.linearize(ball(), {"x": 1, "y": 0})
-    assert any("rope rope changes over at this state" in note for note in level.notes)
+    assert any("rope rope switches at this state" in note for note in level.notes)
 
 
 def test_speeds_follow_by_the_ropes_that_are_taut() -> None:
@@ -192,7 +192,7 @@ def test_speeds_follow_by_the_ropes_that_are_taut() -> None:
     on, off = sb.assemble(ball(), {"x": 0.6, "y": -0.8}), sb.assemble(ball(), {"x": 0.1, "y": 0.1})
     ratios = sb.velocity_ratios(ball(), "x", at=on)
     assert ratios.at(on) == pytest.approx(np.array([[0.75]]))
-    assert any("taken as taut" in note for note in ratios.notes)
+    assert any("assumed" in note for note in ratios.notes)
     with pytest.raises(sb.SimulationError, match=r"kinematics\.rope.*slack"):
         ratios.at(off)
     free = sb.velocity_ratios(ball(), at=off)
@@ -202,7 +202,7 @@ def test_speeds_follow_by_the_ropes_that_are_taut() -> None:
 def test_positions_are_led_up_to_where_a_rope_is_too_short() -> None:
     led = sb.trace_positions(ball(), {"x": np.linspace(0.1, 1.2, 7), "y": 0.3})
     assert led.limits["x"] == pytest.approx(math.sqrt(1 - 0.3**2), abs=1e-8) and not led.success
-    assert any("it would have to be longer" in note for note in led.notes)
+    assert any("the rope would have to be longer" in note for note in led.notes)
     circle = sb.trace_positions(ball(), {"x": np.linspace(0.0, 0.9, 5)}, {"y": -1})
     assert circle["y"] == pytest.approx(-np.sqrt(1 - circle["x"] ** 2))
     with pytest.raises(sb.UsageError, match="rope rope is slack here"):
@@ -210,7 +210,7 @@ def test_positions_are_led_up_to_where_a_rope_is_too_short() -> None:
 
 
 def test_what_is_said_of_all_configurations_says_that_ropes_are_taut() -> None:
-    assert sb.redundancy(ball()).notes == ("rope rope is taken as taut",)
+    assert sb.redundancy(ball()).notes == ("rope rope is assumed to be taut",)
     assert sb.redundancy(ball()).degrees_of_freedom == 1 == ball().degrees_of_freedom
     ends = sb.singular_configurations(ball(), "x", {"x": (-1.2, 1.2)}, {"x": 0.6, "y": -0.8})
     assert [one.q["x"] for one in ends] == pytest.approx([-1.0, 1.0], abs=1e-7)
@@ -229,8 +229,8 @@ def test_friction_holds_a_block_on_an_incline_up_to_its_angle() -> None:
     held = sb.find_equilibrium(incline(0.4), {"x": 0.3})
     assert held.q["x"] == 0.3 and held.verdict == "drifting" and held.stable is None
     assert float(held["friction slide"]) == pytest.approx(-2 * G * math.sin(0.4))
-    assert any("friction holds the guess" in note for note in held.notes)
-    with pytest.raises(sb.AssemblyError, match="friction at rest was taken as 0"):
+    assert any("friction holds the mechanism at the guess" in note for note in held.notes)
+    with pytest.raises(sb.AssemblyError, match="friction at rest was assumed to be 0"):
         sb.find_equilibrium(incline(0.5), {"x": 0.3})
 
 
@@ -245,4 +245,4 @@ def test_linear_equations_about_a_joint_that_sticks() -> None:
 def test_an_edge_of_friction_is_named() -> None:
     """At tan a = mu the static limit is reached: it may stick or slip."""
     notes = sb.linearize(incline(math.atan(0.5))).notes
-    assert any("the friction of joint slide changes over" in note for note in notes)
+    assert any("the friction of joint slide switches" in note for note in notes)

@@ -63,14 +63,14 @@ def test_a_closure_out_of_reach(analysis: str) -> None:
         OPEN[analysis]()
     (problem,) = caught.value.problems
     assert (problem.code, problem.where) == ("assembly.open", "joint C")
-    assert "joint C stays open by" in problem.what and "lengths and frames" in problem.fix
+    assert "joint C cannot be closed: a gap of" in problem.what and "lengths and frames" in problem.fix
 
 
 # Code, the element or the coordinates it tells of, and a word of the cure.
 Refusal = tuple[str, str, str, Question]
 OTHERS: dict[str, Refusal] = {
     # a wrong number of independent coordinates
-    "ratios by two": ("kinematics.independent_count", "1 freedoms", "name 1 of theta_dot",
+    "ratios by two": ("kinematics.independent_count", "1 degree of freedom", "name 1 of theta_dot",
                       lambda: sb.velocity_ratios(crank(), ["theta", "s"])),
     "ratios by none": ("kinematics.independent_count", "0 speeds", "name 1 of theta_dot",
                        lambda: sb.velocity_ratios(crank(), [])),
@@ -80,19 +80,19 @@ OTHERS: dict[str, Refusal] = {
                       lambda: sb.linearize(crank(), {"theta": 0.5}, independent=["theta", "s"])),
     "closed form of one": ("positions.number", "2 constraints", "name 2 of theta, beta, s",
                            lambda: sb.solve_positions(crank(), ["beta"])),
-    "traced by none": ("kinematics.values", "no coordinate is led", "over={",
+    "traced by none": ("kinematics.values", "no coordinate is driven", "over={",
                        lambda: sb.trace_positions(crank(), {})),
     "inverse with freedoms left": ("inverse.no_motion", "motion", "motion",
                                    lambda: sb.inverse_dynamics(FOUR_BAR, {}, "T", [0.0, 1.0])),
     # tau where it is singular
     "ratios at the dead centre": ("kinematics.singular", "joint D", "other independent speeds",
                                   lambda: sb.velocity_ratios(crank(), "s").at({"theta": 0.0, "s": 4})),
-    "linear at the dead centre": ("linearize.singular_choice", "s here", "leave independent out",
+    "linear at the dead centre": ("linearize.singular_choice", "s do not determine", "leave independent out",
                                   lambda: sb.linearize(crank(), {"theta": 0}, independent=["s"])),
     "speeds at the dead centre": ("assembly.velocity_conflict", "s_dot = 1", "leave one of them",
                                   lambda: sb.assemble(crank(), {"theta": 0, "s_dot": 1.0}, {"s": 4})),
     # no equilibrium, no rest
-    "weight without hold": ("equilibrium.none", "x_dot -19.62 N", "spring", lambda: sb.find_equilibrium(falling())),
+    "weight without hold": ("equilibrium.none", "along x_dot, -19.62 N", "spring", lambda: sb.find_equilibrium(falling())),
     # motions that break constraints
     "traced against the loop": ("assembly.conflict", "theta = 0.1, s = 3.9", "guess=",
                                 lambda: sb.trace_positions(crank(), {"theta": [0.1, 1], "s": [3.9, 3.8]})),

@@ -150,9 +150,9 @@ def chain() -> Any:
     return json.loads((FIXTURES / "chain.json").read_text(encoding="utf-8"))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """A builder that runs, in an empty folder."""
+    """A builder that runs: one for all modules, because the processes it starts take seconds to load."""
     with running_builder(tmp_path_factory.mktemp("builder")) as settings:
         yield settings
 

@@ -102,7 +102,7 @@ def test_an_edit_outside_takes_nothing_away(visit: Visit, settings: Any) -> None
     builder.keys("Control+s")
     builder.wait("s.notice.length > 0")
     assert path.read_text().endswith("# by hand\n") and builder.state("data") == mine
-    page.get_by_role("button", name="Overwrite it").click()
+    page.get_by_role("button", name="Overwrite").click()
     builder.wait("!s.outside && s.data === s.saved")
     assert 'mass = "5*m1"' in path.read_text() and path.read_text().endswith("# by hand\n")
     assert (path.parent / "outside.toml.bak").read_text().endswith("# by hand\n")
@@ -300,7 +300,7 @@ def test_sizes_of_panels_are_kept(visit: Visit) -> None:
     builder = visit()
     page = builder.page
     builder.open_example("slider_crank")
-    split = page.get_by_role("separator", name="Width of the left side")
+    split = page.get_by_role("separator", name="Width of the left panel")
     box = split.bounding_box()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 200)
     page.mouse.down()

@@ -189,13 +189,14 @@ def test_what_cannot_be_assembled_stays_at_the_last_pose_and_says_so(visit: Any)
     page.wait_for_timeout(300)
     good = points(builder, "Crank")["centre"]
     refusal = {"problems": [{"severity": "error", "pointer": "", "element": "", "code": "assembly.open",
-               "what": "joint B stays open by 0.1 m", "why": "", "fix": "drag another way", "line": None, "repair": None}]}  # fmt: skip
+               "what": "joint B cannot be closed: a gap of 0.1 m remains", "why": "", "fix": "drag another way", "line": None, "repair": None}]}  # fmt: skip
     page.route("**/api/drag", lambda route: route.fulfill(status=422, json=refusal))
     page.mouse.move(x - 60, y - 40, steps=4)
     builder.wait("s.posed.problem !== ''")
     assert points(builder, "Crank")["centre"] == pytest.approx(good, abs=1e-12)
     assert (
-        page.get_by_test_id("picture-note").inner_text() == "Joint B stays open by 0.1 m; drag another way."
+        page.get_by_test_id("picture-note").inner_text()
+        == "Joint B cannot be closed: a gap of 0.1 m remains; drag another way."
     )
     page.mouse.up()
     builder.wait("s.data !== s.saved")

@@ -168,7 +168,9 @@ def test_ports_are_named_large_enough_and_say_what_they_take(crank: BuilderPage)
     assert "valid" in str(page.get_by_test_id("port-Rod.C").get_attribute("class"))
     assert page.locator(".connection-line.valid").count() == 1
     page.mouse.move(*crank.middle("port-Crank.B"), steps=6)
-    assert page.locator(".connection-line.invalid text").text_content() == "A body is not joined to itself"
+    assert (
+        page.locator(".connection-line.invalid text").text_content() == "A body cannot be connected to itself"
+    )
     page.mouse.up()
     assert crank.steps() == 0 and page.get_by_test_id("chooser").count() == 0
 

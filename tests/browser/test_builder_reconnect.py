@@ -146,7 +146,7 @@ def test_edits_are_recovered_where_page_and_server_both_end(server: OwnServer, b
     builder.page.close(run_before_unload=True)
     server.start()
     later = browser_tabs()
-    later.page.get_by_role("heading", name="Edits that were not saved").wait_for()
+    later.page.get_by_role("heading", name="Unsaved edits").wait_for()
     later.page.locator(".drafts button").first.click()
     later.page.get_by_test_id("node-Crank").wait_for()
     later.wait_checked()

@@ -76,6 +76,7 @@ def add_control(builder: BuilderPage) -> None:
     builder.wait_checked()
 
 
+@pytest.mark.exhaustive  # a ring of links is built with the mouse in the fast tier
 def test_a_cart_pole_with_a_pid_block_is_built_by_mouse_and_simulated(visit: Visit, tmp_path: Path) -> None:
     builder = visit()
     page = builder.page

@@ -56,6 +56,12 @@ def test_every_example_is_data_of_the_same_model(path: Path) -> None:
     assert to_data(sb.load_model(path)) == to_data(opened.model)
 
 
+def test_a_file_says_what_its_parameters_are() -> None:
+    text = 'name = "x"\n[parameters]\n# all\nm = 1 # kg: of the rod\nl = 2\n"a#b" = "3*l" #  half # more\n'
+    assert data_from_text(text, "x.toml").comments == {"m": "kg: of the rod", "a#b": "half # more"}
+    assert data_from_text('name = "x"\n', "x.toml").comments == {}
+
+
 def test_a_change_keeps_comments_order_and_the_digits_of_all_else() -> None:
     data = data_from_text(PENDULUM, "pendulum").data
     data["parameters"]["g"] = "9.8"

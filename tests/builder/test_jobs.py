@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -102,6 +103,11 @@ def tabs_of(data: dict[str, Any], **options: str) -> list[dict[str, Any]]:
     return all_tabs({"data": data, "folder": "", "options": options})
 
 
+@cache
+def tabs_of_the_robot() -> list[dict[str, Any]]:
+    return tabs_of(example("rr_robot"))
+
+
 def test_equations_of_the_oscillator_are_those_of_the_book() -> None:
     data = example("spring_mass_damper")
     result, stages = work(derive_equations, data)
@@ -164,7 +170,7 @@ def test_a_term_that_two_springs_share_names_both() -> None:
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_every_formulation_gives_the_same_mass_matrix(formulation: str) -> None:
-    result, usual = tabs_of(example("rr_robot"), formulation=formulation), tabs_of(example("rr_robot"))
+    result, usual = tabs_of(example("rr_robot"), formulation=formulation), tabs_of_the_robot()
     assert [tab["name"] for tab in result] == [tab["name"] for tab in usual]
     assert result[1]["blocks"][0]["sympy"] == usual[1]["blocks"][0]["sympy"]
 
@@ -185,7 +191,7 @@ def test_a_loop_has_constraints_reactions_and_linear_equations_in_numbers() -> N
 
 
 def test_what_is_too_long_is_named_part_by_part_or_counted() -> None:
-    tabs = tabs_of(example("rr_robot"))
+    tabs = tabs_of_the_robot()
     block = next(tab for tab in tabs if tab["name"] == "Linearization")["blocks"][0]
     assert (
         re.search(r"^z_\{?1\}? &=", block["latex"], re.MULTILINE)

@@ -51,7 +51,10 @@ def test_one_coordinate_is_left(eqs: sb.EquationSet) -> None:
     assert eqs.coordinate_names == ("b",)
     assert eqs.multiplier_names == ()
     assert eqs.units["lambda_gear_1"] == "N m"
-    assert "a = 0.1 + n*b is substituted, from lambda_gear_1; all of them stay outputs" in eqs.notes
+    assert (
+        "a = 0.1 + n*b is substituted, from lambda_gear_1; all of them remain available as outputs"
+        in eqs.notes
+    )
     assert sb.form_equations(train()).coordinate_names == ("a", "b", "s")
 
 
@@ -122,19 +125,19 @@ def test_a_factor_that_vanishes_is_refused() -> None:
     ("constraint", "reason"),
     [
         (sb.Gear("c", ["x", "y"], ratio=2, offset="sin(t)"), "it depends on time"),
-        (sb.Constraint("c", "sin(x) - y"), "it is not of first degree in the coordinates"),
+        (sb.Constraint("c", "sin(x) - y"), "it is not linear in the coordinates"),
         (sb.Constraint("c", "x_dot - cos(x)*y_dot"), "it constrains velocities"),
     ],
 )
 def test_other_couplings_stay_constraints(constraint: Any, reason: str) -> None:
     eqs = sb.form_equations(pair(constraint), substitute=True)
     assert eqs.multiplier_names == ("lambda_c_1",)
-    assert f"constraint c: lambda_c_1 stays a constraint, because {reason}" in eqs.notes
+    assert f"constraint c: lambda_c_1 remains a constraint, because {reason}" in eqs.notes
 
 
 def test_couplings_of_cut_joints_stay_constraints() -> None:
     eqs = sb.form_equations(train(), tree="absolute", substitute=True)
-    assert sum("stays a constraint, because" in note for note in eqs.notes) == 2
+    assert sum("remains a constraint, because" in note for note in eqs.notes) == 2
 
 
 def test_several_couplings_of_one_coordinate() -> None:
@@ -151,7 +154,9 @@ def test_a_coupling_said_twice_is_dropped_and_its_contradiction_refused() -> Non
     eqs = sb.form_equations(pair(*chain), substitute=True)
     assert eqs.coordinate_names == ("z",)
     assert any("lambda_k_1" in note and "dropped" in note for note in eqs.notes)
-    with pytest.raises(sb.FormulationError, match="are kept: lambda_g_1, lambda_h_1; or form") as error:
+    with pytest.raises(
+        sb.FormulationError, match="remaining constraints: lambda_g_1, lambda_h_1; or form"
+    ) as error:
         sb.compile(eqs, "lambda_k_1")
     assert error.value.problems[0].code == "equations.dropped_multiplier"
     with pytest.raises(sb.FormulationError, match="lambda_k_1"):
@@ -166,14 +171,14 @@ def test_couplings_that_follow_from_others_by_their_values_stay_constraints() ->
         pair(*gears, sb.Gear("k", ["x", "z"], ratio="m"), parameters=values), substitute=True
     )
     assert eqs.multiplier_names == ("lambda_g_1", "lambda_h_1", "lambda_k_1")
-    assert sum("together leave factors that are differences" in note for note in eqs.notes) == 3
+    assert sum("together lead to factors that are differences" in note for note in eqs.notes) == 3
     assert sb.simulate(eqs, 0.1, {"z_dot": 1.0})["x_dot"][-1] == pytest.approx(0.03)
 
 
 def test_ratios_name_what_couplings_give(eqs: sb.EquationSet) -> None:
     ratios = sb.velocity_ratios(eqs)
     assert ratios.independent == ("b_dot",)
-    assert any("a_dot, s_dot: couplings give them" in note for note in ratios.notes)
+    assert any("a_dot, s_dot: couplings determine them" in note for note in ratios.notes)
     with pytest.raises(sb.UsageError, match="name b, or form the equations without") as error:
         sb.velocity_ratios(eqs, "a")
     assert error.value.problems[0].code == "kinematics.coupled_speed"

@@ -123,7 +123,7 @@ def test_a_curve_shown_as_another_is_a_fault(monkeypatch: pytest.MonkeyPatch) ->
 
     eqs = sb.form_equations(quarter_car())
     monkeypatch.setattr(textbook, "name_curves", exchange)
-    with pytest.raises(sb.SymbodyError, match="not the functions that are computed"):
+    with pytest.raises(sb.SymbodyError, match="differ from the functions that are computed"):
         eqs.text()
 
 

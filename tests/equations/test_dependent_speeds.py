@@ -312,10 +312,10 @@ def test_wrong_choices_say_what_is_wrong(
 def test_nothing_to_eliminate_is_an_error(dependent: str | tuple[str, ...]) -> None:
     joint = sb.Revolute("pin", "ground", "Arm", axis="z", coordinate="a")
     model = sb.Model("arm", [sb.Body("Arm", mass=1.0, inertia=(1, 1, 1)), joint])
-    with pytest.raises(sb.FormulationError, match="no constraint on velocities") as caught:
+    with pytest.raises(sb.FormulationError, match="no velocity constraint") as caught:
         sb.form_equations(model, dependent_speeds=dependent)
     assert "leave dependent_speeds out" in str(caught.value)
     arm = sb.Body("Arm", mass=1.0, inertia=(1, 1, 1), frames={"tip": sb.Frame(at=(1, 0, 0))})
     loop = sb.Model("loop", [arm, joint, sb.PointOnPlane("table", "ground", "Arm.tip", axis="y")])
-    with pytest.raises(sb.FormulationError, match="no constraint on velocities"):
+    with pytest.raises(sb.FormulationError, match="no velocity constraint"):
         sb.form_equations(loop, dependent_speeds=dependent)

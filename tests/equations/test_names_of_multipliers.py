@@ -44,6 +44,6 @@ def test_a_parameter_may_not_have_the_name_of_a_multiplier() -> None:
     """Outputs read the multiplier, formulas the parameter."""
     model = wheels(1.0, "tie")
     values = {**model.parameters, "lambda_tie_1": 7}
-    with pytest.raises(sb.FormulationError, match="lambda_tie_1 stands for two things") as caught:
+    with pytest.raises(sb.FormulationError, match="lambda_tie_1 is defined twice") as caught:
         sb.form_equations(sb.Model("m", model.elements, parameters=values))
     assert caught.value.problems[0].code == "equations.name_clash"

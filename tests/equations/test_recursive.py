@@ -227,4 +227,4 @@ def test_different_trees_are_left_to_virtual_work() -> None:
     trees = sb.Trees(rotation=["J0", "J1"], translation=["J0"])
     eqs = sb.form_equations(chain(2), sb.Recursive(), tree=trees)
     assert eqs.formed.formulation == sb.VirtualWork()
-    assert any("virtual work takes the place of recursion" in note for note in eqs.notes)
+    assert any("virtual work is used instead of recursion" in note for note in eqs.notes)

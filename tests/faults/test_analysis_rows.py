@@ -28,7 +28,7 @@ def test_row_91_not_an_equilibrium_is_told_with_what_is_left() -> None:
     assert "theta_dot' = -2.899" in note and "find_equilibrium" in note
     # Of a loop, too: the rates that are left are those of the independent states.
     loop = sb.linearize(four_bar(), {"q1": 1.2})
-    assert not loop.is_stationary and "x' = A x + B r holds for deviations" in loop.notes[-1]
+    assert not loop.is_stationary and "x' = A x + B r describes deviations" in loop.notes[-1]
 
 
 def test_row_92_no_inputs_and_no_outputs() -> None:
@@ -42,14 +42,14 @@ def test_row_93_friction_at_rest() -> None:
     smooth = sb.linearize(block(sb.Friction(mu=0.3, v0=0.01)))
     assert smooth.A[0, 0] == pytest.approx(-0.3 * 9.81 / 0.01, rel=1e-9)
     rest = sb.find_equilibrium(block(sb.Friction(mu=0.3, v0=0.01)))
-    assert any("friction is 0 at rest" in note for note in rest.notes)
+    assert any("friction is assumed to be 0 at rest" in note for note in rest.notes)
     sticking = sb.find_equilibrium(block(sb.Friction(mu=0.3)))
-    assert any("sticking holds more configurations" in note for note in sticking.notes)
+    assert any("with sticking, more configurations" in note for note in sticking.notes)
     for lin in (sb.linearize(block(sb.Friction(mu=0.3))), sticking.linearization):
         assert any("joint slide sticks, 5.886 below" in note for note in lin.notes)  # mu m g
         assert lin.state_names == ("x",) and lin.A[0, 0] == 0.0
     sliding = sb.linearize(block(sb.Friction(mu=0.3)), {"x_dot": 1.0})
-    assert not any("changes over" in note for note in (*sliding.notes, *smooth.notes))
+    assert not any("switches at" in note for note in (*sliding.notes, *smooth.notes))
 
 
 def test_row_93_friction_of_hinges_at_rest() -> None:
@@ -63,12 +63,12 @@ def test_row_93_friction_of_hinges_at_rest() -> None:
             sb.Revolute(f"J{k}", below, f"B{k}", axis="z", friction=friction),
         ]
     eqs = sb.form_equations(sb.Model("hinges", elements, gravity=(0, -9.81, 0)))
-    assert not any("changes over" in note for note in sb.linearize(eqs).notes)
+    assert not any("switches at" in note for note in sb.linearize(eqs).notes)
 
 
 def test_row_93_a_long_formula_is_shortened() -> None:
     law = "abs(" + " + ".join(f"sin({k}*x)" for k in range(1, 60)) + ")"
-    (note,) = (note for note in sb.linearize(block(None, f"F -{law}")).notes if "changes over" in note)
+    (note,) = (note for note in sb.linearize(block(None, f"F -{law}")).notes if "switches at" in note)
     assert "sin(" in note and " ... = 0" in note and len(note) < 600
 
 
@@ -77,9 +77,9 @@ def test_row_93_a_long_formula_is_shortened() -> None:
 )
 def test_row_93_laws_with_a_corner(law: str, word: str) -> None:
     eqs = block(None, f"F {law}")
-    assert any(note.startswith(f"{word} changes over at this state") for note in sb.linearize(eqs).notes)
+    assert any(note.startswith(f"{word} switches at this state") for note in sb.linearize(eqs).notes)
     beside = sb.linearize(eqs, {"x": 0.5, "x_dot": 0.1})
-    assert not any("changes over" in note for note in beside.notes)
+    assert not any("switches at" in note for note in beside.notes)
 
 
 def test_row_93_a_slope_without_end() -> None:
@@ -99,7 +99,7 @@ def test_row_94_dependent_coordinates_are_chosen_by_their_pivots(theta: float) -
     # No ratio is large: the coordinate that moves most is the one that leads.
     assert np.abs(ratios.at(state)).max() < 4.0
     if theta in (0.0, math.pi):
-        assert refused(lambda: sb.linearize(eqs, state, independent=["s"]), words="follows from s") == [
+        assert refused(lambda: sb.linearize(eqs, state, independent=["s"]), words="do not determine all") == [
             ("linearize.singular_choice", "independent")
         ]
 

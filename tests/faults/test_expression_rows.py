@@ -107,7 +107,7 @@ def test_row_102_up_to_the_limits_it_works() -> None:
 
 @pytest.mark.parametrize(
     ("text", "fix"),
-    [("2x", "write 2*x"), ("x y", "write x*y"), ("2(x+1)", "write 2*("), ("50 N/m", "leave the unit out")],
+    [("2x", "write 2*x"), ("x y", "write x*y"), ("2(x+1)", "write 2*("), ("50 N/m", "remove the unit")],
 )
 def test_row_103_multiplication_is_written(text: str, fix: str) -> None:
     assert codes_of(text) == ["implicit_multiplication"]

@@ -115,7 +115,7 @@ def test_row_62_forming_ends_in_time_and_names_the_stage(monkeypatch: pytest.Mon
     assert all(spent >= 0.0 for _, spent in error.finished)
     (problem,) = error.problems
     assert problem.where == f"stage {error.stage}" and "time_limit = 20 s" in problem.what
-    assert "trees (" in problem.why and "give more time" in problem.fix
+    assert "trees (" in problem.why and "allow more time" in problem.fix
     assert error.exit_code == 4 and error.__cause__ is None and error.__context__ is None
     assert graphs() == before  # though the error is kept
 
@@ -302,7 +302,7 @@ def test_row_64_forces_with_kinks_move_a_stiff_solver_too() -> None:
 
 
 def test_row_65_functions_of_the_user() -> None:
-    """Formulas take none; laws of inputs do, and implicit methods take their slopes from differences."""
+    """Formulas take none; laws of inputs do, and implicit methods take their derivatives by differences."""
     words = "'f' is not a function of the language"
     assert refused(lambda: block("f(x)"), words=words)[0][0] == "expression.unknown_function"
     slide = Prismatic("P", "ground", Body("A", mass=1), axis="x", coordinate="x", force=Drive(applied="F"))
@@ -314,7 +314,7 @@ def test_row_65_functions_of_the_user() -> None:
 
     for way in ({"integrator": Stiff()}, {}):
         asked, known = (simulate(eqs, 2.0, inputs={"F": each}, **way) for each in (law, formula))
-        assert any("slopes from differences" in note for note in asked.notes)
+        assert any("derivatives by differences" in note for note in asked.notes)
         # Slopes good to 1e-8 cost no steps: without them it took a hundred times as many.
         assert asked.statistics.accepted <= known.statistics.accepted + 20
         assert asked["x"][-1] == pytest.approx(known["x"][-1], abs=1e-6)

@@ -40,7 +40,7 @@ def test_row_37_what_is_wrong_is_shown_in_full() -> None:
 
 def test_row_38_products_that_no_body_has() -> None:
     flipped = Body("A", inertia=(2, 2, 2), products=(0.9, 0.9, 0.9))
-    words = "with the opposite signs of the products there would be one"
+    words = "with the opposite signs of the products a body would be possible"
     assert refused_model(flipped, words=words) == [("model.impossible_inertia", "body A, inertia")]
     assert Model("signs", [Body("A", inertia=(2, 2, 2), products=(-0.9, -0.9, -0.9))]).bodies
     refused_model(

@@ -110,7 +110,7 @@ def test_row_04_a_body_without_joint_is_free_and_a_frame_needs_a_body() -> None:
     model = Model("thrown", [Body("Ball", mass=1, inertia=(1, 1, 1))])
     assert any("body Ball has no joint and moves freely" in note for note in model.notes)
     assert form_equations(model).degrees_of_freedom == 6
-    assert refused(lambda: Weld("w", "ground", Frame()), words="does not know which body") == [
+    assert refused(lambda: Weld("w", "ground", Frame()), words="does not know its body") == [
         ("model.not_a_place", "joint w, between[1]")
     ]
 
@@ -223,7 +223,7 @@ def test_row_11_all_coordinates_prescribed() -> None:
     arm = Body("Arm", mass=1, inertia=(0, 0, 2))
     model = Model("driven", [arm, Revolute("j", "ground", "Arm", coordinate="a", motion="w*t**2")],
                   parameters={"w": 3})  # fmt: skip
-    said = "every coordinate is prescribed: only reactions and efforts remain to be computed"
+    said = "every coordinate is prescribed: only reactions and driving forces remain to be computed"
     assert said in model.notes
     eqs = form_equations(model)
     assert said in eqs.notes and eqs.speed_names == ()

@@ -42,7 +42,7 @@ def test_fault_is_told_with_its_line(path: Path) -> None:
         ("[[body]]\nname = 'B'\ninertia = 'I'", "write the moments about x, y and z of the body"),
         (
             "[[joint]]\nname = 'A'\ntype = 'revolute'\nbetween = ['ground', 'B']\nforce = {applied = 'F'}",
-            "it is called 'torque' here",
+            "the key is called 'torque'",
         ),
     ],
 )

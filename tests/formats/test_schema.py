@@ -87,5 +87,5 @@ def test_names_of_other_programs_lead_to_ours() -> None:
     assert set(checking.OTHER_NAMES.values()) <= known and not known & set(checking.OTHER_NAMES)
     joint = {"name": "J", "type": "Hinge", "between": ["ground", "A"]}
     data = {"name": "m", "body": [{"name": "A", "mass": 1}], "joint": [joint]}
-    with pytest.raises(FormatError, match="it is called 'revolute' here"):
+    with pytest.raises(FormatError, match="the key is called 'revolute'"):
         formats.from_data(data)

@@ -118,7 +118,7 @@ def test_saving_keeps_the_file_and_trajectories_hold_the_points(tmp_path: Path) 
     assert 'file = "road.csv"' in (tmp_path / "copy.toml").read_text(encoding="utf-8")
     assert sb.load_model(tmp_path / "copy.toml") == model
     (tmp_path / "inner").mkdir()
-    with pytest.raises(SymbodyError, match=r"file.outside.*copy the file|outside of the folder"):
+    with pytest.raises(SymbodyError, match=r"file.outside.*copy the file|outside the folder"):
         sb.save_model(model, tmp_path / "inner" / "copy.toml")
     assert model_from_toml(model_to_toml(model, is_alone=True)).tables[0].points == model.tables[0].points
     assert from_data(to_data(model), folder=str(tmp_path)) == model

@@ -184,7 +184,7 @@ def test_a_stepper_restores_no_foreign_bytes() -> None:
             if j == k:
                 stepper.restore(content)
                 continue
-            with pytest.raises(sb.UsageError, match="another kind of stepper"):
+            with pytest.raises(sb.UsageError, match="a different stepper"):
                 stepper.restore(content)
     sb.Stepper(eqs, 0.2, inputs={"F": laws[0]}).restore(saved[0])
 
@@ -270,7 +270,7 @@ def test_an_executor_that_broke_is_replaced_with_a_note() -> None:
     assert any("the executor broke (BrokenProcessPool: a worker was killed)" in note for note in sweep.notes)
 
 
-@pytest.mark.xfail(strict=True, reason="processes of this machine go on for an executor that broke")
+@pytest.mark.xfail(strict=True, reason="processes of this machine continue for an executor that broke")
 def test_a_users_executor_is_never_replaced() -> None:
     """Whoever gives an executor has chosen where to compute: on machines with other memory, licences, limits."""
     with pytest.raises(sb.EnvironmentFault):
@@ -292,5 +292,5 @@ def test_times_within_rounding_of_an_end_are_that_end() -> None:
     assert run.t[-1] == 0.3 and run.t.size == 4
     assert sb.sweep(oscillator(), 0.3, {}, {"y": [1.0]}, times=times).t[-1] == 0.3
     assert sb.simulate(oscillator(), (0.3, 0), {"y": 1.0}, times=times[::-1]).t[0] == 0.3
-    with pytest.raises(sb.UsageError, match="leave the motion's span"):
+    with pytest.raises(sb.UsageError, match="outside the motion's span"):
         sb.simulate(oscillator(), 0.3, {"y": 1.0}, times=[0.0, 0.3 * (1 + 1e-12)])

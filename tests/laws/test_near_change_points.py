@@ -110,6 +110,19 @@ def test_methods_by_name_on_many(seed: int, method: sb.Baumgarte | sb.GGL | sb.P
     check_method(seed, 10.0 ** -(3.0 + 6.0 * Random(-seed - 1).random()), method)
 
 
+@pytest.mark.parametrize(("seed", "distance", "rtol"), [(4, 1e-9, RTOL), (3, 1e-6, 1e-2)])
+def test_partition_by_name_ends_where_a_step_goes_over_to_another_branch(
+    seed: int, distance: float, rtol: float
+) -> None:
+    """Without a judgement it goes on with success and is wrong by 2 rad."""
+    made = neighbour(seed, distance)
+    exact, rates = made.motion(TIMES.tolist())
+    eqs = sb.form_equations(made.model())
+    run = sb.simulate(eqs, TIMES[-1], **arguments(made, exact), constraints=sb.Partition(), rtol=rtol)
+    assert run.status is sb.Status.SINGULAR and any("sb.Partition() goes over" in note for note in run.notes)
+    assert deviation(made, exact, run) < allowed(run.statistics.accepted, rates) * rtol / RTOL
+
+
 @pytest.mark.parametrize("distance", [1e-10, 1e-12])
 def test_closer_than_positions_are_known_either_branch_is_taken_with_a_note(distance: float) -> None:
     made = neighbour(1, distance)

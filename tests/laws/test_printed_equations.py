@@ -1,13 +1,14 @@
 """A law: as many equations are printed as there are unknowns, whatever they are printed as.
 
-Unknowns are the accelerations and the multipliers. What is printed is evaluated at a random point; its rank in
-the unknowns, constraints differentiated, is that of the system that is solved.
+Unknowns are the accelerations, the multipliers, and of dry friction the efforts and the reactions that they come
+from. What is printed is evaluated at a random point; its rank in the unknowns, constraints differentiated, is that
+of the system that is solved.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -69,19 +70,39 @@ def ball_on_a_turntable() -> sb.Model:
                     parameters={"m": 1, "J": 0.1, "R": 0.3, "g": 9.81})  # fmt: skip
 
 
-MODELS = {each.__name__: each for each in (skate, skate_by_formula, coin, ball_on_a_turntable)}
+def rubbing() -> sb.Model:
+    """Friction from a reaction that reads accelerations, and of given strength."""
+    arm = sb.Body(
+        "arm",
+        mass="m",
+        inertia=(0, 0, "J"),
+        frames={"A": sb.Frame(at=("-L", 0, 0)), "B": sb.Frame(at=("L", 0, 0))},
+    )
+    block = sb.Body("block", mass="m")
+    bearing = sb.Revolute("pin", "ground", "arm.A", coordinate="th", friction=sb.Friction(mu=0.2, radius="r"))
+    guide = sb.Prismatic("guide", "arm.B", "block", coordinate="s", friction=sb.Friction(force=1, static=2))
+    return sb.Model("rubbing", [arm, block, bearing, guide], gravity=(0, "-g", 0),
+                    parameters={"m": 1, "J": 0.1, "L": 1, "r": 0.1, "g": 9.81})  # fmt: skip
 
 
-def evaluate(eqs: sb.EquationSet, nodes: Sequence[int], values: dict[str, float]) -> NDArray[np.float64]:
-    """Return nodes at a point; names that it lacks get numbers that depend on the name alone."""
+MODELS = {each.__name__: each for each in (skate, skate_by_formula, rubbing, coin, ball_on_a_turntable)}
+
+
+def evaluator(eqs: sb.EquationSet, nodes: Sequence[int]) -> Callable[[dict[str, float]], NDArray[np.float64]]:
+    """Return what evaluates nodes at a point; names that it lacks get numbers that depend on the name alone."""
     graph = eqs.formed.graph
     written = write_out(graph, nodes)
     symbols = symbols_of(graph, written)
-    names = [f"{graph.symbols[graph.left[k]].kind}:{graph.symbols[graph.left[k]].label}" for k in symbols]
+    labels = [graph.symbols[graph.left[k]] for k in symbols]
     places = {node: Input(str(k), "x", k) for k, node in enumerate(symbols)}
     program = build_sequence(graph, [Roots("", (len(written),), tuple(written))], places)
-    point = [values.get(name.partition(":")[2], Random(name).uniform(0.3, 1.3)) for name in names]
-    return np.array(evaluate_sequence(program, {"x": point})[0], dtype=float).ravel()
+    usual = {each.label: Random(f"{each.kind}:{each.label}").uniform(0.3, 1.3) for each in labels}
+
+    def evaluate(values: dict[str, float]) -> NDArray[np.float64]:
+        point = [values.get(each.label, usual[each.label]) for each in labels]
+        return np.array(evaluate_sequence(program, {"x": point})[0], dtype=float).ravel()
+
+    return evaluate
 
 
 def random_point(eqs: sb.EquationSet) -> dict[str, float]:
@@ -94,13 +115,11 @@ def random_point(eqs: sb.EquationSet) -> dict[str, float]:
 
 
 def slopes(eqs: sb.EquationSet, nodes: Sequence[int], names: Sequence[str]) -> NDArray[np.float64]:
-    """Return the derivatives of what is linear in `names` by them."""
-    point = random_point(eqs)
-    base = evaluate(eqs, nodes, {**point, **dict.fromkeys(names, 0.0)})
-    columns = [
-        evaluate(eqs, nodes, {**point, **dict.fromkeys(names, 0.0), name: 1.0}) - base for name in names
-    ]
-    return np.array(columns).reshape(len(names), len(nodes)).T
+    """Return derivatives by `names` at a random point, by central differences."""
+    point = random_point(eqs) | {name: Random(name).uniform(0.3, 1.3) for name in names}
+    evaluate = evaluator(eqs, nodes)
+    ends = [[evaluate({**point, name: point[name] + sign * STEP}) for name in names] for sign in (1.0, -1.0)]
+    return (np.array(ends[0]) - np.array(ends[1])).reshape(len(names), len(nodes)).T / (2 * STEP)
 
 
 def printed_matrix(eqs: sb.EquationSet, sections: dict[str, EquationSection]) -> NDArray[np.float64]:
@@ -109,35 +128,37 @@ def printed_matrix(eqs: sb.EquationSet, sections: dict[str, EquationSection]) ->
     def residuals(key: str) -> list[int]:
         return [left for left, _ in sections[key].sides] if key in sections else []
 
-    unknowns = [*eqs.acceleration_names, *eqs.multiplier_names]
-    motion = sections["motion"]
-    left, right = (slopes(eqs, [pair[k] for pair in motion.sides], unknowns) for k in (0, 1))
+    pairs = [pair for key in ("motion", "friction") if key in sections for pair in sections[key].sides]
+    graph = eqs.formed.graph
+    efforts = [graph.symbols[graph.left[left]].label for left, _ in pairs[len(eqs.speed_names) :]]
+    unknowns = [*eqs.acceleration_names, *eqs.multiplier_names, *efforts]
+    left, right = (slopes(eqs, [pair[k] for pair in pairs], unknowns) for k in (0, 1))
     velocities = slopes(eqs, residuals("velocities"), eqs.speed_names)
     point, columns = random_point(eqs), []
+    rates_at = evaluator(eqs, eqs.roots("qdot").nodes)
+    residuals_at = evaluator(eqs, residuals("positions"))
     for speed in eqs.speed_names:
         moving = {**point, **dict.fromkeys(eqs.speed_names, 0.0), speed: 1.0}
-        drift = {**moving, speed: 0.0}
-        rates = evaluate(eqs, eqs.roots("qdot").nodes, moving) - evaluate(eqs, eqs.roots("qdot").nodes, drift)
+        rates = rates_at(moving) - rates_at({**moving, speed: 0.0})
         ends = []
         for sign in (1.0, -1.0):
             moved = {
                 name: point[name] + sign * STEP * float(rate)
                 for name, rate in zip(eqs.coordinate_names, rates, strict=True)
             }
-            ends.append(evaluate(eqs, residuals("positions"), {**point, **moved}))
+            ends.append(residuals_at({**point, **moved}))
         columns.append((ends[0] - ends[1]) / (2 * STEP))
     positions = np.array(columns).reshape(len(eqs.speed_names), -1).T
     constraints = np.vstack([positions, velocities])
-    return np.vstack(
-        [left - right, np.hstack([constraints, np.zeros((len(constraints), len(eqs.multiplier_names)))])]
-    )
+    others = np.zeros((len(constraints), len(unknowns) - len(eqs.speed_names)))
+    return np.vstack([left - right, np.hstack([constraints, others])])
 
 
 def solved_matrix(eqs: sb.EquationSet) -> NDArray[np.float64]:
     n, m = len(eqs.speed_names), len(eqs.multiplier_names)
     point = random_point(eqs)
-    mass = evaluate(eqs, eqs.roots("mass_matrix").nodes, point).reshape(n, n)
-    jacobian = evaluate(eqs, eqs.roots("jacobian").nodes, point).reshape(m, n)
+    mass = evaluator(eqs, eqs.roots("mass_matrix").nodes)(point).reshape(n, n)
+    jacobian = evaluator(eqs, eqs.roots("jacobian").nodes)(point).reshape(m, n)
     return np.block([[mass, -jacobian.T], [jacobian, np.zeros((m, m))]])
 
 
@@ -154,8 +175,10 @@ def check(model: sb.Model, folder: Path = ROOT) -> None:
     sections = {section.key: section for section in listed}
     counts = [len(sections[key].sides) for key in ("motion", "positions", "velocities") if key in sections]
     assert sum(counts) == len(eqs.speed_names) + len(eqs.multiplier_names)
-    if eqs.speed_names and not eqs.formed.friction:
-        assert rank(printed_matrix(eqs, sections)) == rank(solved_matrix(eqs))
+    laws = len(sections["friction"].sides) if "friction" in sections else 0
+    assert laws == sum(1 + law.reads_reaction for law in eqs.formed.friction)
+    if eqs.speed_names:
+        assert rank(printed_matrix(eqs, sections)) == rank(solved_matrix(eqs)) + laws
     check_writers(eqs, listed, folder)
 
 
@@ -184,7 +207,7 @@ def payload(eqs: sb.EquationSet, folder: Path) -> dict[str, Any]:
 @pytest.mark.parametrize(
     "name",
     [
-        *("skate", "skate_by_formula"),
+        *("skate", "skate_by_formula", "rubbing"),
         *(pytest.param(x, marks=pytest.mark.exhaustive) for x in ("coin", "ball_on_a_turntable")),
     ],
 )
@@ -205,7 +228,9 @@ def test_gallery(name: str) -> None:
     check(sb.load_model(ROOT / name), (ROOT / name).parent)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(1, 40))])
+@pytest.mark.parametrize(
+    "seed", [38, *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(40) if k != 38)]
+)
 def test_random_mechanisms(seed: int) -> None:
     check(build_model(random_mechanism(seed)))
 

@@ -221,7 +221,7 @@ def test_what_is_legal_stays_legal() -> None:
         (SpringDamper("s", "ground", "B", damping=-1), "the damping -1 is negative"),
         (
             Body("A", frames={"f": Frame(rotate=[("z", 90)])}),
-            '90 rad is more than a turn; degrees are written "90 deg"',
+            '90 rad is more than a turn; for degrees write "90 deg"',
         ),
         (
             Body("A", mass=1, inertia=(1e6, 1e6, 1e6), frames={"f": Frame(at=(0.1, 0, 0))}),

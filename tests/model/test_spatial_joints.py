@@ -202,7 +202,7 @@ def test_rotor_and_constraint() -> None:
 
 def test_constraint_without_motion_is_remarked() -> None:
     notes = Model("m", [Revolute("r", "ground", Body("A"), as_constraint=True)]).notes
-    assert any("as_constraint says nothing" in note for note in notes)
+    assert any("as_constraint has no effect" in note for note in notes)
 
 
 @pytest.mark.parametrize("joint", JOINTS)

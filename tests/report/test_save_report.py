@@ -56,6 +56,22 @@ def test_pages_of_examples(name: str, tmp_path: Path) -> None:
     assert page.formulas
 
 
+def test_a_report_begins_with_a_summary_and_ends_with_costs(tmp_path: Path) -> None:
+    """Face 46: a summary first, a capital letter, numbered equations, names typeset in notes, costs at the end."""
+    eqs = load("four_bar")
+    text = write(eqs, tmp_path / "x.html")
+    assert "<p>Four-bar has 1 degree of freedom.</p>" in text
+    assert text.index("<td>Crank, Coupler, Rocker</td>") < text.index("<figure>")
+    assert text.index('id="equations"') < text.index("Operations of each output")
+    assert "counter(equation)" in text and "dropped (lambda_C_3" not in text
+    tex = write(eqs, tmp_path / "x.tex", sections=["equations"])
+    equations = len(eqs.speed_names) + len(eqs.multiplier_names)
+    rows = [row for part in re.findall(r"begin{align}(.*?)end{align}", tex, re.DOTALL)
+            for row in part.strip("\n\\").split("\\\\\n")]  # fmt: skip
+    assert sum(r"\notag" not in row for row in rows) == equations
+    assert r"($\lambda_{C,3}$" in write(eqs, tmp_path / "y.tex", sections=["coordinates"])
+
+
 def test_every_kind_of_file(tmp_path: Path) -> None:
     eqs = load("slider_crank")
     run = sb.simulate(eqs, (0, 0.2))
@@ -107,7 +123,7 @@ def test_sections_are_chosen(tmp_path: Path) -> None:
 def test_missing_values_are_said(tmp_path: Path) -> None:
     parts = [sb.Body("B", mass="m"), sb.Prismatic("P", "ground", "B", coordinate="x")]
     text = write(sb.form_equations(sb.Model("bare", parts, parameters={"m": None})), tmp_path / "x.html")
-    assert "It is not drawn" in text
+    assert "No picture" in text
     assert "no value" in text
 
 
@@ -119,7 +135,7 @@ def test_large_mechanisms_are_counted(tmp_path: Path) -> None:
         for k in range(16)
     ]
     text = write(sb.form_equations(sb.Model("chain", [*bodies, *joints], (0, -9.81, 0))), tmp_path / "x.html")
-    assert "too large to be read" in text
+    assert "too large for the report" in text
     assert len(text) < 3_000_000
 
 
@@ -177,7 +193,7 @@ def test_modes_that_are_zero_and_inputs_that_are(suffix: str, tmp_path: Path) ->
     body, rail = sb.Body("B", mass=1), sb.Prismatic("P", "ground", "B", force=sb.Drive(applied="F"))
     eqs = sb.form_equations(sb.Model("driven", [body, rail], inputs=["F"]))
     text = write(eqs, tmp_path / f"x{suffix}", sections=["equilibrium"])
-    assert "inputs without a value are 0" in text
+    assert "inputs without a value are set to 0" in text
     assert not re.search(r"\b(nan|inf)\b", text)
 
 

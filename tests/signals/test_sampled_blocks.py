@@ -116,7 +116,7 @@ def test_tustin_leads_back_to_the_continuous_filter() -> None:
         (lambda: sb.Delay("z", "t", "T", sample=0.01), "block.delay_samples", "as numbers"),
         (lambda: sb.Delay("z", "t", 50, sample=0.01), "block.delay_samples", "1000 at most"),
         (lambda: sb.RateLimit("z", "t", 1), "block.time", "sample"),
-        (lambda: sb.RateLimit("z", "t", 1, 0.1, sample=0.1), "block.time", "leave time out"),
+        (lambda: sb.RateLimit("z", "t", 1, 0.1, sample=0.1), "block.time", "remove time"),
         (lambda: sb.Hysteresis("z", "t", 1, -1, 0.1), "block.thresholds", "exchange"),
     ],
 )  # fmt: skip

@@ -77,7 +77,7 @@ def test_text_of_an_output() -> None:
 @pytest.mark.parametrize("output", ["'effort motor'", "2*'effort motor' + 1"])
 def test_output_in_quotes_that_leads_back_is_refused(output: str) -> None:
     fault = refused(
-        lambda: sb.form_equations(arm(sb.Signal("T", output=output), torque="T")), words="in a ring"
+        lambda: sb.form_equations(arm(sb.Signal("T", output=output), torque="T")), words="in a cycle"
     )
     assert fault[0][1] == "signal T, output"
 
@@ -100,7 +100,7 @@ def test_a_block_of_several_outputs_keeps_its_own_name() -> None:
     block = sb.StateSpace("y", inputs=["theta"], A=[[-1]], B=[[1]], C=[[1], [2]])
     ((code, where),) = codes(block, sb.Signal("y", "2*theta"))
     assert code == "names.duplicate" and "signal y" in where and "block y" in where
-    refused(lambda: arm(block, torque="y"), words="is a block, which cannot stand here")
+    refused(lambda: arm(block, torque="y"), words="is a block, which is not allowed here")
     assert sb.form_equations(arm(block, torque="y_2")).signal_state_names == ("y_x1",)
 
 
@@ -121,4 +121,6 @@ def test_fixed_states_of_signals_are_no_question_of_equilibrium() -> None:
 def test_a_law_that_reads_its_own_input_names_what_leads_there() -> None:
     parts = [sb.Signal("pull", output="theta_ddot"), sb.Signal("more", "pull + 1")]
     eqs = sb.form_equations(arm(*parts, torque="F", inputs=("F",)))
-    refused(lambda: sb.simulate(eqs, 1, inputs={"F": "2*more + theta"}), words="its law reads more, which")
+    refused(
+        lambda: sb.simulate(eqs, 1, inputs={"F": "2*more + theta"}), words="its formula reads more, which"
+    )

@@ -94,7 +94,7 @@ def test_what_check_tells_of_constraints() -> None:
     model = sb.Model("geared", [*four_bar().model.elements[:4], *gear], ground=four_bar().model.ground)
     lines = summary(model, sb.form_equations(model))
     assert "  g     gear      a, d  holds 1 in position" in lines
-    assert "  idle  equation        holds nothing that is not held already" in lines
+    assert "  idle  equation        holds nothing that is not already held" in lines
 
 
 def test_code_and_plots_of_constrained_motions() -> None:

@@ -60,7 +60,7 @@ def test_lengths_and_masses_are_not_in_degrees() -> None:
         lambda: sb.Model("m", [sb.Body("B", mass="30 deg")]),
         lambda: sb.Model("m", [*slide, sb.Distance("d", "ground", "B", "30 deg")]),
     ):
-        with pytest.raises(sb.SymbodyError, match="deg is understood for angles alone") as caught:
+        with pytest.raises(sb.SymbodyError, match="deg is allowed for angles only") as caught:
             refused()
         assert caught.value.problems[0].code == "model.not_an_angle"
 

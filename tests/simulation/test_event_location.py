@@ -7,9 +7,9 @@ import pytest
 
 import symbody as sb
 from symbody.kernels.events import event_watch
-from symbody.kernels.events import watch_block as at
+from symbody.kernels.events.event_monitor import ENDS, RECORDS, STOPS, EventMonitor
 from symbody.kernels.language import Reals
-from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, event_rows, make_watch_block
+from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from tests.simulation.test_events import at_rest, times_of
 
 
@@ -46,9 +46,10 @@ def test_all_integrators_share_one_search(integrator: object) -> None:
 def test_python_runs_the_search(direction: float) -> None:
     """A straight motion x = t in two steps; values (x^2 - 2) (x - 1/2)^2 and x - 2.5, found by Python alone."""
     numbers = WatchNumbers(2, 1, np.zeros(32), np.zeros(0), np.zeros(0))
-    events = [WatchedEvent(0, at.RECORDS, False, ()), WatchedEvent(0, at.STOPS, False, ())]
+    events = [WatchedEvent(0, RECORDS, False, ()), WatchedEvent(0, STOPS, False, ())]
     block = make_watch_block(events, numbers)
-    block[[at.DIRECTION, at.SPAN, at.PIECE_ROWS, at.HAPPENED_ROOM]] = direction, 3.0, 4.0, 32.0
+    monitor = EventMonitor(block.tolist())
+    monitor.direction, monitor.span, monitor.piece_rows, monitor.happened_room = direction, 3.0, 4, 32
     breaks = np.array([0.0, 1.25, 3.0]) if direction > 0.0 else np.array([3.0, 1.25, 0.0])
     pieces = np.zeros((2, 4, 2))
     pieces[:, 0], pieces[:, 1] = breaks[:-1, np.newaxis], np.diff(breaks)[:, np.newaxis]
@@ -58,18 +59,27 @@ def test_python_runs_the_search(direction: float) -> None:
         out[1] = u[0] - 2.5
         return 0
 
-    watch, happened = Reals(block.tolist()), Reals.zeros(32 * 4)
+    happened = Reals.zeros(32 * 4)
     code = event_watch.look(
-        values, values, values, watch, Reals(breaks.tolist()), Reals(pieces.ravel().tolist()), happened, 2, 1
+        values,
+        values,
+        values,
+        monitor,
+        Reals(breaks.tolist()),
+        Reals(pieces.ravel().tolist()),
+        happened,
+        2,
+        1,
     )
-    assert code == at.ENDS
-    found = [(int(happened[4 * k]), happened[4 * k + 1]) for k in range(int(watch[at.HAPPENED]))]
+    assert code == ENDS
+    found = [(int(happened[4 * k]), happened[4 * k + 1]) for k in range(monitor.happened)]
     if direction > 0.0:
         assert [place for place, _ in found] == [0, 0, 1]
         assert [t for _, t in found] == pytest.approx([0.5, np.sqrt(2.0), 2.5], abs=1e-12)
     else:  # the stop comes first
         assert found == [(1, 2.5)]
-    assert event_rows(block)[0, at.MOST] > event_rows(block)[1, at.MOST]
+    recording, stopping = monitor.events
+    assert recording.most > stopping.most
 
 
 @pytest.mark.parametrize("integrator", [None, sb.FixedStep(0.1), sb.Stiff()])

@@ -93,10 +93,10 @@ def test_a_late_time_happens_once(at: float, integrator: object) -> None:
 @pytest.mark.parametrize(
     ("value", "times", "word"),
     [
-        ("1/(t - 1)", [], "pole at t = 1 s"),
-        ("tan(t)", [], "pole at t = 1.5708 s"),
-        ("1/sin(3*t)", [], "pole at t = 1.0472 s"),
-        ("1/(t - 1) + 1/(t - 2)", [1.5], "pole at t = 1 s"),
+        ("1/(t - 1)", [], "at t = 1 s at a pole"),
+        ("tan(t)", [], "at t = 1.5708 s at a pole"),
+        ("1/sin(3*t)", [], "at t = 1.0472 s at a pole"),
+        ("1/(t - 1) + 1/(t - 2)", [1.5], "at t = 1 s at a pole"),
         ("1/(t - 1)**2 - 4", [0.5, 1.5], ""),
         ("floor(t) - 0.5", [1.0], ""),
         ("t - floor(t) - 0.5", [0.5, 1.0, 1.5, 2.0, 2.5], ""),

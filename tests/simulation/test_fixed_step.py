@@ -141,7 +141,7 @@ def test_flat_poses_between_steps_are_noted(step: float) -> None:
     eqs = wheels_on_a_rod([0.0, 1.0])
     start = {"a0": 1.0, "a1": 1.0, "b0": -1.0, "a0_dot": 9.0, "a1_dot": 9.0}
     run = sb.simulate(eqs, 0.3, start, integrator=sb.FixedStep(step))
-    noted = [note for note in run.notes if "almost follow from others" in note]
+    noted = [note for note in run.notes if "are almost redundant" in note]
     assert len(noted) == 1
     t = (np.pi - 1.0) / 9.0
     assert float(noted[0].split()[3]) == pytest.approx(t, abs=20 * step)

@@ -148,7 +148,7 @@ def test_of_what_is_too_fast_rho_remains(rho: float) -> None:
     first, second = 100, 200
     share = (sizes[second] / sizes[first]) ** (1.0 / (second - first))
     assert share == pytest.approx(rho, rel=0.03)
-    assert f"{rho:g} remains after each step" in run.notes[-1]
+    assert f"by a factor of {rho:g} per step" in run.notes[-1]
 
 
 def test_rho_1_damps_nothing() -> None:

@@ -188,6 +188,27 @@ def test_first_values_hold_and_those_in_contradiction_follow(run: Runner) -> Non
 
 
 @needs_node
+def test_leaders_share_what_is_set_although_their_coupling_is_substituted(run: Runner) -> None:
+    """With moments 1 and 3 of a and c, and a - k b - c = 0: least move and least energy; then the same from where it is."""
+    bodies = [sb.Body(name, inertia=(0, 0, moment)) for name, moment in (("A", 1), ("B", 5), ("C", 3))]
+    joints = [sb.Revolute(f"J{x}", "ground", x, coordinate=x.lower()) for x in "ABC"]
+    model = sb.Model("shafts", [*bodies, *joints, sb.Constraint("K", "a - k*b - c")], parameters={"k": 1.0})
+    eqs = sb.form_equations(model, substitute=True)
+    found = run(
+        program(eqs, tunable=("k",)),
+        's.setInitial({ b: 0.2, b_dot: -1 }, "b"); result = [list(s.state)];'
+        's.setParameter("k", 1.1); result.push(list(s.state));',
+    )
+    names = eqs.state_names
+    first, second = (dict(zip(names, state, strict=False)) for state in found)
+    whole = sb.Stepper(sb.form_equations(model), 0.1, initial={"b": 0.2, "b_dot": -1.0})
+    for seen, expected in ((first, whole), (second, whole.copy().set(k=1.1))):
+        for name in names:
+            assert seen[name] == pytest.approx(expected[name], abs=1e-14)
+    assert first["c"] == pytest.approx(-0.1) and first["c_dot"] == pytest.approx(0.25)
+
+
+@needs_node
 def test_a_pulled_body_comes_to_the_pointer_and_its_work_is_counted(run: Runner) -> None:
     eqs = equations("rr_robot")
     found = run(
@@ -201,6 +222,12 @@ def test_a_pulled_body_comes_to_the_pointer_and_its_work_is_counted(run: Runner)
     first, pulled, place, goal, is_pulled, later, still_pulled = found
     assert pulled == pytest.approx(first, abs=1e-5) and later == pytest.approx(first, abs=1e-5)
     assert np.linalg.norm(np.subtract(place, goal)) < 0.25 and is_pulled and not still_pulled
+
+
+def test_bodies_without_joints_can_be_pulled() -> None:
+    bodies = [sb.Body(name, mass=1, inertia=(1, 1, 1)) for name in "AB"]
+    eqs = sb.form_equations(sb.Model("loose", [*bodies, sb.Revolute("J", "ground", "A", coordinate="a")]))
+    assert program(eqs).motion.wrench is not None
 
 
 @pytest.mark.parametrize(

@@ -142,7 +142,7 @@ def test_older_files_take_the_model(tree: Any, tmp_path: Path) -> None:
     assert (old.model, old.parameters) == (None, {})
     with pytest.raises(UsageError, match="did you mean|stores further"):
         old["energy"]
-    with pytest.raises(UsageError, match="does not say which mechanism"):
+    with pytest.raises(UsageError, match="does not contain its mechanism"):
         old.of_model()
     loaded = sb.Trajectory.load(path, CRANK)
     assert loaded.model == CRANK
@@ -169,7 +169,7 @@ DAMAGE: dict[str, Callable[[dict[str, Any]], object]] = {
     "deep formula": lambda record: record.update(parameters={"m1": "(" * 100_000}),
     "trees are numbers": lambda record: record.update(rotation_tree=[1, 2]),
     "table without points": lambda record: record.update(tables={"F": ["linear", "hold"]}),
-    "table of another kind": lambda record: record.update(tables={"F": "linear"}),
+    "table has another type": lambda record: record.update(tables={"F": "linear"}),
     "switches": lambda record: record.update(switches="yes"),
 }
 

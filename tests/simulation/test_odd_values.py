@@ -84,7 +84,7 @@ def test_the_spin_of_a_rod_that_nothing_resists_is_noted(angles: str) -> None:
     names = eqs.coordinate_names
     first = {names[0]: 0.3, names[1]: 0.7, names[2]: 0.2} if angles != "quaternion" else {}
     run = sb.simulate(eqs, 0.1, {**first, eqs.speed_names[0]: 1.0, eqs.speed_names[2]: 2.0})
-    assert any("no mass or inertia resists" in note and eqs.speed_names[2] in note for note in run.notes)
+    assert any("no mass or inertia" in note and eqs.speed_names[2] in note for note in run.notes)
 
 
 def test_a_value_of_a_call_may_read_parameters_that_stand_behind_it() -> None:

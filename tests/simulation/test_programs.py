@@ -110,7 +110,9 @@ def test_a_program_says_how_it_ended(tmp_path: Path) -> None:
 
 def test_what_cannot_be_a_program_is_refused() -> None:
     eqs = example("spring_mass_damper")
-    with pytest.raises(sb.UsageError, match="no program can be written in 'cobol'\n.*c, javascript, python"):
+    with pytest.raises(
+        sb.UsageError, match="programs cannot be generated in 'cobol'\n.*c, javascript, python"
+    ):
         sb.generate_simulation(eqs, 1.0, "cobol")
     with pytest.raises(sb.UsageError, match="inputs F are computed in Python\n.*give formulas"):
         sb.generate_simulation(eqs, 1.0, inputs={"F": lambda t, q, u: 1.0})

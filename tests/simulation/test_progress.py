@@ -58,6 +58,7 @@ def test_what_cannot_be_told_is_an_error() -> None:
     wrong: Any = 3
     for call in (lambda: simulate(eqs, SECOND, progress=wrong), lambda: sweep(eqs, SECOND, progress=wrong)):
         with pytest.raises(
-            UsageError, match="progress = 3 is neither a switch nor a function\n.*give True for a bar"
+            UsageError,
+            match="progress = 3 is neither True, False nor a function\n.*give True for a progress bar",
         ):
             call()

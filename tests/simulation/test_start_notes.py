@@ -40,7 +40,7 @@ def test_values_of_the_file_count_and_displacements_do_not() -> None:
 def test_bodies_without_a_joint_are_named() -> None:
     eqs = pendulum(sb.Body("Lost", mass=1, inertia=(1, 1, 1)))
     notes = sb.simulate(eqs, 0.1).notes
-    assert "body Lost has no joint and moves freely, with six freedoms" in notes
+    assert "body Lost has no joint and moves freely, with six degrees of freedom" in notes
     falling = sb.form_equations(sb.Model("stone", [sb.Body("Stone", mass=1, inertia=(1, 1, 1))]))
     assert not any("no joint" in note for note in sb.simulate(falling, 0.1).notes)  # meant to fly
 
@@ -55,7 +55,9 @@ def test_a_mechanism_that_cannot_move_says_so() -> None:
     ]
     ground = {"post": sb.Frame(at=(2, 2, 0))}
     model = sb.Model("triangle", [*bars, *joints], ground=ground, initial={"phi": "0.1", "psi": "pi/2"})
-    (note,) = [note for note in sb.simulate(sb.form_equations(model), 0.1).notes if "no freedom" in note]
+    (note,) = [
+        note for note in sb.simulate(sb.form_equations(model), 0.1).notes if "no degree of freedom" in note
+    ]
     assert "2 constraints for 2 speeds" in note
 
 

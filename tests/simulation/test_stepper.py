@@ -82,7 +82,7 @@ def test_every_method_takes_steps(integrator: Any, constraints: Any) -> None:
     assert difference(stepper, run) < 2e-6
     assert np.abs(stepper["constraints"]).max() < 1e-7
     slow = isinstance(integrator, sb.Stiff) or isinstance(constraints, sb.GGL | sb.Partition)
-    assert any("motion of its own" in note for note in stepper.notes) is slow
+    assert any("separate simulation" in note for note in stepper.notes) is slow
 
 
 def test_loops_stay_closed() -> None:
@@ -438,6 +438,6 @@ def test_arguments_that_mean_nothing(code: str, options: dict[str, Any]) -> None
 
 def test_inputs_by_names_alone() -> None:
     stepper = sb.Stepper(example("rr_robot"), 0.01, inputs=["T2"])
-    assert stepper.notes == ("input T1 has no law and is 0",)
+    assert stepper.notes == ("input T1 has no formula and is 0",)
     run = sb.simulate(example("rr_robot"), 0.01, inputs={"T2": 3.0})
     assert difference(stepper.step(T2=3.0), run) < 1e-8

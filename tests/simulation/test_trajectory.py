@@ -69,7 +69,7 @@ def test_names_read_rows_stored_arrays_and_outputs() -> None:
     np.testing.assert_array_equal(swing["v_dot"], -swing.q[0])
     assert swing["frame r"].shape == (3, swing.t.size)
     assert swing.success
-    assert swing.status.value == "the motion was computed to its end"
+    assert swing.status.value == "the motion was computed to the end"
     assert repr(swing).startswith("<Trajectory 'swing': ")
     assert repr(swing).endswith(" (t = 0 to 5 s), 1 coordinate, 1 speed, SUCCESS>")
 
@@ -119,7 +119,7 @@ def test_times_that_are_not_in_the_motion_are_refused() -> None:
         trajectory().at(5.5)
     with pytest.raises(UsageError, match="more than one axis"):
         trajectory().at([[1.0]])
-    with pytest.raises(UsageError, match="between the samples was not kept.*\n.*times="):
+    with pytest.raises(UsageError, match="between the samples was not stored.*\n.*times="):
         trajectory(dense_output=None).at(1.0)
 
 
@@ -178,7 +178,7 @@ def test_a_file_keeps_all_but_the_equations(tmp_path: Path) -> None:
     assert repr(loaded) == repr(swing)
     for attribute in ("statistics", "units", "notes", "name", "coordinate_names"):
         assert getattr(loaded, attribute) == getattr(swing, attribute)
-    with pytest.raises(UsageError, match="only names that were stored"):
+    with pytest.raises(UsageError, match="has stored names only"):
         loaded["energy"]
 
 

@@ -209,7 +209,7 @@ def test_an_installation_without_pages_says_how_to_get_them(
 ) -> None:
     monkeypatch.undo()
     monkeypatch.setattr(page_module, "_FOLDER", "no pages")
-    with pytest.raises(EnvironmentFault, match="no pages to show(.|\n)*Node 20") as caught:
+    with pytest.raises(EnvironmentFault, match="not include the pages(.|\n)*Node 20") as caught:
         sb.animate(four_bar(), tmp_path / "page.html")
     assert caught.value.problems[0].code == "animation.no_pages"
     assert list(tmp_path.iterdir()) == []

@@ -133,7 +133,7 @@ def test_runs_without_dense_output_show_their_samples(tmp_path: Path) -> None:
     places = np.searchsorted(times, motion.times)
     np.testing.assert_allclose(motion.positions[:, 0].T, case["frame r Crank"][:, places], atol=1e-14)
     assert make_motion(case, scene, times=times[2:4]).times.tolist() == times[2:4].tolist()
-    with pytest.raises(UsageError, match="between the samples was not kept"):
+    with pytest.raises(UsageError, match="between the samples was not stored"):
         make_motion(case, scene, times=[0.123])
 
 

@@ -40,7 +40,7 @@ def test_what_cannot_be_drawn_of_a_sweep(expressions: tuple[Any, ...], code: str
     with pytest.raises(sb.UsageError) as caught:
         sb.plot(sweep, *expressions)
     assert caught.value.problems[0].code == code
-    with pytest.raises(sb.UsageError, match="leave ax out"):
+    with pytest.raises(sb.UsageError, match="remove ax"):
         sb.plot(sweep, "x", "x_dot", ax=sb.plot(sweep))
 
 

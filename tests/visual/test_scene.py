@@ -217,7 +217,7 @@ def test_parameters_without_value_are_noted() -> None:
         "m", [sb.Revolute("j", "ground", body["pin"])], parameters={"m": None, "L": None, "J": "m*L"}
     )
     scene = make_scene(model)
-    assert scene.notes == ("m, L have no value: drawn as if 1",)
+    assert scene.notes == ("m, L have no value: the picture uses 1",)
     assert np.all(np.isfinite(numbers(scene)))
 
 

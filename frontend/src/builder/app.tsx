@@ -78,7 +78,7 @@ function Editor(): ReactElement {
       <div className="bars"><ServerBar /><OutsideBar /><Panels /></div>
       <div className="columns">
         <LeftSide />
-        <Splitter name="left" label="Width of the left side" upright sizes={sizes} change={change} />
+        <Splitter name="left" label="Width of the left panel" upright sizes={sizes} change={change} />
         <main className="middle">
           {layout === "draw" && <Diagram />}
           {layout === "draw" && <Splitter name="lower" label="Height of the lower panels" upright={false} sizes={sizes} change={change} />}
@@ -116,15 +116,15 @@ function SkipLinks(): ReactElement {
   );
 }
 
-/** The file was changed by another program. */
+/** Another program changed the file. */
 function OutsideBar(): ReactElement | null {
   const outside = useStore((state) => state.outside);
   if (!outside) return null;
   return (
     <div className="outside" role="alert">
-      <Icon name="warning" size={16} /> The file was changed by another program.
-      <button type="button" className="button small" onClick={() => { void reloadFile(); }}>Read it again</button>
-      <button type="button" className="button small" onClick={() => { void save(true); }}>Overwrite it</button>
+      <Icon name="warning" size={16} /> Another program changed the file.
+      <button type="button" className="button small" onClick={() => { void reloadFile(); }}>Reload</button>
+      <button type="button" className="button small" onClick={() => { void save(true); }}>Overwrite</button>
       <button type="button" className="button small" onClick={() => { useStore.setState({ dialog: "saveAs" }); }}>Save as…</button>
     </div>
   );
@@ -168,7 +168,7 @@ function LowerTabs(): ReactElement {
             {title}{(counts[name] ?? 0) > 0 && <span className={`count${name === "notes" ? " quiet" : ""}`}>{counts[name]}</span>}
           </button>
         ))}</div>
-        <button type="button" className="icon-button end" aria-pressed={large} aria-label="Give results the whole window" title="Give results the whole window (double-click the tabs)" onClick={resize}><Icon name="wide" size={15} /></button>
+        <button type="button" className="icon-button end" aria-pressed={large} aria-label="Maximize results" title="Maximize results (double-click the tabs)" onClick={resize}><Icon name="wide" size={15} /></button>
       </div>
       <div className="tab-body" role="tabpanel" aria-label={LOWER.find(([name]) => name === tab)?.[1]}><Content /></div>
     </section>

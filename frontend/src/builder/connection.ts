@@ -19,11 +19,11 @@ function noteServer(server: ServerState): void {
 export const ABSENCES: Readonly<Record<Exclude<ServerState, "here">, { readonly what: string; readonly fix: string }>> = {
   gone: {
     what: "the server of this page does not answer",
-    fix: `start it again with symbody builder --port ${location.port}: edits are kept in this page`,
+    fix: `restart it with symbody builder --port ${location.port}; this page keeps your edits`,
   },
   other: {
-    what: "symbody builder was started again, and this page is of the run before",
-    fix: "open the address that the new run prints, in this browser: this page then goes on, with all edits",
+    what: "symbody builder was restarted, and this page belongs to the previous run",
+    fix: "open the address that the new run prints in this browser; this page then continues with all edits",
   },
 };
 

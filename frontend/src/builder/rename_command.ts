@@ -20,7 +20,7 @@ function takenBy(name: string, kind: string): string {
 /** Return why an entry cannot have a name, or "" where it can: elements are apart from symbols, but those that are symbols. */
 export function refusalOfName(id: EntryId, name: string): string {
   const { data } = useStore.getState();
-  if (id.startsWith(`${PART}/`)) return "A part keeps its prefix here: change it in the file.";
+  if (id.startsWith(`${PART}/`)) return "The prefix of a part cannot be changed here: change it in the file.";
   if (name === entryAt(data, id)?.name) return "";
   const section = id.split("/")[0]!;
   if (section !== INPUTS && namesOf(data).has(name)) return takenBy(name, "element");
@@ -69,6 +69,6 @@ export function acceptFrameName(id: EntryId, before: string, text: string): stri
 export function acceptKey(rows: Json | undefined, before: string, text: string, rename: (data: Model, before: string, after: string) => Model): string {
   const name = text.trim();
   const taken = typeof rows === "object" && rows !== null && name !== before && name in rows;
-  const refusal = name === "" ? "A name is needed." : taken ? `${name} is there already.` : "";
+  const refusal = name === "" ? "A name is needed." : taken ? `${name} already exists.` : "";
   return accept(refusal, (_, data) => rename(data, before, name));
 }

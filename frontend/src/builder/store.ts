@@ -24,6 +24,8 @@ export interface OpenDocument {
   readonly path: string | null;
   readonly name: string;
   readonly fingerprint: string | null;
+  /** What the file says behind its parameters. */
+  readonly comments: Readonly<Record<string, string>>;
 }
 
 /** Whether the server of this page answers; "other": one answers that was started later. */
@@ -163,7 +165,7 @@ export function undo(): void {
 export function redo(): void {
   endGesture();
   history.getState().redo();
-  afterTravel("Done again");
+  afterTravel("Redone");
 }
 
 function afterTravel(spoken: string): void {
@@ -201,7 +203,7 @@ export function showDocument(answer: DocumentAnswer): void {
   useStore.setState({
     data: answer.data,
     saved: answer.data,
-    document: { id: answer.document, path: answer.path, name: answer.name, fingerprint: answer.fingerprint },
+    document: { id: answer.document, path: answer.path, name: answer.name, fingerprint: answer.fingerprint, comments: answer.comments },
     openProblems: answer.problems,
     selection: [], check: null, checked: null, popup: null, dialog: null, outside: false, renaming: null, notice: [],
     run: null, equations: null, analysis: null, simulated: null, showsMotion: false, highlighted: [], glowing: [], posed: null, dragged: null, pictureNote: "",

@@ -77,6 +77,8 @@ export interface DocumentAnswer {
   readonly data: Model;
   readonly fingerprint: string | null;
   readonly problems: readonly Problem[];
+  /** What the file says behind its parameters. */
+  readonly comments: Readonly<Record<string, string>>;
   readonly wires: readonly ServedWire[];
 }
 
@@ -95,7 +97,7 @@ export interface Chord {
 export interface Summary {
   readonly coordinates: readonly string[];
   readonly speeds: readonly string[];
-  /** Of coordinates: "rad", "m", or "" of quaternions. */
+  /** Of coordinates and parameters: "" of quaternions, and of parameters whose places leave their unit open. */
   readonly units: Readonly<Record<string, string>>;
   readonly freedoms: number | null;
   readonly instant_freedoms: number | null;

@@ -2,7 +2,7 @@
 
 import { create, setText } from "../player/dom";
 import { icon, type IconName } from "../player/icons";
-import { printedUnit } from "../player/readable";
+import { inPrint, printedUnit } from "../player/readable";
 import type { Control, Kind } from "./simulation";
 
 const TITLES: Record<Kind, string> = { parameter: "Parameters", input: "Inputs", initial: "Starts from" };
@@ -101,8 +101,8 @@ export class Bench {
   showReadings({ time, total, change, violation }: Readings): void {
     setText(this.readings.time, `${time.toFixed(2)}\u202fs`);
     setText(this.readings.total, `${fixedNumber(total)}\u202fJ`);
-    setText(this.readings.change, `${roughNumber(change)}\u202fJ`);
-    setText(this.readings.violation, roughNumber(violation));
+    setText(this.readings.change, `${inPrint(change, 1)}\u202fJ`);
+    setText(this.readings.violation, inPrint(violation, 1));
   }
 
   /** Say why something did not work; nothing with an empty text. */
@@ -123,8 +123,8 @@ export class Bench {
     const names: Record<keyof Readings, readonly [string, string]> = {
       time: ["Time", "Time of the motion"],
       total: ["Energy", "Kinetic and potential energy"],
-      change: ["Energy drift", "Energy less its first value and the work of inputs, dampers and the pointer: what the integration adds or loses"],
-      violation: ["Constraint error", "The largest position constraint over the mechanism's size"],
+      change: ["Energy drift", "Energy minus its initial value and the work of inputs, dampers and the pointer: the energy that integration adds or loses"],
+      violation: ["Constraint error", "Largest error of the position constraints, relative to the size of the mechanism"],
     };
     const rows = (Object.keys(names) as (keyof Readings)[]).flatMap((key) => [
       create("dt", { title: names[key][1] }, names[key][0]),
@@ -154,12 +154,6 @@ function speedChoice(first: number, change: (speed: number) => void): HTMLElemen
 function shortNumber(value: number): string {
   return String(Number(value.toPrecision(4))).replace("-", "\u2212");
 }
-
-/** Return a small number by its size. */
-function roughNumber(value: number): string {
-  return value === 0 ? "0" : value.toExponential(0).replaceAll("-", "\u2212");
-}
-
 
 function fixedNumber(value: number): string {
   const text = Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(3) : value.toPrecision(5);

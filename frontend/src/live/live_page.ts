@@ -15,10 +15,10 @@ const STEP = 1 / 60; // seconds
 const TRIALS = 64;
 
 const CAUSES: Readonly<Record<string, string>> = {
-  COLLAPSED: "The steps became too short to go on: something changes too fast.",
+  COLLAPSED: "The steps became too short to continue: something changes too fast.",
   NOT_FINITE: "An acceleration is not finite.",
-  SINGULAR: "The accelerations are not determined: the mass matrix or the constraints are singular here.",
-  FINISHED: "The page simulates no further than this time. Reset it to go on.",
+  SINGULAR: "The accelerations are undetermined: the mass matrix or the constraints are singular here.",
+  FINISHED: "The page simulates up to this time only. Reset it to continue.",
 };
 
 /** What Python wrote as MathML: the symbols of the sliders, and the equations if they can be read. */
@@ -132,7 +132,7 @@ export class LivePage {
   private failure({ kind, name, unit }: Control, value: number): string {
     const last = kind === "parameter" ? this.simulation.parameter(name) : this.simulation.initial(name);
     const [asked, kept] = [value, last].map((each) => `${Number(each.toPrecision(4))}${unit === "" ? "" : ` ${unit}`}`);
-    return `The mechanism cannot be assembled with ${name} = ${asked!}. It goes on with ${kept!}.`;
+    return `The mechanism cannot be assembled with ${name} = ${asked!}. The last value, ${kept!}, is used.`;
   }
 
   private followShapes(name: string): void {

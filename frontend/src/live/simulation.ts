@@ -63,9 +63,9 @@ export interface LiveData {
 
 /** Return what a page says of its sliders, or throw a `DataError`. */
 export function readLive(value: unknown): LiveData {
-  if (typeof value !== "object" || value === null) throw new DataError("live", "this page carries no sliders");
+  if (typeof value !== "object" || value === null) throw new DataError("live", "this page has no sliders");
   const { controls, tables } = value as Record<string, unknown>;
-  if (!Array.isArray(controls) || !Array.isArray(tables)) throw new DataError("live", "is cut off");
+  if (!Array.isArray(controls) || !Array.isArray(tables)) throw new DataError("live", "is truncated");
   for (const control of controls as Partial<Control>[]) {
     if (typeof control.name !== "string" || !KINDS.includes(control.kind!) || !(control.min! < control.max!)) {
       throw new DataError("live.controls", "is damaged");

@@ -99,7 +99,7 @@ const ACTIONS: Record<Command, Action> = {
   zoomOut: camera((rig) => { rig.zoom(1 / 1.15); }),
   follow: ({ settings }) => {
     settings.set("follow", !settings.values.follow);
-    return settings.values.follow ? "The camera tracks" : "The camera stays";
+    return settings.values.follow ? "The camera follows" : "The camera stands still";
   },
   frames: toggle("frames"),
   joints: toggle("joints"),

@@ -12,7 +12,7 @@ export interface PlayerData {
 
 /** Return checked data of a JSON value, or throw a `DataError`. */
 export function decodeData(value: unknown): PlayerData {
-  if (typeof value !== "object" || value === null) throw new DataError("data", "this page carries no mechanism");
+  if (typeof value !== "object" || value === null) throw new DataError("data", "this page has no mechanism");
   const { scene: sceneValue, motion, title, options } = value as Record<string, unknown>;
   const scene = decodeScene(sceneValue);
   const moved = motion === null || motion === undefined ? null : decodeMotion(motion, scene.bodies.length);
@@ -20,6 +20,6 @@ export function decodeData(value: unknown): PlayerData {
     scene,
     source: sourceOf(scene, moved),
     title: typeof title === "string" && title !== "" ? title : scene.name,
-    settings: settingsFrom(options),
+    settings: settingsFrom(options, scene.bodies.length - 1),
   };
 }

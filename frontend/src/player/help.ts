@@ -9,7 +9,7 @@ const HINTS = [
   ["Right drag, or Shift + drag", "Pan"],
   ["Wheel, or two fingers", "Zoom"],
   ["Click a part", "Select it"],
-  ["Drag across a plot", "Enlarge it; double-click shows all"],
+  ["Drag across a plot", "Zoom in; double-click shows all"],
 ] as const;
 
 export function helpDialog(): HTMLDialogElement {

@@ -66,7 +66,7 @@ export class Tooltip extends ElementCard {
 
 export class SelectionCard extends ElementCard {
   constructor(viewer: Viewer) {
-    const close = create("button", { type: "button", class: "sb-button sb-small", "aria-label": "Select nothing" }, icon("close"));
+    const close = create("button", { type: "button", class: "sb-button sb-small", "aria-label": "Clear the selection" }, icon("close"));
     close.addEventListener("click", () => { viewer.select(null); });
     super(viewer, "sb-card sb-selection", close);
   }

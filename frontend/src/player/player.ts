@@ -214,7 +214,7 @@ export class Player {
       canvas.tabIndex = 0;
       canvas.setAttribute("role", "img");
       if (this.context.embedded === true) zoomWhenFocused(viewer);
-      canvas.setAttribute("aria-label", `${title}: picture in three dimensions. Press question mark for keys.`);
+      canvas.setAttribute("aria-label", `${title}: 3-D picture. Press question mark for keys.`);
       corner.append(this.triad.element);
     }
     stage.append(create("h1", { class: "sb-title" }, title), this.toolbar.element, corner);
@@ -296,8 +296,8 @@ function webglMessage(curves: boolean): HTMLElement {
   return create(
     "div",
     { class: "sb-message", role: "alert" },
-    create("h2", {}, "No picture in three dimensions"),
-    create("p", {}, "This browser offers no WebGL. Turn on hardware acceleration in its settings, or open the file in another browser."),
-    create("p", {}, curves ? "The curves and the time go on working." : "The time goes on working."),
+    create("h2", {}, "No 3-D picture"),
+    create("p", {}, "This browser does not support WebGL. Turn on hardware acceleration in its settings, or open the file in another browser."),
+    create("p", {}, curves ? "Curves and time still work." : "Time still works."),
   );
 }

@@ -55,3 +55,12 @@ export function printedUnit(unit: string): string {
 export function raised(digits: string): string {
   return digits.replace(/./g, (each) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹".charAt("-0123456789".indexOf(each)));
 }
+
+/** Return a number as it is written in print, such as −3·10⁻⁸. */
+export function inPrint(value: number, digits = 2): string {
+  if (value === 0) return "0";
+  const [mantissa = "", power = "0"] = value.toExponential(digits - 1).split("e");
+  const exponent = Number(power);
+  if (exponent >= -3 && exponent < 4) return String(Number(value.toPrecision(digits))).replace("-", "\u2212");
+  return `${Number(mantissa) === 1 ? "" : `${Number(mantissa)}·`}10`.replace("-", "\u2212") + raised(String(exponent));
+}

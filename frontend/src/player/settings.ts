@@ -67,9 +67,16 @@ const CHOICES: Partial<Record<keyof SettingValues, readonly unknown[]>> = {
   traceMode: ["past", "whole"],
 };
 
+const MOST_NAMED = 6;
+
+/** Return the settings of a picture of so many bodies: names stand beside a few, and would hide many. */
+export function defaultsFor(bodies: number): SettingValues {
+  return { ...DEFAULTS, labels: bodies <= MOST_NAMED };
+}
+
 /** Return settings from the data's options; what has another type or is unknown is left out. */
-export function settingsFrom(options: unknown): SettingValues {
-  const values: SettingValues = { ...DEFAULTS };
+export function settingsFrom(options: unknown, bodies: number): SettingValues {
+  const values = defaultsFor(bodies);
   if (typeof options !== "object" || options === null) return values;
   for (const [name, value] of Object.entries(options as Record<string, unknown>)) {
     if (isSetting(name) && fits(name, value)) Object.assign(values, { [name]: value });

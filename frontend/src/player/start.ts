@@ -19,12 +19,12 @@ export function startPage(show: (root: HTMLElement, data: PlayerData, value: Rec
 }
 
 function damaged(error: unknown): HTMLElement {
-  const reason = error instanceof SyntaxError ? "its data are cut off or changed" : error instanceof Error ? error.message : String(error);
+  const reason = error instanceof SyntaxError ? "its data are truncated or changed" : error instanceof Error ? error.message : String(error);
   return create(
     "div",
     { class: "sb-damaged", role: "alert" },
     create("h1", {}, "This page cannot be shown"),
     create("p", {}, `${reason}.`),
-    create("p", {}, "Write it again with symbody, and copy the file as a whole."),
+    create("p", {}, "Create it again with symbody, and copy the complete file."),
   );
 }

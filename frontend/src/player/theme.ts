@@ -7,8 +7,10 @@ const QUERIES = ["(prefers-color-scheme: dark)", "(prefers-contrast: more)", "(f
 /** Return the theme of a choice now. */
 export function resolveTheme(choice: ThemeChoice, matches: (query: string) => boolean = matchesMedia): ThemeName {
   if (choice !== "auto") return choice;
-  if (matches("(prefers-contrast: more)") || matches("(forced-colors: active)")) return "contrast";
-  return matches("(prefers-color-scheme: dark)") ? "dark" : "light";
+  const dark = matches("(prefers-color-scheme: dark)");
+  // With forced colours the canvas is the system's: a palette for a black one cannot be read on white.
+  if (matches("(forced-colors: active)") ? dark : matches("(prefers-contrast: more)")) return "contrast";
+  return dark ? "dark" : "light";
 }
 
 /** Call back when the system's preferences change; return what ends it. */

@@ -34,14 +34,14 @@ export function createToolbar(
 ): Toolbar {
   const { settings } = player;
   const views = new Popover("views", "Views", viewButtons(run), cameraBox(player, "parallel", "Parallel projection"));
-  const display = new Popover("display", "What is shown", ...displayPanel(settings, scene, source));
+  const display = new Popover("display", "Display options", ...displayPanel(settings, scene, source));
   const popovers = player.viewer === null ? [] : [views, display];
   const curves = iconButton("curves", "Curves", "C", () => { run("curves"); });
   settings.follow((name) => {
     if (name === "curves") curves.setAttribute("aria-pressed", String(settings.values.curves));
   });
   const track = iconButton("track", "Track", "W", () => { run("follow"); });
-  track.title = "The camera goes with the selected body, or with the whole mechanism (W)";
+  track.title = "The camera follows the selected body, or the whole mechanism (W)";
   settings.follow((name) => {
     if (name === "follow") track.setAttribute("aria-pressed", String(settings.values.follow));
   });

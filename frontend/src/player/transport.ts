@@ -30,7 +30,7 @@ export class Transport {
   ) {
     this.play = iconButton("play", "Play", "Space", () => { run("playPause"); });
     this.play.classList.add("sb-play");
-    this.loop = iconButton("loop", "Play over and over", "O", () => { run("loop"); });
+    this.loop = iconButton("loop", "Loop", "O", () => { run("loop"); });
     this.line = this.createLine();
     this.speed = createSpeeds(changeSpeed);
     const total = create("span", { class: "sb-total" }, `/ ${formatTime(clock.end, clock.duration)} s`);

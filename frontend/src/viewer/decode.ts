@@ -83,7 +83,7 @@ function quaternion(data: Reader): Quaternion {
 
 function readMesh(data: Reader): SceneMesh {
   const vertices = data.field("vertices").floats();
-  if (vertices.length % 3 !== 0) throw new DataError(`${data.where}.vertices`, "is cut off");
+  if (vertices.length % 3 !== 0) throw new DataError(`${data.where}.vertices`, "is truncated");
   const triangles = data.field("triangles").integers();
   const count = vertices.length / 3;
   if (triangles.length % 3 !== 0 || triangles.some((index) => index >= count)) {

@@ -86,7 +86,7 @@ export class Reader {
   private bytes(width: number, count?: number): ArrayBuffer {
     const buffer = decodeBase64(this.text(), this.where);
     const length = buffer.byteLength / width;
-    if (!Number.isInteger(length)) throw new DataError(this.where, "is cut off");
+    if (!Number.isInteger(length)) throw new DataError(this.where, "is truncated");
     if (count !== undefined && length !== count) {
       throw new DataError(this.where, `has ${length} numbers, not ${count}`);
     }

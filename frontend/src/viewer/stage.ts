@@ -8,7 +8,7 @@ const SHADOW_PIXELS = 2048;
 
 export class WebGLMissing extends Error {
   constructor() {
-    super("this browser offers no WebGL");
+    super("this browser does not support WebGL");
     this.name = "WebGLMissing";
   }
 }

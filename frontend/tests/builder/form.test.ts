@@ -1,7 +1,9 @@
 import { describe, expect, it } from "vitest";
-import { componentLabels, fieldsOf, type Acting } from "../../src/builder/model/fields";
+import { componentLabels, fieldsOf, meaningOf, type Acting } from "../../src/builder/model/fields";
 import { definitionNode } from "../../src/builder/model/schema";
+import { grouped } from "../../src/builder/panels/field_frame";
 import { searched } from "../../src/builder/panels/palette";
+import type { Problem } from "../../src/builder/types";
 import { elements, schema } from "./models";
 
 function kinds(definition: string): Record<string, string> {
@@ -17,6 +19,20 @@ describe("forms from the schema", () => {
     }
   });
 
+  it("say once what is wrong in many places", () => {
+    const at = (pointer: string, what = "No table."): Problem => ({ severity: "error", code: "file.misfit", what, why: "", fix: "", pointer, element: "", line: null, repair: null });
+    const groups = grouped([at("/a/0"), at("/a/1"), at("/b", "Another."), at("/a/2")]);
+    expect(groups.map(([first, count]) => [first.pointer, count])).toEqual([["/a/0", 3], ["/b", 1]]);
+  });
+
+  it("say what a parameter is, its unit once", () => {
+    expect(meaningOf("kg m^2", "kg m^2, about the centres of mass")).toBe("kg·m² · about the centres of mass");
+    expect(meaningOf("m", "between the posts")).toBe("m · between the posts");
+    expect(meaningOf("m/s^2", "m/s^2")).toBe("m/s²");
+    expect(meaningOf("", "a share")).toBe("a share");
+    expect(meaningOf("", "")).toBe("");
+  });
+
   it("show a revolute joint as its parts are", () => {
     expect(kinds("RevoluteEntry")).toMatchObject({
       name: "name", between: "reference", tree: "tree", axis: "axis", coordinate: "text", torque: "group", motion: "formula", as_constraint: "switch",
@@ -29,7 +45,7 @@ describe("forms from the schema", () => {
 
   it("take units and labels from the descriptions", () => {
     const body = fieldsOf(schema, definitionNode(schema, "BodyEntry"));
-    expect(body.find((each) => each.key === "mass")).toMatchObject({ unit: "kg", tip: "Mass; zero is legal as long as the mechanism as a whole can be accelerated." });
+    expect(body.find((each) => each.key === "mass")).toMatchObject({ unit: "kg", tip: "Mass; zero is allowed as long as the mechanism as a whole has mass in every direction of motion." });
     expect(body.find((each) => each.key === "inertia")?.control).toMatchObject({ labels: ["xx", "yy", "zz"] });
     const drive = definitionNode(schema, "DriveEntry");
     const units = (acting: Acting): string[] => ["applied", "stiffness", "damping", "free"].map((key) => fieldsOf(schema, drive, acting).find((each) => each.key === key)!.unit);

@@ -33,7 +33,7 @@ describe("the choice beside an initial value", () => {
   beforeEach(() => {
     (globalThis as { IS_REACT_ACT_ENVIRONMENT?: boolean }).IS_REACT_ACT_ENVIRONMENT = true;
     useStore.setState({ schema: { schema, elements } });
-    showDocument({ document: "d", path: null, name: "crank", data: MODEL, fingerprint: null, problems: [], wires: [] });
+    showDocument({ document: "d", path: null, name: "crank", data: MODEL, fingerprint: null, problems: [], comments: {}, wires: [] });
     place = document.body.appendChild(document.createElement("div"));
     root = createRoot(place);
     act(() => { root.render(createElement(ModelPanel)); });

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { curveTree, firstTicks, inPrint } from "../../src/builder/model/curve_tree";
+import { curveTree, firstTicks } from "../../src/builder/model/curve_tree";
+import { inPrint } from "../../src/player/readable";
 import { converted, quantityOf, textIn } from "../../src/builder/model/quantities";
 import { quaternionOf, turnsOf, type Turns } from "../../src/builder/model/turns";
 
@@ -29,7 +30,7 @@ describe("quantities", () => {
   });
 
   it("are printed with powers of ten", () => {
-    expect([3e-8, 1e-10, 0, 12.34, 1.5e7].map((each) => inPrint(each))).toEqual(["3·10⁻⁸", "10⁻¹⁰", "0", "12", "1.5·10⁷"]);
+    expect([3e-8, -2e-9, 1e-10, 0, 12.34, 1.5e7].map((each) => inPrint(each))).toEqual(["3·10⁻⁸", "−2·10⁻⁹", "10⁻¹⁰", "0", "12", "1.5·10⁷"]);
   });
 });
 

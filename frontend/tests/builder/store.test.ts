@@ -13,7 +13,7 @@ const data = (): typeof sliderCrank => useStore.getState().data;
 
 beforeEach(() => {
   useStore.setState({ schema: { schema, elements } });
-  showDocument({ document: "d", path: null, name: "crank", data: sliderCrank, fingerprint: null, problems: [], wires: [] });
+  showDocument({ document: "d", path: null, name: "crank", data: sliderCrank, fingerprint: null, problems: [], comments: {}, wires: [] });
 });
 
 describe("the history", () => {

@@ -26,8 +26,8 @@ Floats = NDArray[np.float64]
 _CONSISTENT: Final = 1e-3
 _SINGULAR: Final = Problem(
     "assembly.singular", "configuration", "the accelerations do not exist here",
-    "it is a singular position, such as a flat parallelogram's, with velocities that no motion through it "
-    "has", "start beside this position, or give other velocities",
+    "the position is singular, as in a flat parallelogram, and no motion through it has these "
+    "velocities", "start near this position, or give other velocities",
 )  # fmt: skip
 # Rates closer to their guess are that up to the rounding of a least squares solution.
 _CHANGED: Final = 1e-9

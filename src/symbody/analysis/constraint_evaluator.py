@@ -316,9 +316,9 @@ def indefinite_rows(where: str) -> AssemblyError:
     """Return the error of constraints whose conditions on velocities have no value at a configuration."""
     return AssemblyError(
         Problem("assembly.not_finite", where, "its condition on velocities has no finite value here",
-                "a distance of length 0 has no direction, and values beyond 1.8e308 are not numbers",
-                "give it a length, or another constraint, such as a joint between the two points; or "
-                "start beside this position")
+                "a distance of length 0 has no direction, and values above 1.8e308 overflow",
+                "give it a length, or another constraint, such as a joint between the two points; or start "
+                "near this position")
     )  # fmt: skip
 
 

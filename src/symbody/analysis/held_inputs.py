@@ -28,6 +28,6 @@ def refuse_held(eqs: EquationSet, work: str, given: Container[str] = ()) -> None
         as_inputs = "" if isinstance(given, tuple) else f", or give them in inputs={{{names[0]!r}: ..}}"
         raise UsageError(
             Problem("signal.sampled", f"signal {names[0]}", f"{work} does not sample {', '.join(names)}",
-                    "held values change at their instants, in simulate, Stepper, sweep and FMUs alone",
+                    "only simulate, Stepper, sweep and FMUs update sampled values at their sample times",
                     f"form the equations of sb.without_sampling(model){as_inputs}")
         )  # fmt: skip

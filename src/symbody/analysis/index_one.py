@@ -64,8 +64,8 @@ class IndexOneSolution:
         state = np.asarray(x, dtype=float)
         if state.ndim not in (1, 2) or state.shape[0] != len(self.state_names):
             raise CompileError(
-                Problem("index_1.state", "x", f"a state of shape {state.shape} was given",
-                        f"a state has {len(self.state_names)} entries", 
+                Problem("index_1.state", "x", f"the state has shape {state.shape}",
+                        f"it needs {len(self.state_names)} entries",
                         f"give {', '.join(self.state_names)}, in this order")
             )  # fmt: skip
         return state
@@ -130,9 +130,9 @@ def _of_mechanism(eqs: EquationSet, parameters: Mapping[str, Value]) -> IndexOne
     function = bound_function(eqs, ("xdot", "lambda"), parameters)
     if eqs.input_names:
         raise FormulationError(
-            Problem("index_1.inputs", "equations", f"the inputs {', '.join(eqs.input_names)} have no law",
-                    "rates are functions of time and state alone",
-                    "write the law into the model, or call simulate with inputs=")
+            Problem("index_1.inputs", "equations", f"the inputs {', '.join(eqs.input_names)} have no value",
+                    "the rates may depend on time and state only",
+                    "define the inputs in the model, or call simulate with inputs=")
         )  # fmt: skip
 
     def solve(t: Floats, x: Floats) -> tuple[Floats, Floats]:
@@ -154,7 +154,7 @@ def _compile(form: IndexOneForm, given: Mapping[str, Value]) -> CompiledFunction
     if missing:
         problems.append(
             Problem("compile.missing_value", "parameters", f"no value is given for {', '.join(missing)}",
-                    "a number is needed to compute with", f"give parameters={{{missing[0]!r}: ...}}")
+                    "the computation needs a number", f"give parameters={{{missing[0]!r}: ...}}")
         )  # fmt: skip
     values = {}
     for name, node in form.parameters.items():
@@ -198,7 +198,7 @@ def _singular(form: IndexOneForm, matrix: Floats) -> NoReturn:
         names = tuple(name for name, share in zip(names, null, strict=True) if share > 0.1 * null.max())
     raise SimulationError(
         Problem("index_1.singular", "equations", f"{', '.join(names)} are not determined at this state",
-                "a mass is zero, constraints say the same, or they are of higher index than 1",
+                "a mass is zero, constraints are redundant, or the equations are of index higher than 1",
                 "give every body its mass, leave out constraints that others imply, and differentiate "
-                "constraints until they hold the highest derivatives")
+                "constraints until they contain the highest derivatives")
     )  # fmt: skip

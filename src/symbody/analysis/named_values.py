@@ -85,7 +85,7 @@ def _unknown(eqs: EquationSet, name: str) -> Problem:
     if meaning:
         what = f"{name!r} is {meaning}, not a coordinate or a speed"
         return Problem(
-            "assembly.no_state", name, what, "states are coordinates, their rates and speeds", place
+            "assembly.no_state", name, what, "a state consists of coordinates, their rates and speeds", place
         )
     cure = nearest(name, (*eqs.coordinate_names, *eqs.speed_names, *eqs.signal_state_names))
     return Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "", cure)
@@ -159,8 +159,9 @@ def read_value(eqs: EquationSet, name: str, value: Value, where: str = "") -> Va
     if formula.is_in_degrees and name not in angle_names(eqs):
         raise UsageError(
             Problem("model.not_an_angle", where or name, f"{value} belongs to {name}, which is not an angle",
-                    "deg is understood for angles alone",
-                    f"write the value in SI units: {value.replace(' deg', '*pi/180')} of a rate in degrees")
+                    "deg is allowed for angles only",
+                    f"write the value in SI units, for instance {value.replace(' deg', '*pi/180')} for a "
+                    f"rate in degrees per second")
         )  # fmt: skip
     return formula
 
@@ -192,7 +193,9 @@ def unit_quaternions(
             continue
         if square > 1.0 + 1e-9:
             raise AssemblyError(
-                _problem(fixed_names, "is longer than 1", "no values of the others give it unit norm")
+                _problem(
+                    fixed_names, "is longer than 1", "no values of the other components give it unit norm"
+                )
             )
         left = math.sqrt(max(1.0 - square, 0.0))
         norm = math.hypot(*(guess.get(name, 0.0) for name in free))

@@ -49,7 +49,7 @@ class Redundancy:
         ropes that are taken as taut.
     undetermined : tuple of str
         Outputs that do not follow from the motion: components of reactions, "reaction J Fz", and efforts that
-        hold motions, "effort J". They get the share of least norm.
+        hold motions, "effort J". Their values are those of the minimum-norm solution.
     """
 
     degrees_of_freedom: int
@@ -99,7 +99,7 @@ def redundancy(
     if q is None:
         raise AssemblyError(
             Problem("redundancy.open", eqs.model.name, "no configuration was found that closes the loops", "",
-                    "see assemble() for the joint that stays open, or give guess=")
+                    "run assemble() to see which joint cannot be closed, or give guess=")
         )  # fmt: skip
     sizes = evaluator.mechanism.constraints(eqs)[:, np.newaxis]
 

@@ -139,8 +139,8 @@ class Scales:
         ):
             return ()
         return (
-            "the model has no length from which tolerances could follow: they are those of a mechanism of "
-            '1 m; scales={"length": ...} [m] gives another',
+            "the model has no length to derive tolerances from, so they assume a mechanism of size "
+            '1 m; scales={"length": ...} [m] sets another',
         )
 
 
@@ -237,7 +237,7 @@ def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
             problems.append(
                 Problem("simulation.scales", f"scales[{name!r}]",
                         f"{name} = {value!r} is not a positive number", "",
-                        f"give a finite number above 0 [{_UNITS[name]}], or leave it out")
+                        f"give a positive finite number [{_UNITS[name]}], or leave it out")
             )  # fmt: skip
         else:
             chosen[name] = float(value)
@@ -257,7 +257,7 @@ def checked_sizes(eqs: EquationSet, given: Mapping[str, float] | None) -> dict[s
     sizes = {name: x for name, x in (given or {}).items() if name in eqs.signal_state_names}
     problems = [
         Problem("simulation.scales", f"scales[{name!r}]", f"{name} = {value!r} is not a positive number", "",
-                "give a finite number above 0, or leave it out")
+                "give a positive finite number, or leave it out")
         for name, value in sizes.items()
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf
     ]  # fmt: skip

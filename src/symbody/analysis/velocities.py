@@ -17,8 +17,8 @@ from symbody.tolerances import ASSEMBLED, RANK
 
 Floats = NDArray[np.float64]
 CURE: Final = (
-    "name other dependent_speeds, whose pivot does not vanish on the way, or leave dependent_speeds out: "
-    "multipliers have no such place"
+    "name other dependent_speeds whose pivot does not vanish during the motion, or leave dependent_speeds "
+    "out: multipliers have no such singularity"
 )
 
 
@@ -128,7 +128,7 @@ def _conflict(evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, flo
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items()) or "the motions in time"
     return Problem(
         "assembly.velocity_conflict", "fixed", f"no motion from this configuration has {listed}",
-        "the constraints tie these rates to each other", "leave one of them out",
+        "the constraints couple these rates", "leave one of them out",
     )  # fmt: skip
 
 
@@ -164,10 +164,10 @@ def check_pivots(evaluator: ConstraintEvaluator, q: NDArray[np.float64]) -> None
 
 def _no_balance(names: str) -> Problem:
     return Problem(
-        "assembly.massless", f"speed {names}", f"here forces do not determine {names}, which no mass resists",
-        "its coefficient in the balance of forces vanishes or has no value, as for a damper between points "
-        "that coincide: its line has no direction",
-        "start beside this place, put the damper into a joint, as Drive(damping=..), or give mass to what "
+        "assembly.massless", f"speed {names}", f"{names} has no mass, and forces do not determine it here",
+        "its coefficient in the balance of forces is zero or undefined, as for a damper between coincident "
+        "points, whose line has no direction",
+        "start near this position, put the damper into a joint, as Drive(damping=..), or give mass to what "
         "moves there",
     )  # fmt: skip
 
@@ -175,6 +175,6 @@ def _no_balance(names: str) -> Problem:
 def _vanishing_pivot(names: str) -> Problem:
     return Problem(
         "assembly.dependent_speeds", "dependent_speeds",
-        f"at this configuration {names} do not follow from the other speeds",
-        "the coefficients of these speeds in the constraints on velocities form a singular matrix", CURE,
+        f"at this configuration the other speeds do not determine {names}",
+        "the coefficients of these speeds in the velocity constraints form a singular matrix", CURE,
     )  # fmt: skip

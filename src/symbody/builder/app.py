@@ -31,8 +31,8 @@ Answer = dict[str, Any]
 
 _TOKEN_TAG: Final = '<meta name="symbody-token" content="{}">'
 _CLOSED: Final = (
-    "<!doctype html><meta charset=utf-8><title>symbody</title><p>This page is opened by its full address: "
-    "the one that <code>symbody builder</code> prints, with <code>?key=</code>."
+    "<!doctype html><meta charset=utf-8><title>symbody</title><p>Open this page by its full address: the "
+    "one that <code>symbody builder</code> prints, with <code>?key=</code>."
 )
 # Some systems take .js for text, and browsers then run nothing of it.
 _TYPES: Final = (

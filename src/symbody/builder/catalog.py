@@ -40,12 +40,13 @@ class Entry:
 
     def describe(self) -> dict[str, str]:
         """Return what a card says: name, group, title, and a summary without the text of the file."""
-        title, summary = self.path.stem.replace("_", " "), "A robot from a URDF file."
+        title, summary = self.path.stem.replace("_", " "), ""
         if self.path.suffix == ".toml":
             lines = self.path.read_text(encoding="utf-8").splitlines()
             named = next((line for line in lines if line.startswith("name")), "")
             title = named.partition('"')[2].rpartition('"')[0] or title
-            summary = _comment(lines) or _script_summary(self.path.with_suffix(".py"))
+            summary = _comment(lines)
+        summary = summary or _script_summary(self.path.with_suffix(".py"))
         return {"name": self.name, "group": self.group, "title": in_title_case(title), "summary": summary}
 
 
@@ -87,5 +88,5 @@ def _script_summary(script: Path) -> str:
         return ""
     text = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or ""
     paragraphs = [" ".join(each.split()) for each in text.split("\n\n")]
-    about = paragraphs[1] if len(paragraphs) > 1 else ""
+    about = paragraphs[1].removeprefix("Description ") if len(paragraphs) > 1 else ""
     return re.split(r"(?<=[.;:])\s", about, maxsplit=1)[0].rstrip(";:")

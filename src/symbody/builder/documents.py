@@ -93,7 +93,7 @@ class Documents:
         ]
         if len(given) != 1:
             raise refusal(
-                "builder.open", "open", f"{len(given)} things are named to be opened", fix="name one"
+                "builder.open", "open", f"{len(given)} documents were named to open", fix="name one"
             )
         word, value = given[0]
         if word == "text":
@@ -171,6 +171,7 @@ class Documents:
             "data": opened.data,
             "fingerprint": mark,
             "problems": opened.problems,
+            "comments": dict(opened.comments),
             "wires": model_wires(opened.data),
         }
 
@@ -197,8 +198,8 @@ class Documents:
             raise refusal(
                 "builder.changed_outside",
                 str(real),
-                "the file is not the one that was opened: its content is another",
-                "another program changed or made it",
+                "the file has changed since it was opened",
+                "another program changed or created it",
                 "save under another name, open the file again, or overwrite it",
             )
         base = "" if old is None else _base(old, request.overwrite)
@@ -277,7 +278,7 @@ class Documents:
                 "builder.unknown_document",
                 identifier[:40],
                 "the document is not open here",
-                "the server was started again",
+                "the server was restarted",
                 "save it under its name as a new document",
             )
         return document

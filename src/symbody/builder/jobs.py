@@ -133,8 +133,8 @@ class Jobs:
                 raise refusal(
                     "builder.run_forgotten",
                     job,
-                    "this run is not kept any more",
-                    "newer runs took its place",
+                    "this run is no longer available",
+                    "newer runs replaced it",
                     "simulate again",
                 )
         until = time.monotonic() + self._limits.check

@@ -6,7 +6,7 @@ A mechanism under construction is not a model yet: it is opened, saved and recov
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Any, Final, cast
 
@@ -19,7 +19,7 @@ from symbody.formats.entries import Node
 from symbody.formats.lines import find_line, key_lines
 from symbody.formats.native import from_data, model_to_toml, read_layout, to_data
 from symbody.formats.toml_syntax import parse_toml
-from symbody.formats.toml_text import write_layout, write_toml
+from symbody.formats.toml_text import key_comments, write_layout, write_toml
 from symbody.model.model import Model
 from symbody.model.parts.include import Include
 
@@ -40,11 +40,14 @@ class Opened:
         None where the data are not a model.
     problems : list of dict
         Why they are none, for the page.
+    comments : mapping of name to str
+        What the file says behind its parameters.
     """
 
     data: dict[str, Any]
     model: Model | None
     problems: list[PageProblem]
+    comments: Mapping[str, str] = field(default_factory=dict)
 
 
 def data_from_text(text: str, name: str, folder: str = "") -> Opened:
@@ -58,24 +61,25 @@ def data_from_text(text: str, name: str, folder: str = "") -> Opened:
     plain = _plain(text)
     content = parse_toml(plain, name)
     data = _as_texts(content)
+    comments = key_comments(plain, "parameters")
     try:
         model = from_data(content, folder=folder)
     except SymbodyError as error:
         lines = key_lines(plain)
         problems = [_with_line(each, lines) for each in page_problems(error.problems, data)]
-        return Opened(data, None, problems)
+        return Opened(data, None, problems, comments)
     layout = content.get("layout")
     content_data = to_data(model)
     notes = [_part_note(include) for include in model.includes]
     data = {**content_data, "layout": layout} if layout else content_data
-    return Opened(data, model, page_notes(notes, data))
+    return Opened(data, model, page_notes(notes, data), comments)
 
 
 def _part_note(include: Include) -> str:
     count = number_in_words(len(include.part.elements), "element")
     return (
-        f"part {include.prefix} of {include.file}, {count}: it is computed with the model, and kept when the "
-        "file is saved; the diagram shows it as one box. Edit the part in its own file"
+        f"part {include.prefix} of {include.file}, {count}: it is simulated with the model and saved with "
+        f"the file; the diagram shows it as one box. Edit the part in its own file"
     )
 
 

@@ -60,10 +60,10 @@ def fault_problem(error: Exception) -> PageProblem:
     """Return what the page reads of an exception that nobody foresaw, without the insides of the server."""
     kind = type(error).__name__
     what = (
-        "there is not enough memory for this" if isinstance(error, MemoryError) else f"an unforeseen {kind}"
+        "there is not enough memory for this" if isinstance(error, MemoryError) else f"an unexpected {kind}"
     )
     cure = "save the model, and report it with the model file"
-    return page_problem(Problem("builder.fault", "", what, "this is a fault of symbody", cure), {})
+    return page_problem(Problem("builder.fault", "", what, "this is a bug in symbody", cure), {})
 
 
 def pointer_parts(pointer: str) -> list[str]:

@@ -29,9 +29,7 @@ def contained_path(path: str, roots: Sequence[Path]) -> Path:
         raise refusal("builder.bad_path", path[:80], "this is not a path", fix="name a file")
     given = Path(path).expanduser()
     if not given.is_absolute():
-        raise refusal(
-            "builder.bad_path", path, "the path does not begin at the root", fix="give the whole path"
-        )
+        raise refusal("builder.bad_path", path, "the path is not absolute", fix="give the whole path")
     if os.name == "nt" and path.replace("/", "\\").startswith("\\\\"):
         raise _outside_roots(path, roots)
     if any(part.split(".")[0].strip().lower() in _DEVICES for part in given.parts):
@@ -58,8 +56,8 @@ def with_ending(path: Path, endings: Iterable[str]) -> Path:
         raise refusal(
             "builder.ending",
             str(path),
-            f"files ending in {path.suffix!r} are neither read nor written here",
-            fix=f"name a file that ends in {' or '.join(allowed)}",
+            f"files ending in {path.suffix!r} cannot be opened or saved here",
+            fix=f"choose a file that ends in {' or '.join(allowed)}",
         )
     return path
 
@@ -68,7 +66,7 @@ def _outside_roots(path: str, roots: Sequence[Path]) -> Exception:
     return refusal(
         "builder.outside_roots",
         path,
-        "the file lies outside the folders of this builder",
+        "the file is outside the folders of this builder",
         f"it was started with {', '.join(map(str, roots))}",
         "start symbody builder in the folder of the file",
     )

@@ -45,7 +45,7 @@ def run_builder(path: str | os.PathLike[str] = "", port: int | None = None, brow
     listener = listening_socket(port)
     settings = make_settings(listener.getsockname()[1], tuple(roots))
     address = settings.address("" if given is None else str(given))
-    print(f"symbody builder: {address}\nCtrl-C ends it.", flush=True)
+    print(f"symbody builder: {address}\nPress Ctrl-C to stop it.", flush=True)
     if browser:
         # The socket listens already: the browser waits until the server answers.
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
@@ -93,6 +93,6 @@ def listening_socket(port: int | None) -> socket.socket:
             f"port {candidates[0]}",
             "the port cannot be used",
             "another program listens on it, or it is not a port",
-            "symbody builder --port 0 takes any that is free",
+            "symbody builder --port 0 uses any free port",
         )
     )

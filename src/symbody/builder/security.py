@@ -92,17 +92,17 @@ class LocalOnly:
                 None if is_entry or site in ("same-origin", "none") else (403, "it comes from another page")
             )
         if scope["method"] != "POST":
-            return 405, f"the method {scope['method'][:20]} is not answered"
+            return 405, f"the method {scope['method'][:20]} is not supported"
         return self._refusal_of_post(headers, site)
 
     def _refusal_of_post(self, headers: dict[str, str], site: str) -> tuple[int, str] | None:
         if site not in ("same-origin", "none"):
             return 403, "the request comes from another page"
         if headers.get("content-type", "").split(";")[0].strip().lower() != "application/json":
-            return 415, "only application/json is read"
+            return 415, "only application/json is accepted"
         token = headers.get(TOKEN_HEADER, "").encode("latin-1")
         if not hmac.compare_digest(token, self._settings.token.encode()):
-            return 401, "the request does not carry the token of this run: reload the page"
+            return 401, "the request has no token of this run: reload the page"
         length = headers.get("content-length", "0")
         if not length.isdecimal() or len(length) > 12 or int(length) > self._settings.limits.body:
             return 413, f"a request has at most {self._settings.limits.body} bytes"

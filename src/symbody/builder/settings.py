@@ -131,8 +131,8 @@ def pages_folder() -> Path:
             Problem(
                 "builder.no_page",
                 str(folder),
-                "the page of the builder was not built",
-                "the package runs from its sources, of which the page is not a part",
+                "the page of the builder has not been built",
+                "the package runs from its sources, which do not include the built page",
                 "npm ci && npm run build in the folder frontend, or pip install symbody",
             )
         )

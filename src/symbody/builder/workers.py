@@ -148,7 +148,7 @@ class Reserve:
         """Return a worker, and begin another."""
         with self._lock:
             if not self._is_open:
-                raise refusal("builder.closing", "", "the builder is ending", fix="start it again")
+                raise refusal("builder.closing", "", "the builder is shutting down", fix="start it again")
             worker = self._spare if self._spare is not None and self._spare.is_alive else Worker()
             self._spare = Worker()
             self._given = [each for each in self._given if each.is_alive] + [worker]
@@ -217,8 +217,8 @@ class NewestOnly:
                 "builder.time_limit",
                 task,
                 f"this takes longer than {limit:g} s",
-                "the mechanism is large, or its loops close badly",
-                "go on: saving, deriving and simulating have no such limit",
+                "the mechanism is large, or its loops are hard to close",
+                "continue: saving, deriving and simulating have no such limit",
             ) from None
         finally:
             with self._free:
@@ -227,10 +227,10 @@ class NewestOnly:
 
 
 def _superseded_error() -> Exception:
-    return refusal("builder.superseded", "", "a newer request took the place of this one")
+    return refusal("builder.superseded", "", "a newer request replaced this one")
 
 
 def _worker_lost() -> dict[str, Any]:
     what = "the process that computed this has ended"
     cure = "try again, or make the model smaller"
-    return page_problem(Problem("builder.worker_lost", "", what, "perhaps memory ran out", cure), {})
+    return page_problem(Problem("builder.worker_lost", "", what, "memory may have run out", cure), {})

@@ -103,7 +103,7 @@ def code(
             "--output",
             "-o",
             metavar="OUTPUT",
-            help="What to compute; repeatable. Default: xdot; of a Modelica model nothing more than it.",
+            help="Output to compute; repeatable. Default: xdot; for Modelica no further outputs.",
         ),
     ] = None,
     language: Annotated[
@@ -138,9 +138,12 @@ def simulate(
     inputs: Inputs = None,
     initial: Initials = None,
     curves: Annotated[
-        Pairs, option("--show", "-s", metavar="OUTPUT", text="What to plot; repeatable; all coordinates.")
+        Pairs,
+        option(
+            "--show", "-s", metavar="OUTPUT", text="Output to plot; repeatable. Default: all coordinates."
+        ),
     ] = None,
-    out: Annotated[Path | None, option("--out", "-o", text="Plot file; by default beside the model.")] = None,
+    out: Annotated[Path | None, option("--out", "-o", text="Plot file; default: next to the model.")] = None,
     csv: Annotated[Path | None, option("--csv", text="Also write states and curves as CSV.")] = None,
     samples: Annotated[
         int | None, option("--samples", text="Evenly spaced samples; default: every step.")
@@ -191,7 +194,13 @@ def animate(
     inputs: Inputs = None,
     initial: Initials = None,
     curves: Annotated[
-        Pairs, option("--show", "-s", metavar="OUTPUT", text="A curve below; repeatable; all coordinates.")
+        Pairs,
+        option(
+            "--show",
+            "-s",
+            metavar="OUTPUT",
+            text="A curve below the picture; repeatable. Default: all coordinates.",
+        ),
     ] = None,
     vectors: Annotated[
         Pairs,
@@ -200,19 +209,24 @@ def animate(
         ),
     ] = None,
     traces: Annotated[
-        Pairs, option("--trace", metavar="POINT", text="Body.frame whose way is drawn; repeatable.")
+        Pairs, option("--trace", metavar="POINT", text="Body.frame whose path is drawn; repeatable.")
     ] = None,
     out: Annotated[
         Path | None,
-        option("--out", "-o", text="Page; by default beside the model, replaced if it is symbody's own."),
+        option("--out", "-o", text="Page; default: next to the model, replaced if symbody wrote it."),
     ] = None,
     show: Annotated[bool, option("--open", text="Open the page in the browser.")] = False,
     live: Annotated[
-        bool, option("--live", text="The page simulates itself; bodies can be pulled in it.")
+        bool,
+        option("--live", text="Write a live page, which simulates in the browser; bodies can be dragged."),
     ] = False,
     sliders: Annotated[
         Pairs,
-        option("--slider", metavar="NAME[=LOW:HIGH]", text="A parameter, input or first value; with --live."),
+        option(
+            "--slider",
+            metavar="NAME[=LOW:HIGH]",
+            text="Slider for a parameter, input or initial value; with --live.",
+        ),
     ] = None,
     tree: Tree = None,
     substitute: Substitute = False,
@@ -244,7 +258,13 @@ def animate(
 def _check_samples(samples: int | None) -> None:
     if samples is not None and samples < 2:
         raise UsageError(
-            Problem("cli.samples", "--samples", f"{samples} samples make no motion", "", "give 2 or more")
+            Problem(
+                "cli.samples",
+                "--samples",
+                f"a motion needs more than {samples} samples",
+                "",
+                "give 2 or more",
+            )
         )
 
 
@@ -256,17 +276,20 @@ def _exit_unless_done(motion: Trajectory) -> None:
 @command()
 def linearize(
     model: ModelFile,
-    at: Annotated[Pairs, option("--at", metavar="NAME=VALUE", text="x or x_dot there; repeatable.")] = None,
+    at: Annotated[
+        Pairs, option("--at", metavar="NAME=VALUE", text="Value of x or x_dot at this state; repeatable.")
+    ] = None,
     parameters: Settings = None,
     inputs: Inputs = None,
     outputs: Annotated[
-        Pairs, option("--output", "-o", metavar="OUTPUT", text="A row of C and D; repeatable.")
+        Pairs, option("--output", "-o", metavar="OUTPUT", text="An output, a row of C and D; repeatable.")
     ] = None,
     independent: Annotated[
         Pairs, option("--independent", metavar="STATE", text="A state to keep; repeatable.")
     ] = None,
     cyclic: Annotated[
-        Pairs, option("--cyclic", metavar="NAME", text="A coordinate that nothing depends on; repeatable.")
+        Pairs,
+        option("--cyclic", metavar="NAME", text="A cyclic coordinate, on which nothing depends; repeatable."),
     ] = None,
     tree: Tree = None,
     substitute: Substitute = False,
@@ -286,13 +309,18 @@ def linearize(
 @command()
 def equilibrium(
     model: ModelFile,
-    near: Annotated[Pairs, option("--near", metavar="NAME=VALUE", text="A guess; repeatable.")] = None,
+    near: Annotated[
+        Pairs, option("--near", metavar="NAME=VALUE", text="A guess of a coordinate; repeatable.")
+    ] = None,
     parameters: Settings = None,
     inputs: Inputs = None,
     unknowns: Annotated[
-        Pairs, option("--unknown", metavar="INPUT", text="An input that holds; repeatable.")
+        Pairs,
+        option("--unknown", metavar="INPUT", text="An unknown input that holds the mechanism; repeatable."),
     ] = None,
-    fixed: Annotated[Pairs, option("--fix", metavar="NAME=VALUE", text="x to keep; repeatable.")] = None,
+    fixed: Annotated[
+        Pairs, option("--fix", metavar="NAME=VALUE", text="A coordinate to hold fixed; repeatable.")
+    ] = None,
     tree: Tree = None,
     substitute: Substitute = False,
     as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
@@ -353,7 +381,9 @@ def _print(lines: Iterable[str]) -> None:
 
 @command()
 def examples(
-    name: Annotated[str | None, typer.Argument(help="An example; without it all are listed.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="An example; without a name, all examples are listed.")
+    ] = None,
     copy: Annotated[
         Path | None, typer.Option("--copy", help="Folder to copy the example's files to.")
     ] = None,
@@ -385,11 +415,11 @@ def _copy_files(source: Path, target: Path, force: bool) -> list[str]:
 
 @command()
 def builder(
-    model: Annotated[Path | None, typer.Argument(metavar="MODEL", help="A model file to begin with.")] = None,
+    model: Annotated[Path | None, typer.Argument(metavar="MODEL", help="A model file to open.")] = None,
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Print the address only; open no browser.")
     ] = False,
-    port: Annotated[int | None, option("--port", text="Port of 127.0.0.1; 0 takes any that is free.")] = None,
+    port: Annotated[int | None, option("--port", text="Port of 127.0.0.1; 0 uses any free port.")] = None,
 ) -> None:
     """Open the diagram editor in the browser; also called edit."""
     symbody.builder.run_builder("" if model is None else model, port, not no_browser)

@@ -40,7 +40,7 @@ def doctor_lines(tests: dict[str, Callable[[], str]] | None = None) -> Iterator[
         try:
             remark = test()
         except _AbsentError as error:
-            yield f"  {name}: not there, {error}", True
+            yield f"  {name}: not available, {error}", True
         except Exception as error:  # whatever is broken, the next part may work
             yield f"  {name}: FAILED, {type(error).__name__}: {' '.join(str(error).split())}", False
         else:
@@ -104,7 +104,7 @@ def _cache_line() -> str:
     try:
         sizes = [entry.stat().st_size for entry in os.scandir(place) if entry.is_file()]
     except OSError:
-        return f"cache: {place}, not there yet; {storage.VARIABLE} names another folder"
+        return f"cache: {place}, not created yet; {storage.VARIABLE} sets another folder"
     right = "" if os.access(place, os.W_OK) else ", CANNOT be written to"
     size = sum(sizes) / _MEGABYTE
     return f"cache: {place}, {len(sizes)} files, {size:.1f} MB of at most {storage.LIMIT // _MEGABYTE}{right}"
@@ -139,7 +139,7 @@ def _threads() -> str:
     with ThreadPoolExecutor(_THREADS) as pool:
         together = list(pool.map(call, range(_CALLS)))
     if together != [call(k) for k in range(_CALLS)]:
-        return _fail("threads compute other numbers than one alone")
+        return _fail("results of several threads differ from those of one thread")
     return f"{_THREADS} threads, {_CALLS} calls"
 
 
@@ -151,7 +151,10 @@ def _stored_results() -> str:
     key, content = b"symbody doctor", os.urandom(32)
     storage.store(key, content)
     if storage.load_stored(key) != content:
-        return _fail(f"{storage.folder()} keeps nothing: it cannot be written to, or others can")
+        return _fail(
+            f"{storage.folder()} cannot be used as a cache: it is not writable, or other users can write to "
+            f"it"
+        )
     return ""
 
 
@@ -173,7 +176,9 @@ def _pages() -> str:
     pages = ("visual/pages/player.html", "builder/pages/index.html")
     missing = [page for page in pages if not (root / page).is_file()]
     if missing:
-        raise _AbsentError(f"{' and '.join(missing)}: install a release, or with Node 20; all else works")
+        raise _AbsentError(
+            f"{' and '.join(missing)}: install a release, or with Node 20; everything else works"
+        )
     return ""
 
 

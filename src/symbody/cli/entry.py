@@ -31,7 +31,7 @@ def run(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return _print_message("interrupted", 130)
     except OSError as error:
-        fix = "\n  fix: give a path in a folder that exists and is yours" if error.filename else ""
+        fix = "\n  fix: give a path in an existing folder with write permission" if error.filename else ""
         return _print_message(f"[cli.file] {error.filename or ''}: {error.strerror or error}{fix}", 5)
 
 

@@ -17,10 +17,10 @@ from symbody.fmu.versions import Version
 
 def fmu(
     model: ModelFile,
-    out: Annotated[Path | None, option("--out", "-o", text="Archive; by default beside the model.")] = None,
-    version: Annotated[str, option("--version", text="Of the standard: 3.0 or 2.0.")] = "3.0",
+    out: Annotated[Path | None, option("--out", "-o", text="Archive; default: next to the model.")] = None,
+    version: Annotated[str, option("--version", text="Version of the standard: 3.0 or 2.0.")] = "3.0",
     outputs: Annotated[
-        Pairs, option("--output", metavar="OUTPUT", text="What is shown beside states; repeatable.")
+        Pairs, option("--output", metavar="OUTPUT", text="Output in addition to the states; repeatable.")
     ] = None,
     platforms: Annotated[
         Pairs,
@@ -31,9 +31,10 @@ def fmu(
     parameters: Settings = None,
     initial: Initials = None,
     fixed: Annotated[
-        Pairs, option("--fixed", metavar="NAME", text="A parameter set before the motion only; repeatable.")
+        Pairs,
+        option("--fixed", metavar="NAME", text="A parameter that is set only before the motion; repeatable."),
     ] = None,
-    no_sources: Annotated[bool, typer.Option("--no-sources", help="Leave the C out.")] = False,
+    no_sources: Annotated[bool, typer.Option("--no-sources", help="Leave out the C sources.")] = False,
     tree: Tree = None,
     substitute: Substitute = False,
     force: Force = False,

@@ -25,7 +25,7 @@ def _loop_gaps(eqs: EquationSet, motion: Trajectory) -> list[str]:
     if not eqs.multiplier_names:
         return []
     return [
-        f"constraints: {len(eqs.multiplier_names)}, open by {motion.constraint_violation.max():.1e} at most"
+        f"constraints: {len(eqs.multiplier_names)}, largest error {motion.constraint_violation.max():.1e}"
     ]
 
 

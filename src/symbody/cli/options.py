@@ -25,23 +25,21 @@ ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="The model
 Pairs = list[str] | None
 Settings = Annotated[
     Pairs,
-    option("--set", "-p", metavar="NAME=VALUE", text="A parameter, input or value at start; repeatable."),
+    option("--set", "-p", metavar="NAME=VALUE", text="A parameter, input or initial value; repeatable."),
 ]
 Inputs = Annotated[
     Pairs,
     option("--input", "-i", metavar="NAME=EXPRESSION", text="F='sin(t)', F=@run.csv[t,F]; repeatable."),
 ]
 Initials = Annotated[
-    Pairs, option("--initial", metavar="NAME=VALUE", text="x or x_dot at start; repeatable.")
+    Pairs, option("--initial", metavar="NAME=VALUE", text="Initial value of x or x_dot; repeatable.")
 ]
 Tree = Annotated[
     TreeWord | None,
-    typer.Option(
-        "--tree", help="Coordinates of the joints, or of free bodies; by default as the model says."
-    ),
+    typer.Option("--tree", help="Coordinates of the joints, or of free bodies; default: as in the model."),
 ]
 Substitute = Annotated[
     bool,
-    typer.Option("--substitute", help="Put gears, belts, racks and <mimic> into the equations."),
+    typer.Option("--substitute", help="Substitute gears, belts, racks and <mimic> in the equations."),
 ]
 Force = Annotated[bool, option("--force", text="Overwrite existing files.")]

@@ -28,10 +28,11 @@ def refuse_overwriting(path: Path, force: bool, *, is_default: bool = False) -> 
     if not path.exists() or force or (is_default and _is_ours(path)):
         return
     if not is_default:
-        raise UsageError(Problem("cli.file_exists", str(path), "the file exists already", "", "add --force"))
+        raise UsageError(Problem("cli.file_exists", str(path), "the file already exists", "", "add --force"))
     raise UsageError(
-        Problem("cli.file_exists", str(path), "the file exists already, and symbody did not write it",
-                "results go beside the model, under its name", "add --force, or name another file with --out")
+        Problem("cli.file_exists", str(path), "the file already exists, and symbody did not write it",
+                "results are written next to the model, under its name",
+                "add --force, or choose another file with --out")
     )  # fmt: skip
 
 

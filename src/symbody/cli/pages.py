@@ -90,5 +90,7 @@ def open_page(path: Path) -> None:
         If there is none.
     """
     if not webbrowser.open(path.resolve().as_uri()):
-        fix = f"open {path} by hand"
-        raise EnvironmentFault(Problem("animation.no_browser", str(path), "no browser opened", fix=fix))
+        fix = f"open {path} manually"
+        raise EnvironmentFault(
+            Problem("animation.no_browser", str(path), "no browser could be opened", fix=fix)
+        )

@@ -21,16 +21,16 @@ def report(
     model: ModelFile,
     out: Annotated[
         Path | None,
-        option("--out", "-o", text=".html, .tex, .md or .ipynb; by default a page beside the model."),
+        option("--out", "-o", text=".html, .tex, .md or .ipynb; default: a page next to the model."),
     ] = None,
-    end: Annotated[float | None, option("--end", "-t", text="Also a motion up to this time in s.")] = None,
+    end: Annotated[float | None, option("--end", "-t", text="Include a motion up to this time in s.")] = None,
     sections: Annotated[
-        Pairs, option("--section", metavar="NAME", text=f"{', '.join(SECTIONS)}; repeatable; all.")
+        Pairs, option("--section", metavar="NAME", text=f"{', '.join(SECTIONS)}; repeatable. Default: all.")
     ] = None,
-    title: Annotated[str | None, option("--title", text="By default the name of the model.")] = None,
+    title: Annotated[str | None, option("--title", text="Title; default: the name of the model.")] = None,
     template: Annotated[
         Path | None,
-        option("--template", metavar="FILE", text="Text around the report, with {{ body }} in it."),
+        option("--template", metavar="FILE", text="Template file around the report, with {{ body }} in it."),
     ] = None,
     parameters: Settings = None,
     inputs: Inputs = None,
@@ -43,7 +43,7 @@ def report(
     target = model.with_suffix(".html") if out is None else out
     refuse_overwriting(target, force)
     if end is None and "motion" in (sections or ()):
-        what = "there is no motion to be shown"
+        what = "there is no motion to show"
         raise UsageError(
             Problem("report.no_motion", "--section motion", what, fix="add --end with a time in s")
         )

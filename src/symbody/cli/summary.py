@@ -24,7 +24,7 @@ def summary(model: Model, eqs: EquationSet) -> list[str]:
         _fact("model", [model.name]),
         _fact("gravity", [component.text for component in model.gravity]),
         _fact("bodies", [body.name for body in model.bodies]),
-        *([_fact("turn without inertia, as points of mass", points)] if points else []),
+        *([_fact("rotate without inertia, as point masses", points)] if points else []),
         *_joint_lines(model),
         *_constraint_lines(model, eqs),
         *(line for line in kinds if not line.endswith("none")),
@@ -81,8 +81,8 @@ def _constraint_lines(model: Model, eqs: EquationSet) -> list[str]:
         held = " and ".join(f"{count} in {word}" for count, word in counts if count)
         between = " -> ".join(entry.get("between", ())) or ", ".join(entry.get("coupled", ()))
         word = entry["type"].replace("_", " ")
-        lines.append((entry["name"], word, between, f"holds {held or 'nothing that is not held already'}"))
-    return ["constraints beside joints:", *_columns(lines)] if lines else []
+        lines.append((entry["name"], word, between, f"holds {held or 'nothing that is not already held'}"))
+    return ["constraints in addition to joints:", *_columns(lines)] if lines else []
 
 
 def _joint_row(joint: Joint, word: str) -> tuple[str, str, str, str]:
@@ -127,8 +127,8 @@ def _freedom_lines(eqs: EquationSet) -> list[str]:
         lines += [
             _fact("redundant constraints", _count_names(count.dropped)),
             f"  they follow from the other {len(count.kept)}: {u} speeds less {rows} constraints would be "
-            f"{u - rows} freedoms, less {len(count.kept)} independent ones it is {count.degrees_of_freedom}; "
-            "how the joints share the loads of these directions is not determined",
+            f"{u - rows} degrees of freedom, less {len(count.kept)} independent ones "
+            f"{count.degrees_of_freedom}; how the joints share the loads in these directions is undetermined",
         ]
     return [*lines, *(f"  {note}" for note in count.notes)]
 

@@ -36,7 +36,7 @@ def as_array(group: str, value: ArrayLike) -> NDArray[Any]:
 def _type_problem(group: str, kind: str) -> Problem:
     return Problem(
         "compile.argument_type", group, f"{WORDS[group]} are of type {kind}",
-        "only real numbers, in rows of one length, can be computed with", "give floats",
+        "only arrays of real numbers are accepted", "give floats",
     )  # fmt: skip
 
 
@@ -50,8 +50,8 @@ def checked_threads(threads: int) -> int:
     """
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
         raise CompileError(
-            Problem("compile.threads", "threads", f"{threads!r} is not a number of threads", "",
-                    "give a whole number from 1 on, such as os.cpu_count()")
+            Problem("compile.threads", "threads", f"{threads!r} is not a valid number of threads", "",
+                    "give a whole number, 1 or greater, such as os.cpu_count()")
         )  # fmt: skip
     return threads
 
@@ -121,7 +121,7 @@ def broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:
     except ValueError as error:
         listed = ", ".join(f"{group} {values.shape}" for group, values in given.items() if values.size)
         raise CompileError(
-            Problem("compile.batch_shapes", "", f"batch axes do not broadcast: {listed}", str(error),
+            Problem("compile.batch_shapes", "", f"batch axes cannot be broadcast: {listed}", str(error),
                     "give leading axes of equal length, or of length 1")
         ) from error  # fmt: skip
 
@@ -146,7 +146,7 @@ def check_out(out: object, batch: tuple[int, ...], outputs: Items[Output]) -> No
     """
     if out is None:
         return
-    fitting = "leave out= away" if len(outputs) > 1 else f"give np.empty({batch + outputs[0].shape})"
+    fitting = "remove out=" if len(outputs) > 1 else f"give np.empty({batch + outputs[0].shape})"
     if len(outputs) > 1:
         what = f"there are {len(outputs)} results, and one array to receive them"
     elif not isinstance(out, np.ndarray):

@@ -17,7 +17,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError
 from symbody.expr.deadline import in_time
 
-_LESS: Final = "ask for fewer outputs at a time, or for code in less time by quick=True"
+_LESS: Final = "compile fewer outputs at a time, or compile faster with quick=True"
 
 
 @checked_arguments
@@ -59,7 +59,7 @@ def compile(
         function, on every computer. Values of parameters are put into the code; there are no lanes.
     time_limit : float, optional
         Seconds after which this ends with an error that names the stage; outputs whose formulas were found
-        stay with `eqs`, so that the next call goes on from there. By default it takes its time.
+        stay with `eqs`, so that the next call continues from there. By default it takes its time.
 
     Raises
     ------

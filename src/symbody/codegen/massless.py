@@ -47,7 +47,7 @@ def massless_problem(code: str, names: Sequence[str], coordinates: Iterable[str]
     plain = [name.removesuffix("_dot") for name in names]
     words = ", ".join(short if short in known else name for short, name in zip(plain, names, strict=True))
     return Problem(
-        code, words, f"the mass matrix is singular: no mass or inertia resists a motion of {words}",
+        code, words, f"the mass matrix is singular: the motion of {words} has no mass or inertia",
         "a body without mass or inertia, or a parameter that is 0, can move freely",
         "give what moves there mass or inertia, or prescribe the motion",
     )  # fmt: skip
@@ -57,10 +57,10 @@ def undetermined_problem(code: str, names: Sequence[str]) -> Problem:
     """Return the problem of motions without mass that forces do not determine, by their names."""
     words = ", ".join(names)
     return Problem(
-        code, words, f"with these parameters forces do not determine {words}, which no mass resists",
-        "what a damping or stiffness along it is divided by is 0, as they are themselves",
-        "give a damping or stiffness along it another value, or mass to what moves there; where there is no "
-        "damper, leave it out of the model",
+        code, words, f"with these parameters forces do not determine {words}, which has no mass",
+        "the damping or stiffness along it is 0",
+        "give the damping or stiffness along it another value, or give mass to what moves there; a damper "
+        "that does not exist should be removed from the model",
     )  # fmt: skip
 
 

@@ -83,9 +83,9 @@ def portable_text(sequence: Sequence, language: str, names: Names) -> str:
     if word not in _WRITERS:
         raise CompileError(
             Problem("compile.portable_language", "language",
-                    f"there is no portable text in {language!r}",
-                    "portable texts are written in C, JavaScript and Python",
-                    'write source("c"), or leave portable=True out')
+                    f"there is no portable code in {language!r}",
+                    "portable code is available in C, JavaScript and Python",
+                    'write source("c"), or remove portable=True')
         )  # fmt: skip
     return _WRITERS[word](portable_sequence(sequence), names)
 

@@ -123,7 +123,7 @@ def _course(values: NDArray[np.float64]) -> tuple[str, ...]:
 def _state(state: State) -> str:
     title = f"{type(state).__name__} of {state.eqs.model.name!r} at t = {number(state.t)} s"
     parts = [table(("", "value", "unit"), _state_rows(state))]
-    parts.append(paragraph(f"largest open constraint: {state.residual:.2g}"))
+    parts.append(paragraph(f"largest constraint error: {state.residual:.2g}"))
     return page(title, *parts)
 
 
@@ -139,7 +139,7 @@ def _equilibrium(state: Equilibrium) -> str:
     try:
         title += f": {state.verdict}"
     except SymbodyError:  # no linear equations here
-        title += ": its stability is not known"
+        title += ": stability unknown"
     return page(title, table(("", "value", "unit"), _state_rows(state)), notes(state.notes))
 
 

@@ -58,7 +58,7 @@ def BuildEQs(
     described = model if isinstance(model, Model) else load_model(model)
     complete, notes = _with_free_joints(described)
     if chosen.get("DynSimpType") == "Simplify":
-        notes = (*notes, "DynSimpType: the equations come in their short trigonometric form anyway")
+        notes = (*notes, "DynSimpType: the equations are always in their short trigonometric form")
     return ModelEquations(form_equations(complete, tree=tree), notes)
 
 
@@ -87,8 +87,8 @@ def BuildModel(path: str | os.PathLike[str] = "") -> None:
         return
     if code not in _ENDED:
         raise EnvironmentFault(
-            Problem("dynaflexpro.build_model", os.fspath(path), "the editor ended with a fault",
-                    "it stands above, on standard error",
+            Problem("dynaflexpro.build_model", os.fspath(path), "the editor ended with an error",
+                    "see the message above, on standard error",
                     "run symbody builder in a terminal to see it again")
         )  # fmt: skip
 
@@ -97,7 +97,7 @@ def _refuse_foreign(path: str | os.PathLike[str]) -> None:
     suffix = os.path.splitext(os.fspath(path))[1].lower()
     if suffix in _FOREIGN:
         raise UsageError(
-            Problem("dynaflexpro.foreign_file", os.fspath(path), f"{suffix} files are not read",
+            Problem("dynaflexpro.foreign_file", os.fspath(path), f"{suffix} files cannot be read",
                     "they belong to another program", _HOW_TO_START)
         )  # fmt: skip
 

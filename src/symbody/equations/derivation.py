@@ -110,7 +110,7 @@ def derive(
     obstacle = formulation.balance_obstacle(on_positions=bool(balances.positions))
     if obstacle:
         formed = derive(topology, graph, VirtualWork(), dependent=dependent, substitutes=substitutes)
-        place = f"virtual work takes the place of {obstacle}"
+        place = f"virtual work is used instead of {obstacle}"
         return replace(formed, notes=(*formed.notes, place) if is_chosen else formed.notes)
     more = position_notes(balances)
     formed = replace(_with_positions(formed, balances), notes=formed.notes + more)
@@ -171,7 +171,7 @@ def _possible_formulation(
         return default_formulation(topology, eliminates=eliminates), ()
     obstacle = formulation.obstacle(topology, eliminates=eliminates)
     return (
-        (VirtualWork(), (f"virtual work takes the place of {obstacle}",)) if obstacle else (formulation, ())
+        (VirtualWork(), (f"virtual work is used instead of {obstacle}",)) if obstacle else (formulation, ())
     )
 
 
@@ -329,7 +329,7 @@ def _cut_coupling_notes(roles: Iterable[JointRole]) -> tuple[str, ...]:
     """Return notes on cut joints whose displacement depends on their angle."""
     return tuple(
         f"joint {role.joint.name}: its displacement depends on {', '.join(role.joint.coupled_coordinates)}, "
-        "which joins the coordinates with one more closing equation, although the joint is cut"
+        f"so the joint has one more closing equation that relates its coordinates, although it is cut"
         for role in roles
         if role.joint.coupled_coordinates and not role.in_rotation and role.unknown_coordinates
     )
@@ -338,14 +338,14 @@ def _cut_coupling_notes(roles: Iterable[JointRole]) -> tuple[str, ...]:
 def _rope_notes(model: Model) -> tuple[str, ...]:
     names = [part.name for part in model.constraints if isinstance(part, Distance) and part.rope]
     return tuple(
-        f"constraint {name}: the equations are those of the taut rope; simulate switches to slack ones"
+        f"constraint {name}: the equations are for the taut rope; simulate switches when the rope goes slack"
         for name in names
     )
 
 
 def _singularity_notes(graph: Graph, variables: Variables) -> tuple[str, ...]:
     return tuple(
-        f"joint {joint}: the angle rates do not follow from the angular velocity where "
+        f"joint {joint}: the angular velocity does not determine the angle rates where "
         f"{to_text(graph, determinant.index).removeprefix('-')} = 0"
         for joint, determinant in variables.singularities.items()
     )

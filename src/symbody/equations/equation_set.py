@@ -238,11 +238,11 @@ class EquationSet(PrintedEquations, NamedEquations):
 
     @property
     def undetermined_reactions(self) -> tuple[str, ...]:
-        """Outputs that do not follow from the motion, whatever the values of the parameters.
+        """Outputs that the motion does not determine for any values of the parameters.
 
         Components of reactions, "reaction J Fz", and efforts that hold motions, "effort J", of loops with
-        redundant constraints. As outputs they have the share of least norm. What values of the parameters
-        leave undetermined beside them stands in `redundancy` and in the notes of a run.
+        redundant constraints. As outputs they have the minimum-norm solution. What values of the parameters
+        leave undetermined in addition is reported by `redundancy` and the notes of a run.
         """
         names: tuple[str, ...] = self.plans.get(
             "undetermined reactions", partial(find_always_undetermined, self.formed)

@@ -23,8 +23,8 @@ from symbody.graph.trees import TreeChoice
 from symbody.model.model import Model
 
 _LESS: Final = (
-    "form less: welded bodies as one, Recursive() where one tree of joints gives all "
-    'coordinates, tree="absolute" where many loops are closed'
+    "make the equations smaller: weld bodies that do not move relative to each other, use Recursive() where "
+    'one tree of joints gives all coordinates, or tree="absolute" for many closed loops'
 )
 
 
@@ -49,9 +49,9 @@ def form_equations(
         coordinates, else by virtual work. All give the same equations: Newton-Euler with every reaction an
         unknown, Lagrange from energies.
     tree : Trees, "joints", "absolute" or None
-        Which joints give the coordinates: those named; those of spanning trees, whatever the model's flags
-        say; none, so that all bodies are free and all joints constraints; by default the flags of the
-        model, completed to spanning trees. The choice stands in `notes`.
+        Which joints give the coordinates: those named; those of spanning trees, regardless of the model's
+        flags; none, so that all bodies are free and all joints constraints; by default the flags of the
+        model, completed to spanning trees. The choice is listed in `notes`.
     dependent_speeds : sequence of str, "auto" or None
         Speeds that constraints on velocities eliminate, one for each: rolling, blades, equations in rates.
         The equations are then in the other speeds alone; the multipliers of these constraints, reactions and
@@ -61,7 +61,7 @@ def form_equations(
         Whether couplings that give a coordinate outright are put into the equations: gears, racks, belts,
         differentials and written equations of first degree with constant factors. Each leaves one coordinate
         and one constraint fewer; the coordinate and the multiplier stay outputs, the coordinate may have an
-        initial value. Which ones, and which stay constraints and why, stands in `notes`.
+        initial value. `notes` lists them, and those that remain constraints, with the reason.
     time_limit : float, optional
         Seconds after which forming ends with an error that names the stage; by default it takes its time.
         Equations that an earlier process formed are formed on first use, without this limit. `compile` has
@@ -171,6 +171,5 @@ def _names(speeds: Sequence[str] | None) -> tuple[str, ...]:
 def _choice_note(dependent: Sequence[str]) -> str:
     return (
         f"dependent speeds {', '.join(dependent)}: chosen by column pivoting at several assembled "
-        "configurations, farthest from where they do not follow from the others; dependent_speeds=(...) "
-        "names others"
+        f"configurations, as far from singularities as possible; set others with dependent_speeds=(...)"
     )

@@ -83,7 +83,7 @@ def div(g: Graph, a: int, b: int) -> int:
         if divisor == 0:
             raise ExpressionError(
                 Problem("expression.division_by_zero", "", "an expression is divided by the constant 0",
-                        "a divisor is zero, or vanishes identically", "remove the division")
+                        "a divisor is zero, or identically zero", "remove the division")
             )  # fmt: skip
         dividend = g.number(a)
         if dividend is not None and (folded := fold_quotient(dividend, divisor)) is not None:

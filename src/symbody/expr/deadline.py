@@ -45,8 +45,8 @@ class Deadline:
             "time.over_limit",
             f"stage {stage}",
             what=f"{self.work} takes longer than time_limit = {self.limit:g} s",
-            why=f"done before, the longest of it: {stages}" if stages else "it is the first stage",
-            fix=f"give more time, or {self.cure}",
+            why=f"finished stages, longest first: {stages}" if stages else "it is the first stage",
+            fix=f"allow more time, or {self.cure}",
         )
         return TimeLimitError(problem, stage=stage, finished=tuple(finished), notes=self.notes)
 

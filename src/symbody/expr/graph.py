@@ -380,8 +380,8 @@ def _classify_constant(value: Constant) -> tuple[int, Constant]:
         Problem(
             "expression.not_a_number",
             "",
-            f"{value!r} of type {type(value).__name__} cannot stand in an expression",
+            f"{value!r} of type {type(value).__name__} cannot appear in an expression",
             "only finite real numbers can: no bool, complex, NaN, infinity or text",
-            "give an int, a Fraction or a finite float; text goes through symbody's parser",
+            "give an int, a Fraction or a finite float; pass text through symbody's parser",
         )
     )

@@ -119,18 +119,16 @@ def compile_libraries(
     if missing and asked is not None:
         raise EnvironmentFault(
             Problem("fmu.compiler", "platforms",
-                    f"no compiler here makes libraries for {', '.join(missing)}", "",
-                    f"{INSTALL} brings one that makes all of them, or leave platforms out")
+                    f"no compiler here builds libraries for {', '.join(missing)}", "",
+                    f"{INSTALL} installs one that compiles for all of them, or leave platforms out")
         )  # fmt: skip
     libraries = {
         each: _compile(sources, main, each, command) for each, command in commands.items() if command
     }
     notes: tuple[str, ...] = ()
     if not libraries:
-        reason = f", since there is no C compiler; {INSTALL} brings one" if missing else ""
-        notes = (
-            f"the archive holds sources and no library{reason}: importers that compile take it as it is",
-        )
+        reason = f", since there is no C compiler; {INSTALL} installs one" if missing else ""
+        notes = (f"the archive holds sources and no library{reason}: importers that compile can use it",)
     return libraries, notes
 
 
@@ -159,7 +157,7 @@ def _compile(sources: Mapping[str, bytes], main: str, target: Platform, command:
         if done.returncode:
             lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
             raise CompileError(
-                Problem("fmu.compile", target.name, "the compiler refused the text of the FMU",
+                Problem("fmu.compile", target.name, "the compiler rejected the source of the FMU",
                         lines[0] if lines else f"{command[0]} gave no message",
                         "try another compiler, or platforms=() for an archive of sources")
             )  # fmt: skip

@@ -44,7 +44,7 @@ _LICENCE: Final = "documentation/licenses/fmi-headers.txt"
 
 # Measured in docs/fmu.md: neither the export nor its stabilizing terms are the cause, but the method.
 _ADVICE: Final = (
-    "model exchange is as exact as the importer's integrator: by backward differentiation (CVODE, as in "
+    "model exchange is as accurate as the importer's integrator: by backward differentiation (CVODE, as in "
     "FMPy) errors are 10 to 1,000 times those of co-simulation at the same tolerance; use co-simulation, or "
     "a tolerance of 1e-10"
 )
@@ -127,7 +127,7 @@ def save_fmu(
     Raises
     ------
     UsageError
-        If the motion needs Python, or a name means nothing.
+        If the motion needs Python, or a name is not valid.
     AssemblyError, CompileError, FormatError
         If loops do not close, an output is unknown, or the archive cannot be written.
     EnvironmentFault
@@ -158,7 +158,7 @@ def _write(
     if not libraries and not sources:
         raise UsageError(
             Problem("fmu.empty", "sources", "the archive would hold neither sources nor a library", "",
-                    "leave sources=True, or name platforms for which there is a compiler")
+                    "use sources=True, or name platforms for which there is a compiler")
         )  # fmt: skip
     content = _content(described, text if sources else {}, libraries, version)
     write_content(file, _archive(content), keep=False)
@@ -170,8 +170,9 @@ def _notes_of_inputs(program: FmuProgram) -> tuple[str, ...]:
     """Return a note for each input that follows a table of the model in `simulate`, and 0 in the FMU."""
     inputs = program.eqs.input_names
     return tuple(
-        f"{table.name} is an input: 0 until an importer sets it. The table of this name in the model, "
-        "its law in simulate, is not in the archive; a table of another name that a formula contains would be"
+        f"{table.name} is an input: 0 until an importer sets it. The table of this name in the model, which "
+        f"defines the input in simulate, is not in the archive; a table with another name that appears in a "
+        f"formula would be"
         for table in program.eqs.model.tables if table.name in inputs
     )  # fmt: skip
 
@@ -180,7 +181,7 @@ def _check_path(file: Path) -> None:
     if file.suffix != ".fmu":
         raise UsageError(
             Problem("fmu.path", str(file), f"{file.name} does not end with .fmu",
-                    "importers go by the suffix", f"write {file.stem}.fmu")
+                    "importers rely on the suffix", f"write {file.stem}.fmu")
         )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Project
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
-from symbody.simulation.native.closing import CLOSING
+from symbody.simulation.native.closing import closing_of
 from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
@@ -76,7 +76,7 @@ def make_program(
     }
     if motion.is_closed or eqs.multiplier_names:
         made["projection"] = functions.make(eqs, "projection", PROJECTED)
-        made["assembly"] = functions.make(eqs, "assembly", CLOSING)
+    made |= _functions_of_closing(functions, motion.eqs, modal)
     if isinstance(integrator, GeneralizedAlpha):
         made["turn"] = functions.make(eqs, "turn", ["qdot"])
         made["jacobian"] = functions.make(with_state_jacobian(eqs, {}), "jacobian", [STATE_JACOBIAN])
@@ -98,6 +98,17 @@ def make_program(
         eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples,
         integrator or Explicit(),
     )  # fmt: skip
+
+
+def _functions_of_closing(
+    functions: _Functions, eqs: EquationSet, modal: ModalEquations
+) -> dict[str, ModelFunction]:
+    """Return what closes states, in the equations that do so for all modes."""
+    close = closing_of(eqs, holds=True)
+    whole = modal.eqs if close.eqs is eqs else modal_equations(close.eqs).eqs
+    if not (whole.multiplier_names or whole.quaternions):
+        return {}
+    return {"assembly": functions.make(whole, "assembly", close.outputs)}
 
 
 def _functions_of_modes(functions: _Functions, modal: ModalEquations) -> dict[str, ModelFunction]:
@@ -172,14 +183,14 @@ def _check_motion(
     eqs: EquationSet, integrator: object, constraints: object, events: tuple[Event, ...], samples: FmuSamples
 ) -> None:
     reasons = {
-        f"{type(integrator).__name__} takes its steps in Python": not isinstance(integrator, Method | None),
+        f"{type(integrator).__name__} runs in Python": not isinstance(integrator, Method | None),
         f"{type(integrator).__name__} does not sample {', '.join(samples.names)}": bool(samples.values)
         and isinstance(integrator, GeneralizedAlpha),
-        f"{type(constraints).__name__} takes its steps in Python": not isinstance(
+        f"{type(constraints).__name__} runs in Python": not isinstance(
             constraints, Projection | Baumgarte | None
         ),
         "prescribed rates may jump": may_jump(eqs),
-        "dependent speeds are watched": bool(
+        "pivots of dependent speeds are monitored": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),
         "an event sets new values where joints stick and slip, or ropes slacken": switches(eqs.formed)
@@ -190,6 +201,6 @@ def _check_motion(
         raise UsageError(
             Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
                     "an FMU computes without Python",
-                    "prescribe motions without corners; give sb.Explicit(), sb.FixedStep(..), or without "
-                    "samples sb.GeneralizedAlpha(..); sb.Projection() or sb.Baumgarte()")
+                    "prescribe motions without corners; use sb.Explicit(), sb.FixedStep(..), or without "
+                    "sampled signals sb.GeneralizedAlpha(..); and sb.Projection() or sb.Baumgarte()")
         )  # fmt: skip

@@ -16,10 +16,10 @@ from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import block
-from symbody.kernels.configurations import assembly as assembly_block
-from symbody.kernels.events import watch_block
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
+from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
 from symbody.kernels.implicit import implicit_block
-from symbody.kernels.samples import sample_block
+from symbody.kernels.samples.sample_hold import SampleHold
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
 OPEN: Final = 2e-7
@@ -29,7 +29,7 @@ _KERNELS: Final = (
     ("step_machine", ("begin", "advance")),
     ("dense_output", ("interpolate",)),
     ("projection", ("project",)),
-    ("closing", ("close_state",)),
+    ("closing", ("close_state", "note_followers")),
     ("runge_kutta", ("call",)),
     ("solve_saddle", ("solve_saddle",)),
     ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
@@ -44,8 +44,6 @@ _BLOCK_PLACES: Final = (
     "PROJECTOR", "P_FUNCTION", "P_OUT", "P_OUT_SIZE", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED",
     "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "LENGTH",
 )  # fmt: skip
-_WATCH_PLACES: Final = ("TABLE", "EVENT_SIZE", "CAME", "LARGEST", "AT_START")
-_SAMPLER_PLACES: Final = ("START", "NEXT", "RECORDED", "VALUES", "STEPS", "TAKEN", "GROUPS")
 _IMPLICIT_FUNCTIONS: Final = {
     "turn": implicit_block.RATE_FUNCTION,
     "jacobian": implicit_block.DERIVATIVE_FUNCTION,
@@ -122,7 +120,7 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
             projector = int(motion[block.PROJECTOR])
             places[name] = projector + int(motion[projector + block.P_FUNCTION])
         elif name == "assembly":
-            places[name] = motion.size + int(assembly[assembly_block.NUMBERS])
+            places[name] = motion.size + int(assembly[AssemblyProblem.fields["numbers"].place])
         elif name in _IMPLICIT_FUNCTIONS:
             places[name] = places["implicit"] + int(implicit[_IMPLICIT_FUNCTIONS[name]])
         elif name != "motion":
@@ -130,8 +128,8 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
             parts.append(function.numbers)
             size += function.numbers.size
     if watch.size:  # numbers of functions lie before and behind it
-        watch[watch_block.NUMBERS] = places["indicators"] - places["watch"]
-        watch[watch_block.ACTIONS] = places["motion"] - places["watch"]
+        for field, name in (("numbers", "indicators"), ("actions", "motion")):
+            watch[EventMonitor.fields[field].place] = places[name] - places["watch"]
     scratch = max(function.values_work for function in program.functions.values())
     return np.concatenate([*parts, np.zeros(scratch + 1)]), places | {"scratch": size}
 
@@ -154,7 +152,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_SLOPES": rows * (n + n_r),
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
-        "SB_HELD": assembly_block.HELD, "SB_IS_CLOSED": int("assembly" in functions),
+        "SB_HELD": AssemblyProblem.fields["asked"].place, "SB_IS_CLOSED": int("assembly" in functions),
         "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
         "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
         "SB_WATCH": places["watch"],
@@ -165,8 +163,9 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     }
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
-    numbers |= {f"SB_W_{name}": getattr(watch_block, name) for name in _WATCH_PLACES}
-    numbers |= {f"SB_Z_{name}": getattr(sample_block, name) for name in _SAMPLER_PLACES}
+    for letter, record in (("W", EventMonitor), ("E", MonitoredEvent), ("Z", SampleHold)):
+        numbers |= {f"SB_{letter}_{name.upper()}": field.place for name, field in record.fields.items()}
+    numbers["SB_EVENT_SIZE"] = MonitoredEvent.size
     texts = {
         "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
         "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),

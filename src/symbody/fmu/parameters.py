@@ -74,7 +74,7 @@ def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable
     )  # fmt: skip
     arguments = tuple(name for name in eqs.parameter_names if name not in calculated)
     problems = [
-        Problem("fmu.fixed", "fixed", f"{name!r} is not a parameter that an importer sets",
+        Problem("fmu.fixed", "fixed", f"{name!r} is not a parameter that an importer can set",
                 "it follows from others" if name in calculated else "", nearest(name, arguments))
         for name in fixed if name not in arguments
     ]  # fmt: skip

@@ -18,7 +18,7 @@ from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
 from symbody.kernels import block
-from symbody.kernels.events import watch_block
+from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.simulation.events.event_functions import numbers_of_events
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
@@ -27,7 +27,7 @@ from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, ma
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
 from symbody.simulation.native.blocks import make_block
-from symbody.simulation.native.closing import POSED, closing_block, metric, state_shape
+from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
 from symbody.simulation.native.description import Projector
 from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
 from symbody.simulation.programs.motion_request import PosedMotion
@@ -169,7 +169,8 @@ class FmuProgram:
         room_for_work = n + 1  # which the rules of events leave out
         sizes = WatchNumbers(room_for_work, len(eqs.speed_names), nothing, np.zeros(1), nothing)
         made = make_watch_block(events, sizes)
-        made[[watch_block.DIRECTION, watch_block.ACTION_VALUES]] = 1.0, n
+        monitor = EventMonitor(made)
+        monitor.direction, monitor.action_values = 1.0, n
         return made
 
     def block(self) -> Floats:
@@ -214,10 +215,9 @@ class FmuProgram:
         """Return the block of `symbody.kernels.configurations.closing`; empty for open mechanisms."""
         if "assembly" not in self.functions:
             return np.zeros(0)
-        eqs, function = self.eqs, self.functions["assembly"]
-        own = metric(eqs, self.motion.integration.problem.scales)
-        sizes = function.sizes
-        return closing_block(state_shape(eqs), own, sizes, function.numbers, self.closing_share)
+        close, function = closing_of(self.motion.eqs, holds=True), self.functions["assembly"]
+        own = metric(close.eqs, self.motion.integration.problem.scales)
+        return closing_block(close.shape, own, function.sizes, function.numbers, self.closing_share)
 
     @property
     def closing_parameters(self) -> tuple[bool, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.fmu.functions import Floats
-from symbody.kernels.samples import sample_block as at
+from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.model.model import Model
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
@@ -48,19 +48,19 @@ class FmuSamples:
         return tuple(value.formula for value in self.values)
 
     def block(self, speed_count: int) -> Floats:
-        """Return the block of `symbody.kernels.samples.sample_block`, for a record of one row."""
+        """Return the array of a `SampleHold`, for a record of one row."""
         if not self.values:
-            return np.zeros(at.HEADER)
+            return np.zeros(SampleHold.size)
         # one group for each formula: parameters may set apart sample times that are the same at first
         apart = [
             HeldValue(value.name, value.formula, value.slot, float(group), value.initial)
             for value, group in zip(self.values, self.groups, strict=True)
         ]
-        block = Sampler(apart, _START, speed_count).block
+        sampler = Sampler(apart, _START, speed_count)
         steps = {group: value.step for value, group in zip(self.values, self.groups, strict=True)}
-        block[int(block[at.STEPS]) :][: len(steps)] = [steps[group] for group in dict.fromkeys(self.groups)]
-        block[at.ROOM] = 1.0
-        return block
+        np.asarray(sampler.hold.steps)[:] = [steps[group] for group in dict.fromkeys(self.groups)]
+        sampler.hold.room = 1
+        return sampler.block
 
 
 def fmu_samples(

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.configurations.ropes import with_taut
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.sequences.dependencies import Symbols, dependencies
 from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.program import written_out
 from symbody.fmu.functions import Floats, ModelFunction, are_symbols
 from symbody.fmu.names import entry_name, rate_name, unique_names, variable_name
 from symbody.fmu.program import FmuProgram
@@ -73,9 +75,9 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     """Return which states (u, q, s) can be set: the others follow from the constraints."""
     eqs = program.eqs
     n_u = len(eqs.speed_names)
-    if "assembly" not in program.functions:
+    if not eqs.multiplier_names:
         return (True,) * len(eqs.state_names)
-    residual, by_q, _, jacobian, _ = _constraint_values(program)
+    by_q, jacobian = _constraint_slopes(program)
     free = with_taut(program.motion.eqs, ())  # nothing is held at first
     chosen = free.mobility.independent_speeds if free.multiplier_names else range(n_u)
     preferred = {eqs.speed_names[k] for k in chosen}
@@ -92,16 +94,18 @@ def held_states(eqs: EquationSet, are_free: Iterable[bool]) -> tuple[bool, ...]:
     return tuple(free and name not in loose for name, free in zip(eqs.state_names, are_free, strict=True))
 
 
-def _constraint_values(program: FmuProgram) -> list[Floats]:
-    """Return the outputs of the assembly at the first state."""
-    function, eqs = program.functions["assembly"], program.eqs
+def _constraint_slopes(program: FmuProgram) -> list[Floats]:
+    """Return the derivatives of constraints by coordinates and by speeds at the first state."""
+    eqs, given, modes = program.eqs, program.parameters, program.modal.arguments
+    outputs, arguments = ("position_jacobian", "jacobian"), (*given.arguments, *modes)
+    sequence = written_out(form_sequence(eqs, outputs, given.fixed_formulas, arguments)[0])
     n_u, x = len(eqs.speed_names), program.x0.tolist()
     point = {
         "t": [0.0], "q": x[n_u:], "u": x[:n_u], "r": [0.0] * len(eqs.input_names),
-        "p": [*program.parameters.values.tolist(), *[0.0] * len(program.modal.arguments)],
+        "p": [*given.values.tolist(), *[0.0] * len(modes)],
     }  # fmt: skip
-    values = evaluate_sequence(function.sequence, point)
-    shapes = [output.shape for output in function.sequence.outputs]
+    values = evaluate_sequence(sequence, point)
+    shapes = [output.shape for output in sequence.outputs]
     return [np.reshape(np.asarray(v, dtype=np.float64), s) for v, s in zip(values, shapes, strict=True)]
 
 
@@ -160,7 +164,7 @@ def _inputs(program: FmuProgram) -> Iterator[FmuVariable]:
 
 def _held_values(program: FmuProgram) -> Iterator[FmuVariable]:
     for value in program.samples.values:
-        unit, words = program.eqs.units.get(value.name, ""), f"{value.name}: held between samples"
+        unit, words = program.eqs.units.get(value.name, ""), f"{value.name}: held constant between samples"
         yield FmuVariable(variable_name(value.name), "local", "discrete", "exact", value.initial, unit, words)
 
 

@@ -51,7 +51,7 @@ _USUAL_TYPES: Final = MappingProxyType(
 _EXPECTED: Final = MappingProxyType(
     {
         "bool_type": "true or false",
-        "string_type": "a text in quotes",
+        "string_type": "a string in quotes",
         "list_type": "a list",
         "tuple_type": "a list of an axis and an angle",
         "dict_type": "a table",
@@ -88,7 +88,7 @@ def refuse_misfits(data: object, locate: Locate) -> None:
         problems = [_problem(item, schema, data, locate) for item in (newer or found)[:_MAX_PROBLEMS]]
         if len(found) > len(problems) and not newer:
             rest = f"{len(found) - len(problems)} more problems are not shown"
-            problems.append(Problem("file.more", locate(()), rest, "", "mend the ones above first"))
+            problems.append(Problem("file.more", locate(()), rest, "", "fix the ones above first"))
         raise FormatError(*problems) from None
 
 
@@ -98,7 +98,7 @@ def _problem(found: dict[str, Any], schema: Schema, data: object, locate: Locate
         code, what, why = "unknown_key", f"there is no key {path[-1]!r} here", ""
         legal = _legal_keys(schema, found["loc"])
         other = _EFFORTS.get(str(path[-1]), "")
-        fix = f"it is called {other!r} here" if other in legal else nearest(str(path[-1]), legal)
+        fix = f"the key is called {other!r}" if other in legal else nearest(str(path[-1]), legal)
     else:
         code, what, why, fix = _explain(found, path)
     shown = ", ".join(part for part in (locate(path), _element(path, data), _inner(path)) if part)
@@ -117,7 +117,7 @@ def _explain(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
         return (
             "newer_version",
             f"the file was made by a newer version of symbody: it has version {_short_text(value)}",
-            f"this symbody reads versions up to {VERSION}",
+            f"this version of symbody reads versions up to {VERSION}",
             "update symbody",
         )
     if kind in ("union_tag_invalid", "union_tag_not_found"):
@@ -143,7 +143,7 @@ def _explain(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
         cure = (
             f"write [[{key}]] instead of [{key}]" if is_section else f"write {_LISTS.get(str(key), expected)}"
         )
-    return "wrong_type", f"{_short_text(value)} stands where {expected} is expected", why, cure
+    return "wrong_type", f"{_short_text(value)} was found where {expected} is expected", why, cure
 
 
 def _causes(kind: str, value: object) -> str:
@@ -159,7 +159,7 @@ def _type_problem(found: dict[str, Any], kind: str) -> tuple[str, str, str, str]
         return "missing_key", "'type' is missing", "", f'add type = "{word}", for instance'
     tag = str(found["ctx"]["tag"])
     meant = OTHER_NAMES.get(tag.lower(), "")
-    fix = f"it is called {meant!r} here" if meant in known else nearest(tag, known)
+    fix = f"the key is called {meant!r}" if meant in known else nearest(tag, known)
     return "unknown_type", f"there is no {kind} type {tag!r}", "", fix
 
 

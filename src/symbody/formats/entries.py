@@ -155,9 +155,9 @@ def table_entry(table: Lookup, folder: str | None, *, is_alone: bool) -> dict[st
         if values["file"].startswith(".."):
             raise FormatError(
                 Problem("file.outside", f"table {table.name}, file",
-                        f"{table.file!r} lies outside of the folder in which the model is saved",
-                        "a model file names files of its own folder alone",
-                        "copy the file into the folder first, or save the model beside the file")
+                        f"{table.file!r} is outside the folder in which the model is saved",
+                        "a model file may only refer to files in its own folder",
+                        "copy the file into the folder first, or save the model next to the file")
             )  # fmt: skip
     return {name: write_node(value) for name, value in values.items()}
 

@@ -106,7 +106,7 @@ def _read_part(
         names = [os.path.basename(name) for name in (*reading[reading.index(place) :], place)]
         raise ModelError(
             Problem("include.circle", where, f"the file includes itself: {' -> '.join(names)}",
-                    "a part would contain itself without end", "leave out one of these includes")
+                    "a part would contain itself endlessly", "remove one of these includes")
         )  # fmt: skip
     shown = os.path.join(folder, file)
     try:
@@ -144,9 +144,9 @@ def include_entry(include: Include, folder: str | None) -> dict[str, Node]:
     if place.startswith(".."):
         raise FormatError(
             Problem("file.outside", f"include {include.prefix}, file",
-                    f"{include.file!r} lies outside of the folder in which the model is saved",
-                    "a model file names files of its own folder alone",
-                    "copy the part into the folder first, or save the model beside it")
+                    f"{include.file!r} is outside the folder in which the model is saved",
+                    "a model file may only refer to files in its own folder",
+                    "copy the part into the folder first, or save the model next to it")
         )  # fmt: skip
     entry: dict[str, Node] = {"file": place, "prefix": include.prefix}
     if include.at.full_name != "ground":

@@ -79,8 +79,8 @@ def _refuse_own_classes(model: Model) -> None:
         if type(each).__module__.partition(".")[0] != _PACKAGE:
             where, word = f"{each.kind} {each.name}", type(each).__name__
             problems.append(
-                Problem("file.own_class", where, f"model files have no word for {word}",
-                        "its class is not in the package, where files are read",
+                Problem("file.own_class", where, f"model files cannot describe {word}",
+                        "its class is not part of the package, so files cannot be read back",
                         "keep the mechanism as a script, or add the class to the package")
             )  # fmt: skip
     if problems:
@@ -279,8 +279,8 @@ def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
                 "file.layout",
                 "layout",
                 f"the layout cannot be written to a file: {error}",
-                "TOML has texts, numbers, true and false, lists and tables; no null",
-                "leave such entries out",
+                "TOML has strings, numbers, true and false, lists and tables, but no null",
+                "remove such entries",
             )
         ) from error
 

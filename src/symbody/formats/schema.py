@@ -25,7 +25,7 @@ def _version(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise PydanticCustomError("version", "a whole number")
     if value > VERSION:
-        raise PydanticCustomError("newer", "a version this symbody knows")
+        raise PydanticCustomError("newer", "a version known to this symbody")
     return value
 
 
@@ -33,9 +33,9 @@ def _version(value: object) -> int:
 GroundEntry: Final = create_model(
     "GroundEntry",
     __base__=FileEntry,
-    __doc__="What is fixed.",
-    frames=(TYPES[Frames], Field(default={}, description="Frames fixed on the ground.")),
-    shape=(TYPES[Shapes], Field(default=[], description="What is seen of it.")),
+    __doc__="The fixed frame.",
+    frames=(TYPES[Frames], Field(default={}, description="Frames fixed to the ground.")),
+    shape=(TYPES[Shapes], Field(default=[], description="Shapes to draw.")),
 )
 Version = Annotated[
     Any, PlainValidator(_version), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": VERSION})
@@ -43,15 +43,16 @@ Version = Annotated[
 IncludeEntry: Final = create_model(
     "IncludeEntry",
     __base__=FileEntry,
-    __doc__="A model file as a part: its elements and symbols under names with a prefix.",
-    file=(str, Field(description="Model file in the folder of this one or below it, by its relative path.")),
-    prefix=(str, Field(description='"FL" makes FL_knee of the joint or parameter knee.')),
-    at=(str, Field(default="ground", description="Frame that is the ground of the part.")),
+    __doc__="A model file included as a part: its elements and symbols get names with a prefix.",
+    file=(str, Field(description="Relative path of a model file in the folder of this file or below it.")),
+    prefix=(str, Field(description='With "FL" the joint or parameter knee becomes FL_knee.')),
+    at=(str, Field(default="ground", description="Frame that becomes the ground of the part.")),
     connect=(
         dict[str, Expression],
         Field(
             default={},
-            description="Inputs of the part to symbols or formulas here; its signals to the names they get.",
+            description="Connects inputs of the part to symbols or formulas here, and its signals to new "
+            "names.",
         ),
     ),
     share=(
@@ -60,7 +61,10 @@ IncludeEntry: Final = create_model(
     ),
     parameters=(
         dict[str, Angle],
-        Field(default={}, description="In place of the part's values, in symbols of this model."),
+        Field(
+            default={},
+            description="New values for parameters of the part, as formulas in symbols of this model.",
+        ),
     ),
 )
 _ENTRY: Final[Any] = IncludeEntry
@@ -73,23 +77,23 @@ ModelFile: Final = create_model(
     name=(str, Field(description="Title.")),
     gravity=(
         Triple,
-        Field(default=[0, 0, 0], description="Acceleration of free fall in ground axes [m/s^2]."),
+        Field(default=[0, 0, 0], description="Acceleration of gravity in ground axes [m/s^2]."),
     ),
     inputs=(
         list[str],
-        Field(default=[], description="Quantities given from outside while it moves."),
+        Field(default=[], description="Quantities given from outside during the motion."),
     ),
     parameters=(
         dict[str, Angle],
         Field(
-            default={}, description='Values, or formulas of other parameters; "" where there is no value yet.'
+            default={}, description='Values, or formulas in other parameters; "" where there is no value yet.'
         ),
     ),
     ground=(GroundEntry, Field(default_factory=GroundEntry)),
     **_LISTS,
     include=(
         list[_ENTRY],
-        Field(default=[], description="Parts: model files, once or several times, under prefixes."),
+        Field(default=[], description="Parts: included model files, each with its own prefix."),
     ),
     initial=(
         dict[str, FirstValue],
@@ -97,7 +101,7 @@ ModelFile: Final = create_model(
     ),
     layout=(
         dict[str, Any],
-        Field(default={}, description="The diagram; of no meaning to the mechanism."),
+        Field(default={}, description="Layout of the diagram; it does not affect the mechanism."),
     ),
 )
 

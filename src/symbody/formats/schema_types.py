@@ -77,7 +77,7 @@ Expression = Annotated[
 Angle = Annotated[
     Any,
     PlainValidator(_expression),
-    WithJsonSchema({**_TEXT_OR_NUMBER, "description": 'An angle in rad, or such as "30 deg".'}),
+    WithJsonSchema({**_TEXT_OR_NUMBER, "description": 'An angle in rad, or a text such as "30 deg".'}),
 ]
 FirstValue = Annotated[
     Any,
@@ -96,7 +96,8 @@ FirstValue = Annotated[
                     "additionalProperties": False,
                 },
             ],
-            "description": 'A value, or { value = .., priority = "hold" } if it holds when loops are closed.',
+            "description": 'A value, or { value = .., priority = "hold" } if closing the loops must not '
+            "change it.",
         }
     ),
 ]
@@ -159,7 +160,7 @@ Six = Annotated[
                 {**_SIX, "items": _TEXT_OR_NUMBER},
                 {**_SIX, "items": {**_SIX, "items": _TEXT_OR_NUMBER}},
             ],
-            "description": "Six values along and about x, y, z, or six rows of six.",
+            "description": "Six values along and about x, y, z, or a 6 x 6 matrix.",
         }
     ),
 ]
@@ -176,7 +177,8 @@ Trees = Annotated[
                     "additionalProperties": False,
                 },
             ],
-            "description": "Whether the joint is in the rotation and translation tree; left out: automatic.",
+            "description": "Whether the joint is in the rotation tree and the translation tree; leave it "
+            "out for automatic.",
         }
     ),
 ]

@@ -51,6 +51,14 @@ def write_layout(text: str, layout: Mapping[str, Any]) -> str:
     return tomlkit.dumps(document)
 
 
+def key_comments(text: str, table: str) -> dict[str, str]:
+    """Return the comments that stand behind the keys of a top table, without their mark."""
+    content = tomlkit.parse(text).get(table)
+    items = dict(content.value.body) if isinstance(content, Table) else {}
+    comments = {key.key: item.trivia.comment.lstrip("# ") for key, item in items.items() if key is not None}
+    return {key: comment for key, comment in comments.items() if comment}
+
+
 def _merge(table: Any, before: Tree, after: Tree) -> None:
     """Change a table of the document where `after` differs from `before`."""
     for key in before:

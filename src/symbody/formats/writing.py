@@ -21,10 +21,10 @@ _CURES: Final = MappingProxyType(
         errno.EROFS: "choose a place that can be written to",
         errno.EACCES: "choose a place that can be written to, or change the permissions",
         errno.EPERM: "choose a place that can be written to, or change the permissions",
-        errno.ENOENT: "make the directory first, or check the path",
+        errno.ENOENT: "create the directory first, or check the path",
         errno.ENOTDIR: "check the path: a part of it is a file",
-        errno.EISDIR: "name a file, not a directory",
-        errno.ELOOP: "mend the symbolic links",
+        errno.EISDIR: "give the path of a file, not a directory",
+        errno.ELOOP: "fix the symbolic links",
     }
 )
 
@@ -118,7 +118,7 @@ def _unwritable(where: str, error: OSError | ValueError) -> Problem:
         "file.not_saved",
         where,
         f"the file cannot be saved: {reason or error}",
-        "the file that was there, if any, is unchanged",
+        "an existing file is unchanged",
         writing_cure(error),
     )
 

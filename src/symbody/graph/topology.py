@@ -12,7 +12,7 @@ from symbody.errors import Problem, TopologyError
 from symbody.graph.curved_shifts import is_curved
 from symbody.graph.linear_graph import Edge, LinearGraph
 from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
-from symbody.graph.trees import Preference, TreeChoice, cycle_problem, preferences
+from symbody.graph.trees import Preference, TreeChoice, Trees, cycle_problem, preferences
 from symbody.model.constraint import FrameConstraint
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joints import Free
@@ -75,6 +75,15 @@ class Topology:
     def translation_branches(self) -> frozenset[str]:
         """Names of the joints in the translation tree."""
         return self._branch_names("translation", self.translation)
+
+    @property
+    def trees(self) -> Trees:
+        """The choice that gives these trees again: the joints of the model in each."""
+        names = [joint.name for joint in self.model.joints]
+        return Trees(
+            [name for name in names if name in self.rotation_branches],
+            [name for name in names if name in self.translation_branches],
+        )
 
     def _branch_names(self, kind: str, tree: SpanningTree) -> frozenset[str]:
         found = self._inside.get(kind)
@@ -176,9 +185,11 @@ def _check_curved(cut: Collection[str]) -> None:
     """Refuse to cut joints that shift along a curve."""
     problems = [
         Problem("topology.curved_chord", f"joint {name}",
-                "it shifts along a curve, and the translation tree does not contain it",
-                "such a joint gives coordinates: rows that close a loop hold for straight shifts",
-                "let the trees contain it, cut others of its loop, or write the curve as a PointOnCurve")
+                "it translates along a curve, but the translation tree does not contain it",
+                "such a joint must supply coordinates: loop-closure equations are valid for straight "
+                "displacements only",
+                "put it into the trees and cut another joint of its loop, or model the curve as a "
+                "PointOnCurve")
         for name in sorted(cut)
     ]  # fmt: skip
     if problems:
@@ -189,8 +200,8 @@ def _check_mixing(topology: Topology) -> None:
     """Refuse a joint in one tree whose rotation and translation share a coordinate."""
     problems = [
         Problem("topology.mixed_joint", f"joint {joint.name}",
-                f"it is in one tree only, but its turning and shifting share {shared}",
-                "such a joint gives all its coordinates or none", "put it in both trees or in neither")
+                f"it is in one tree only, but its rotation and translation share {shared}",
+                "such a joint supplies all its coordinates or none", "put it in both trees or in neither")
         for joint in topology.joints
         if (joint.name in topology.rotation_branches) != (joint.name in topology.translation_branches)
         and (shared := _common_part(joint))
@@ -211,7 +222,13 @@ def _common_part(joint: Joint) -> str:
 
 
 def _check_count(topology: Topology) -> None:
-    """Assert that coordinates and locked directions of each tree make 3 for each body."""
+    """Check that coordinates and locked directions of each tree make 3 for each body.
+
+    Raises
+    ------
+    AssertionError
+        If they do not: an error of the program, whatever the model is.
+    """
     bodies = len(topology.model.bodies)
     locked: Mapping[str, Callable[[Joint], int]] = {
         "rotation": lambda joint: joint.locked_rotations,
@@ -221,7 +238,8 @@ def _check_count(topology: Topology) -> None:
         tree: SpanningTree = getattr(topology, kind)
         joints = [topology.joint(branch.edge.name) for branch in tree.branches]
         freedoms = sum(3 - count(joint) for joint in joints)
-        assert freedoms + sum(map(count, joints)) == 3 * bodies, f"{kind} tree does not span the bodies"
+        if freedoms + sum(map(count, joints)) != 3 * bodies:
+            raise AssertionError(f"the {kind} tree does not reach all bodies")
 
 
 def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:
@@ -230,16 +248,18 @@ def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:
         turns, slides = joint.name in topology.rotation_branches, joint.name in topology.translation_branches
         if not (turns or slides):
             reason = (
-                "its loop has cheaper joints" if joint.has_named_coordinates else "it names no coordinates"
+                "other joints of its loop lead to simpler equations"
+                if joint.has_named_coordinates
+                else "it names no coordinates"
             )
             reason = reason if joint.tree == InTrees() else "as the model says"
-            notes.append(f"joint {joint.name} is cut: {reason}; what it locks becomes constraints")
+            notes.append(f"joint {joint.name} is cut: {reason}; the directions it locks become constraints")
         elif turns != slides:
             kind = "rotation" if turns else "translation"
             notes.append(f"joint {joint.name} is in the {kind} tree only")
         if (turns or slides) and not joint.has_named_coordinates:
             names = ", ".join(joint.coordinates)
-            notes.append(f"joint {joint.name}: coordinates without a name of their own are called {names}")
+            notes.append(f"joint {joint.name}: its unnamed coordinates are called {names}")
     for joint in free:
         parts = ["orientation"] if joint.tree.rotation else []
         parts += ["position"] if joint.tree.translation else []

@@ -65,7 +65,7 @@ def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> di
         return {kind: Preference((), names) for kind in KINDS}
     if choice is not None:
         raise TopologyError(
-            Problem("topology.unknown_choice", "tree", f"{choice!r} is not a choice of trees", "",
+            Problem("topology.unknown_choice", "tree", f"{choice!r} is not a valid choice of trees", "",
                     'write "joints", "absolute", Trees(rotation=[...], translation=[...]), or leave it out')
         )  # fmt: skip
     flags = {kind: {joint.name: getattr(joint.tree, kind) for joint in joints} for kind in KINDS}
@@ -94,7 +94,7 @@ def cycle_problem(kind: str, edges: Iterable[Edge], chosen: Collection[str]) -> 
     names, bodies = ", ".join(reversed(trail)), " - ".join(reversed(around))
     return Problem(
         "topology.cycle", f"tree, {kind}", f"the joints {names} form a cycle: {bodies}",
-        "a tree has one path from ground to each body", f"take one of them out of the {kind} tree",
+        "a tree has one path from ground to each body", f"remove one of them from the {kind} tree",
     )  # fmt: skip
 
 

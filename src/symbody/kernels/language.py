@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Sequence
-from typing import Final, Protocol, Self
+from typing import Any, Final, Protocol, Self
 
 NAN: Final = math.nan
 INFINITY: Final = math.inf
@@ -23,11 +23,11 @@ class _HasSquareRoot(Protocol):
 class Reals:
     """An array of reals, or the part of one that begins at an offset: a view, never a copy."""
 
-    __slots__ = ("_offset", "_storage")
+    __slots__ = ("entries", "offset")
 
     def __init__(self, storage: Sequence[float], offset: int = 0) -> None:
-        self._storage = storage if isinstance(storage, list) else list(storage)
-        self._offset = offset
+        self.entries: Any = storage if isinstance(storage, list) else list(storage)
+        self.offset = offset
 
     @classmethod
     def zeros(cls, size: int) -> Self:
@@ -35,14 +35,15 @@ class Reals:
         return cls([0.0] * size)
 
     def __getitem__(self, index: int) -> float:
-        return self._storage[self._offset + index]
+        entry: float = self.entries[self.offset + index]
+        return entry
 
     def __setitem__(self, index: int, value: float) -> None:
-        self._storage[self._offset + index] = value
+        self.entries[self.offset + index] = value
 
     def shift(self, offset: int) -> Reals:
         """Return the part that begins `offset` entries further on."""
-        return Reals(self._storage, self._offset + offset)
+        return Reals(self.entries, self.offset + offset)
 
 
 # A function of generated code: t, q, u, r, p, c, out, work to a status, 0 if all went well.

@@ -88,9 +88,9 @@ def read_vector(arguments: Sequence[object], count: int, where: str) -> tuple[Pl
     if vector is None or not count - 1 <= len(others) <= count:
         last = "P, B1" if count == 3 else "B1"
         raise UsageError(
-            Problem("mbsymba.arguments", where, f"{len(arguments)} arguments do not make it",
-                    "", f"write {where}(RF, x, y, z, {last}) or {where}(VECTOR, {last}), and behind the body "
-                    "that it reacts on")
+            Problem("mbsymba.arguments", where, f"{len(arguments)} arguments do not match",
+                    "", f"write {where}(RF, x, y, z, {last}) or {where}(VECTOR, {last}), followed by the "
+                        f"body on which it reacts")
         )  # fmt: skip
     return vector, others
 

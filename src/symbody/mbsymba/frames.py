@@ -63,7 +63,7 @@ def _axis(axis: str | VECTOR) -> Triple:
     if null:
         raise FrameError(
             Problem("mbsymba.null_axis", "rotate", "the axis is the null vector", "it has no direction",
-                    "give a vector of some length")
+                    "give a vector of nonzero length")
         )  # fmt: skip
     if unit:
         return direction

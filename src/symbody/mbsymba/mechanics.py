@@ -104,7 +104,7 @@ def make_CONSTRAINT(
     if len(names) != len(equations):
         raise ModelError(
             Problem("mbsymba.multipliers", "make_CONSTRAINT",
-                    f"{len(equations)} equations and {len(names)} multipliers do not fit together", "",
+                    f"{len(equations)} equations and {len(names)} multipliers do not match", "",
                     "give each equation one multiplier")
         )  # fmt: skip
     values = tuple(Expr(graph, node) for node in nodes_from_equations(equations, graph))
@@ -129,7 +129,7 @@ def _warn_of_plane(body: PlacedBody) -> None:
     moments = [body.tensor[k][k] for k in range(3)]
     if moments[2].is_zero and not (moments[0].is_zero and moments[1].is_zero) and _is_planar(body.centre):
         warnings.warn(
-            "make_BODY: the body turns about Z but has no Izz, so its inertia does nothing. The order is "
+            "make_BODY: the body rotates about Z but has no Izz, so its inertia does nothing. The order is "
             "make_BODY(G, m, Ixx, Iyy, Izz): write make_BODY(G, m, 0, 0, Izz)",
             stacklevel=3,
         )

@@ -75,7 +75,7 @@ def function_names(given: object, where: str) -> list[str]:
         raise UsageError(
             Problem("mbsymba.not_a_function", where, f"{', '.join(wrong)} is not a function of time",
                     "coordinates and multipliers change with time",
-                    "make it by dynamicsymbols('x'), and give the function itself, not a rate of it")
+                    "create it with dynamicsymbols('x'), and give the function itself, not its derivative")
         )  # fmt: skip
     return [symbol.name for symbol in symbols if symbol is not None]
 

@@ -37,7 +37,7 @@ class Frames(Field[Mapping[str, Frame] | None, FrozenMapping[Frame]]):
 @final
 @part
 class Body(Element):
-    """A rigid body; its own frame stands in the centre of mass.
+    """A rigid body; its own frame is at the centre of mass.
 
     Examples
     --------
@@ -49,18 +49,22 @@ class Body(Element):
     kind: ClassVar[str] = "body"
 
     mass: Quantity = Quantity(
-        "Mass; zero is legal as long as the mechanism as a whole can be accelerated.", unit="kg", default=0
+        "Mass; zero is allowed as long as the mechanism as a whole has mass in every direction of motion.",
+        unit="kg",
+        default=0,
     )
     inertia: VectorQuantity = VectorQuantity(
-        "xx, yy, zz about the centre of mass, in the body's axes.", unit="kg m^2", default=(0, 0, 0)
+        "Moments xx, yy, zz about the centre of mass, in the body's axes.", unit="kg m^2", default=(0, 0, 0)
     )
     products: VectorQuantity = VectorQuantity(
         "Tensor entries xy, xz, yz, with the sign of URDF.", unit="kg m^2", default=(0, 0, 0)
     )
-    frames: Frames = Frames("Frames fixed on the body.", default=None)
-    unphysical: Flag = Flag("Whether an impossible inertia is taken as it is, with a note.", default=False)
+    frames: Frames = Frames("Frames fixed to the body.", default=None)
+    unphysical: Flag = Flag(
+        "Whether a physically impossible inertia is used unchanged, with a note.", default=False
+    )
     shapes: Shapes = Shapes(
-        "What is seen of it; without any it is drawn as rods between its joints.", default=(), place="shape"
+        "Shapes to draw; without any the body is drawn as rods between its joints.", default=(), place="shape"
     )
 
     def __str__(self) -> str:
@@ -103,8 +107,8 @@ def read_frame_ref(arguments: Arguments, place: object, path: str) -> FrameRef:
     arguments.add(
         "model.not_a_place",
         path,
-        f"{'a Frame' if is_frame else repr(place)} is not a place on a body",
-        "a Frame does not know which body it is on" if is_frame else "",
+        f"{'a Frame' if is_frame else repr(place)} is not a point of a body",
+        "a Frame does not know its body" if is_frame else "",
         'give a Body, body["frame"], or a text such as "Body.Frame"',
     )
     return FrameRef("ground")
@@ -135,7 +139,7 @@ def frame_table(arguments: Arguments, frames: object, path: str) -> FrozenMappin
             arguments.add(
                 "names.reserved",
                 f"{path}.{name}",
-                f"the name {CENTRE!r} is taken: every body has it",
+                f"the name {CENTRE!r} is reserved: every body has a frame of this name",
                 "it is the centre of mass",
                 "rename the frame",
             )

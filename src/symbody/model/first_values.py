@@ -38,7 +38,7 @@ class Initial:
     def __post_init__(self) -> None:
         if self.priority not in ("hold", "guess"):
             raise UsageError(
-                Problem("model.priority", "initial", f"priority = {self.priority!r} means nothing",
+                Problem("model.priority", "initial", f"priority = {self.priority!r} is not a valid choice",
                         fix="write 'hold' or 'guess'")
             )  # fmt: skip
 

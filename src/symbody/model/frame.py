@@ -71,11 +71,13 @@ class Frame(ElementPart):
     """
 
     at: VectorQuantity = VectorQuantity(
-        "Origin, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
+        "Origin, relative to the centre of mass, in the body's axes.", unit="m", default=(0, 0, 0)
     )
-    rotate: Turns = Turns("Successive body-fixed turns: axis and angle.", default=())
+    rotate: Turns = Turns("Successive body-fixed rotations: axis and angle.", default=())
     matrix: RotationMatrix = RotationMatrix(
-        "Rotation matrix instead of turns; takes components in the frame to the body.", default=None
+        "Rotation matrix instead of successive rotations; it transforms components in the frame to "
+        "components in the body.",
+        default=None,
     )
 
     def check(self, arguments: Arguments) -> None:
@@ -95,9 +97,9 @@ def check_rotation(arguments: Arguments, rotate: Rotation, matrix: Matrix | None
         arguments.add(
             "model.two_rotations",
             "",
-            "the frame has both turns and a matrix",
-            "each of them alone says how the frame is turned",
-            "leave one of them out",
+            "the frame has both rotations and a matrix",
+            "either of them defines the orientation of the frame",
+            "remove one of them",
         )
 
 
@@ -107,9 +109,9 @@ def _turn(arguments: Arguments, turn: object, path: str) -> tuple[Axis, Formula]
         arguments.add(
             "model.not_a_turn",
             path,
-            "a turn is an axis and an angle",
+            "a rotation is an axis and an angle",
             "",
-            'write for instance ["z", "pi/2"]; several turns form a list of such pairs',
+            'write for instance ["z", "pi/2"]; several rotations form a list of such pairs',
         )
         return "x", ZERO
     return read_axis(arguments, pair[0], f"{path}[0]"), arguments.formula(pair[1], f"{path}[1]")

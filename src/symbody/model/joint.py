@@ -296,7 +296,7 @@ class Joint(Connection):
         """Note numbers that cannot be, and a choice without effect."""
         Connection.check_numbers(self, check, label)
         if self.as_constraint and not self.motion:
-            check.note(f"{label}: as_constraint says nothing, because no motion is prescribed")
+            check.note(f"{label}: as_constraint has no effect, because no motion is prescribed")
 
     def check(self, arguments: Arguments) -> None:
         """Note drives and motions of coordinates that cannot have them."""
@@ -321,9 +321,9 @@ def _refuse_key(joint: Joint, arguments: Arguments, word: str, key: str, fitting
         arguments.add(
             "model.quaternion_component",
             path,
-            f"{key} is a component of a quaternion, which nothing can drive by itself",
+            f"{key} is a component of a quaternion, which cannot be driven individually",
             "the four components depend on each other",
-            'choose angles, for instance angles = "313"; or let a [[torque]] act on the body',
+            'choose angles, for instance angles = "313"; or apply a [[torque]] to the body',
         )
     elif key in joint.coordinates:
         other = "torque" if word == "force" else "force"
@@ -331,7 +331,7 @@ def _refuse_key(joint: Joint, arguments: Arguments, word: str, key: str, fitting
             "model.wrong_drive",
             path,
             f"{key} is {'an angle' if word == 'force' else 'a displacement'}",
-            "force holds displacements, torque holds angles",
+            "force is for displacements, torque is for angles",
             f"write {other} instead of {word}",
         )
     else:

@@ -282,7 +282,7 @@ def _elements(arguments: Arguments, items: Iterable[object]) -> list[Element]:
                 f"elements[{k}]",
                 f"{item!r} is not a part of a mechanism",
                 "",
-                "give bodies, joints, forces",
+                "give bodies, joints, forces and other elements",
             )
     return [item for item in items if isinstance(item, Element)]
 

@@ -27,7 +27,7 @@ def symbol_problem(name: object, where: str) -> Problem | None:
         return Problem(
             "names.reserved",
             where,
-            f"the name {name!r} is taken: it is {RESERVED_SYMBOLS[name]}",
+            f"the name {name!r} is reserved: it is {RESERVED_SYMBOLS[name]}",
             "",
             f"rename it, for instance {name}_1",
         )
@@ -36,7 +36,7 @@ def symbol_problem(name: object, where: str) -> Problem | None:
             "names.keyword",
             where,
             f"{name!r} is a word of the expression language",
-            "no formula could mean the symbol by it",
+            "a formula could not refer to the symbol",
             f"rename it, for instance {name}_1",
         )
     if not is_name(normalize(name)):
@@ -62,7 +62,7 @@ def element_problem(name: object, where: str) -> Problem | None:
         return Problem(
             "names.reserved",
             where,
-            f"the name {name!r} is taken: it is the fixed frame",
+            f"the name {name!r} is reserved for the fixed frame",
             "",
             "rename the element; frames of the ground go into [ground.frames]",
         )
@@ -72,8 +72,8 @@ def element_problem(name: object, where: str) -> Problem | None:
                 "names.mark",
                 where,
                 f"the name {name!r} contains {mark!r}",
-                "addresses are written Body.Frame, and names with blanks are quoted in outputs",
-                f"leave the {mark!r} out, or write _ for it",
+                "addresses are written Body.Frame, and names with spaces are quoted in outputs",
+                f"remove the {mark!r}, or replace it by _",
             )
     return None
 
@@ -107,7 +107,7 @@ def _text_problem(name: object, where: str) -> Problem | None:
             "names.too_long",
             where,
             f"a name of {len(name)} characters ({name[:24]!r}...)",
-            "names made by a program grow this long",
+            "only generated names are this long",
             f"use at most {MAX_NAME} characters",
         )
     if not name.isprintable():
@@ -116,14 +116,14 @@ def _text_problem(name: object, where: str) -> Problem | None:
             "names.control_character",
             where,
             f"the name {name!a} contains U+{ord(hidden):04X}, which does not print",
-            "it came with pasted text, and can make a name look different from what it is",
-            "type the name anew",
+            "it probably came with pasted text, and makes the name look different from what it is",
+            "type the name again",
         )
     if name != name.strip():
         return Problem(
             "names.blank",
             where,
-            f"the name {name!r} begins or ends with a blank",
+            f"the name {name!r} begins or ends with a space",
             "",
             f"write {name.strip()!r}",
         )

@@ -44,7 +44,7 @@ class NumericChecks:
         self.refuse(
             "model.not_finite",
             where,
-            f"{formula} is {as_float(value)} with the values given",
+            f"{formula} is {as_float(value)} with the given values",
             "a function has no real value there, or the result is too large",
             "change the values",
         )
@@ -92,7 +92,7 @@ def check_angle(check: NumericChecks, angle: Formula, where: str) -> None:
     """Remark on an angle of more than a turn, which may be in degrees."""
     value = check.value(angle, where)
     if value is not None and abs(value) > 2 * math.pi:
-        check.note(f'{where}: {value:g} rad is more than a turn; degrees are written "{value:g} deg"')
+        check.note(f'{where}: {value:g} rad is more than a turn; for degrees write "{value:g} deg"')
 
 
 def positive_length(why: str) -> Callable[[NumericChecks, Formula, str], None]:
@@ -115,8 +115,8 @@ def refuse_zero_ratio(check: NumericChecks, ratio: Formula, where: str) -> None:
             "model.no_ratio",
             where,
             f"{ratio} is 0",
-            "the first coordinate would stand still, whatever the second does",
-            "give a number other than zero; a joint without this freedom holds the first",
+            "the first coordinate could not move, regardless of the second",
+            "give a nonzero number; to lock the first coordinate, use a joint without this degree of freedom",
         )
 
 

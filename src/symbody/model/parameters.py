@@ -153,7 +153,7 @@ def _cycle_problem(cycle: list[str]) -> Problem:
     return Problem(
         "parameters.cycle",
         f"model, parameters.{cycle[0]}",
-        "parameters depend on each other in a circle: " + " -> ".join(cycle),
+        "parameters depend on each other in a cycle: " + " -> ".join(cycle),
         "each needs the value of the next",
         "give one of them as a number",
     )

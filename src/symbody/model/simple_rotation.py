@@ -136,7 +136,7 @@ def not_perpendicular(first: Sequence[float], second: Sequence[float]) -> tuple[
     return (
         f"the angle between the axes is {angle:.6g} deg",
         "this joint needs perpendicular axes",
-        'make it 90 deg, for instance with ["x", "y"]; digits that are typed must be good to nine places',
+        'make it 90 deg, for instance with ["x", "y"]; typed decimals must be accurate to nine digits',
     )
 
 

@@ -36,6 +36,16 @@ from symbody.simulation.results.trajectory import Trajectory
 _MOST_CURVES: Final = 8
 _MOST_SPEEDS: Final = 100  # of an equilibrium and its modes, whose time grows with the cube
 _MOST_OPERATIONS: Final = 20_000  # of code whose size is measured by writing it
+_COUNTED: Final = (
+    "mass_matrix",
+    "forcing",
+    "jacobian",
+    "gamma",
+    "constraints",
+    "kinetic_energy",
+    "udot",
+    "xdot",
+)
 _LANGUAGES: Final = ("c", "python", "fortran", "matlab", "julia", "rust")
 
 
@@ -47,11 +57,11 @@ def equilibrium_section(setting: Setting) -> ReportSection:
 def _equilibrium(setting: Setting) -> Iterator[Block]:
     eqs = setting.eqs
     if isinstance(setting.start, str):
-        yield Paragraph(f"None was looked for: {setting.start}")
+        yield Paragraph(f"No search was made: {setting.start}")
         return
     if len(eqs.speed_names) > _MOST_SPEEDS:
         yield Paragraph(
-            f"None was looked for: there are {len(eqs.speed_names)} speeds. find_equilibrium(eqs) does."
+            f"No search was made, because there are {len(eqs.speed_names)} speeds; use find_equilibrium(eqs)."
         )
         return
     try:
@@ -68,9 +78,9 @@ def _equilibrium(setting: Setting) -> Iterator[Block]:
     try:
         linear = linearize(eqs, balance)
     except SymbodyError as error:
-        yield Paragraph(f"It has no linear equations: {reason(error)}")
+        yield Paragraph(f"The equations cannot be linearized: {reason(error)}")
         return
-    yield Paragraph(f"Its small motions are {linear.verdict}.")
+    yield Paragraph(f"Small motions are {linear.verdict}.")
     yield Notes(tuple(note for note in linear.notes if note not in balance.notes))
     shown = [mode for mode in linear.modes if mode.eigenvalue.imag >= 0.0]
     zeros = sum(map(_is_zero, shown))
@@ -113,26 +123,34 @@ def _motion(run: Trajectory, has_constraints: bool) -> Iterator[Block]:
             "motion", "Coordinates over time", lambda kind: motion_picture(run, names[:_MOST_CURVES], kind)
         )
     if len(names) > _MOST_CURVES:
-        yield Paragraph(f"Shown are the first {_MOST_CURVES} of {len(names)} coordinates.")
+        yield Paragraph(f"The first {_MOST_CURVES} of {len(names)} coordinates are shown.")
     energies = ("kinetic_energy", "potential_energy", "energy")
     yield Figure("energy", "Energies over time", lambda kind: motion_picture(run, energies, kind))
     energy = np.asarray(run["energy"])
-    yield Paragraph(f"Energy: {energy[0]:.6g} J at first, {energy[-1]:.6g} J at the end.")
+    yield Paragraph(f"Energy: {energy[0]:.6g} J at the start, {energy[-1]:.6g} J at the end.")
     if has_constraints:
         worst = float(np.max(run.constraint_violation, initial=0.0))
-        yield Paragraph(f"Largest open constraint: {worst:.2g} of the mechanism's size.")
+        yield Paragraph(f"Largest constraint error: {worst:.2g} of the mechanism's size.")
     rows = tuple((f"{event.t:.9g}", event.name) for event in run.events[:30])
     yield TextTable(("t [s]", "event"), rows)
     yield Notes(run.notes)
 
 
 def code_section(setting: Setting) -> ReportSection:
-    """Return the size of the generated code of the state's rates in each language."""
+    """Return the operations of each output, and the size of the state's rates as code of each language."""
     eqs = setting.eqs
     count = eqs.operation_count("xdot")
-    blocks: list[Block] = [Paragraph(f"The rates of the state, xdot, take {count} operations.")]
+    without_constraints = ("jacobian", "gamma", "constraints")
+    counted = [name for name in _COUNTED if eqs.multiplier_names or name not in without_constraints]
+    blocks: list[Block] = [
+        Paragraph("Operations of each output, shared parts once, parameters as symbols:"),
+        TextTable(
+            ("output", "operations"), tuple((name, str(eqs.operation_count(name))) for name in counted)
+        ),
+    ]
     if count > _MOST_OPERATIONS:
         return ReportSection("code", "Code", blocks)
+    blocks.append(Paragraph("The rates of the state, xdot, as code:"))
     rows: list[tuple[Cell, ...]] = []
     for language in _LANGUAGES:
         try:

@@ -6,6 +6,7 @@ they are written, so that every kind of file prints them in its own notation.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
@@ -18,6 +19,8 @@ from symbody.expr.printing.numerals import ALL_DIGITS, Numerals
 LONG: Final = 400
 # A block whose graph has more operations than this is counted, not printed: nobody reads it.
 MOST_OPERATIONS: Final = 4000
+
+_MULTIPLIER: Final = re.compile(r"\b(lambda_\w+)")
 
 PictureKind: TypeAlias = Literal["svg", "png", "pdf"]
 
@@ -65,6 +68,11 @@ class Notes:
     """A list of sentences."""
 
     texts: tuple[str, ...]
+
+
+def split_names(text: str) -> list[Name | str]:
+    """Return a sentence in pieces: multipliers as names that are typeset, and what stands between them."""
+    return [Name(piece) if _MULTIPLIER.fullmatch(piece) else piece for piece in _MULTIPLIER.split(text)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,16 +40,6 @@ _MOST_BODIES: Final = 8
 _MOST_SPEEDS: Final = 12
 # Outputs of frames, and how they are written.
 _LETTERS: Final = {"r": "r", "v": "v", "w": "omega"}
-_COUNTED: Final = (
-    "mass_matrix",
-    "forcing",
-    "jacobian",
-    "gamma",
-    "constraints",
-    "kinetic_energy",
-    "udot",
-    "xdot",
-)
 
 
 def kinematics_section(setting: Setting) -> ReportSection:
@@ -63,23 +53,24 @@ def _kinematics(setting: Setting) -> Iterator[Block]:
     rates = [graph.symbol(symbol.derivative) for symbol in formed.q]
     sides = [(a, b) for a, b in zip(rates, eqs.textbook.readable("qdot").nodes, strict=True) if a != b]
     if sides:
-        yield Paragraph("Rates of the coordinates by the speeds:")
+        yield Paragraph("Rates of the coordinates as functions of the speeds:")
         yield from _equations(setting, EquationSection("rates", tuple(sides)))
     bodies = eqs.model.bodies
     if len(bodies) > _MOST_BODIES:
         yield Paragraph(
-            f"Places of the {len(bodies)} bodies are not written out; each is an output, such as "
+            f"Positions of the {len(bodies)} bodies are not written out; each is an output, such as "
             f'"frame r {bodies[0].name} ground ground".'
         )
         return
     yield Paragraph(
-        "Origin [m], velocity [m/s] and angular velocity [rad/s] of each body in the ground, in its axes:"
+        "Origin [m], velocity [m/s] and angular velocity [rad/s] of each body relative to ground, in ground "
+        "axes:"
     )
     for body in bodies:
         outputs = {letter: f"frame {kind} {body.name} ground ground" for kind, letter in _LETTERS.items()}
         nodes = {letter: eqs.textbook.readable(name).nodes for letter, name in outputs.items()}
         if any(_is_long(graph, entries) for entries in nodes.values()):
-            yield Paragraph(f"Those of {body.name} are too long to be read.")
+            yield Paragraph(f"The formulas of {body.name} are too long to print.")
         else:
             yield MatrixRow(
                 tuple(
@@ -97,7 +88,7 @@ def constraints_section(setting: Setting) -> ReportSection:
 def _constraints(setting: Setting) -> Iterator[Block]:
     formed = setting.eqs.formed
     if not formed.rows:
-        yield Paragraph("There are none: the coordinates of the trees are independent.")
+        yield Paragraph("No constraints: the coordinates of the trees are independent.")
         return
     rows: list[tuple[Cell, ...]] = [
         (row.element, "positions" if row.is_holonomic else "velocities", Name(row.name))
@@ -111,23 +102,14 @@ def _constraints(setting: Setting) -> Iterator[Block]:
 
 
 def dynamics_section(setting: Setting) -> ReportSection:
-    """Return M, F, J and gamma, and how many operations each output takes."""
+    """Return M, F, J and gamma."""
     eqs = setting.eqs
     blocks: list[Block] = []
     if eqs.speed_names:
         blocks.append(_governing_equations(eqs))
     else:
-        blocks.append(Paragraph("There are no speeds: nothing moves, or all that moves is prescribed."))
+        blocks.append(Paragraph("There are no speeds: nothing can move, or all motions are prescribed."))
     blocks += _matrices(setting) if eqs.speed_names else ()
-    counted: list[tuple[Cell, ...]] = []
-    for name in _COUNTED:
-        if name in ("jacobian", "gamma", "constraints") and not eqs.multiplier_names:
-            continue
-        counted.append((name, str(eqs.operation_count(name))))
-    blocks += [
-        Paragraph("Operations of each output, shared parts once, parameters as symbols:"),
-        TextTable(("output", "operations"), tuple(counted)),
-    ]
     return ReportSection("dynamics", "Mass matrix, forcing, Jacobian", blocks)
 
 
@@ -146,7 +128,7 @@ def _matrices(setting: Setting) -> Iterator[Block]:
     for letter, name in names.items():
         if len(eqs.speed_names) > _MOST_SPEEDS or _is_big(graph, eqs.roots(name).nodes):
             yield Paragraph(
-                f"{letter} ({name}) is too large to be read; generate_code(eqs, {name!r}) writes it."
+                f"{letter} ({name}) is too large to print; generate_code(eqs, {name!r}) writes it."
             )
             continue
         roots: Roots = eqs.textbook.display(name)
@@ -160,7 +142,7 @@ def equations_section(setting: Setting) -> ReportSection:
     if len(eqs.speed_names) > _MOST_SPEEDS or _is_big(
         eqs.formed.graph, (*eqs.roots("mass_matrix").nodes, *eqs.roots("forcing").nodes)
     ):
-        text = "too large to be read; eqs.text() prints them, sb.generate_code writes them"
+        text = "too large for the report; eqs.text() prints them, sb.generate_code writes them"
         return ReportSection("equations", "Equations of motion", (Paragraph(text),))
     blocks: list[Block] = []
     for section in equation_sections(eqs.textbook, LONG):
@@ -188,8 +170,8 @@ def _reactions(setting: Setting) -> Iterator[Block]:
     )
     if eqs.undetermined_reactions:
         yield Paragraph(
-            f"Redundant constraints leave undetermined: {', '.join(eqs.undetermined_reactions)}; "
-            "they get the share of least norm."
+            f"Redundant constraints leave undetermined: {', '.join(eqs.undetermined_reactions)}; their "
+            f"values are those of the minimum-norm solution."
         )
     graph, long = eqs.formed.graph, []
     for joint in eqs.formed.topology.joints if len(eqs.speed_names) <= _MOST_SPEEDS else ():
@@ -208,7 +190,7 @@ def _reactions(setting: Setting) -> Iterator[Block]:
             )
     if long or len(eqs.speed_names) > _MOST_SPEEDS:
         which = ", ".join(long) if long else "all joints"
-        yield Paragraph(f"Too long to be read, computed by name: {which}.")
+        yield Paragraph(f"Too long to print, available as outputs by name: {which}.")
 
 
 def with_digits_note(setting: Setting, parts: Sequence[ReportSection]) -> tuple[ReportSection, ...]:
@@ -227,7 +209,7 @@ def _equations(setting: Setting, section: EquationSection) -> Iterator[Block]:
     """Yield equations, or a sentence in place of those that nobody reads."""
     graph = setting.eqs.formed.graph
     if _is_big(graph, section.nodes):
-        yield Paragraph("Too large to be read.")
+        yield Paragraph("Too large to print.")
     else:
         yield EquationBlock(graph, section.sides, setting.numerals, section.leading, section.remarks)
 

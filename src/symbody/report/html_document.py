@@ -37,6 +37,12 @@ table.grid { border-collapse: collapse; margin: 0.8rem 0; font-size: 0.95em; }
 table.grid th, table.grid td { border-bottom: 1px solid var(--line); padding: 0.25rem 1.2rem 0.25rem 0;
   text-align: left; vertical-align: top; }
 math { font-size: 1.05em; }
+body { counter-reset: equation; }
+.sb-equation { position: relative; padding-right: 3.5em; }
+details .sb-equation { padding-right: 0; }
+.sb-equation::after { counter-increment: equation; content: "(" counter(equation) ")";
+  position: absolute; right: 0; top: 0.3em; text-indent: 0; opacity: 0.75; }
+details .sb-equation::after { content: none; counter-increment: none; }
 figure { margin: 1rem 0; }
 figure img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
 figcaption { font-size: 0.9em; } summary { cursor: pointer; color: var(--link); }
@@ -77,7 +83,7 @@ def html_pieces(document: parts.ReportContent) -> dict[str, str]:
     )
     return {
         "title": escape(document.title),
-        "style": _STYLE + maths_style(with_font=True),
+        "style": maths_style(with_font=True) + _STYLE,
         "policy": _POLICY,
         "contents": f'<nav aria-label="Contents"><ol>{entries}</ol></nav>\n',
         "body": "".join(sections.values()),
@@ -94,8 +100,7 @@ def _block(block: parts.Block) -> str:
     if isinstance(block, parts.Paragraph):
         return f"<p>{escape(block.text)}</p>\n"
     if isinstance(block, parts.Notes):
-        items = "".join(f"<li>{escape(text)}</li>" for text in block.texts)
-        return f"<ul>{items}</ul>\n" if items else ""
+        return f"<ul>{''.join(map(_item, block.texts))}</ul>\n" if block.texts else ""
     if isinstance(block, parts.TextTable):
         return _grid(block)
     if isinstance(block, parts.Figure):
@@ -108,6 +113,10 @@ def _block(block: parts.Block) -> str:
     if isinstance(block, parts.MatrixRow):
         return f'<div class="row">{"".join(map(_matrix, block.matrices))}</div>\n'
     return _matrix(block) if isinstance(block, parts.Matrix) else _equations(block)
+
+
+def _item(text: str) -> str:
+    return f"<li>{''.join(map(_cell, parts.split_names(text)))}</li>"
 
 
 def _grid(block: parts.TextTable) -> str:
@@ -205,4 +214,4 @@ def _with_definitions(shown: str, named: list[tuple[str, str]]) -> str:
     if not named:
         return shown
     where = equations_html((mathml_name(name), text) for name, text in named)
-    return f"{shown}<details><summary>where {len(named)} shared parts have names</summary>{where}</details>\n"
+    return f"{shown}<details><summary>{len(named)} named shared parts</summary>{where}</details>\n"

@@ -31,6 +31,7 @@ _PAGE: Final = r"""\documentclass[11pt,a4paper]{article}
 \maketitle
 {{ body }}\end{document}
 """
+_NEW_ROW: Final = " \\\\\n"
 _ESCAPES: Final = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u2192": r"$\to$",
     "\u2212": "$-$", "\u00b1": r"$\pm$", "<": r"\textless{}", ">": r"\textgreater{}", "|": r"\textbar{}",
@@ -68,7 +69,7 @@ def _block(block: parts.Block, folder: str) -> str:
     if isinstance(block, parts.Paragraph):
         return f"{latex_words(block.text)}\n\n"
     if isinstance(block, parts.Notes):
-        items = "".join(f"\\item {latex_words(text)}\n" for text in block.texts)
+        items = "".join(f"\\item {''.join(map(_cell, parts.split_names(text)))}\n" for text in block.texts)
         return f"\\begin{{itemize}}\n{items}\\end{{itemize}}\n" if items else ""
     if isinstance(block, parts.TextTable):
         return _grid(block)
@@ -184,7 +185,16 @@ def matrix_formulas(block: parts.Matrix, width: int = WIDTH) -> tuple[str, str]:
 
 
 def _equations(block: parts.EquationBlock) -> str:
-    return _break_pages(equation_formulas(block, _PAGE_WIDTH))
+    return _number_equations(equation_formulas(block, _PAGE_WIDTH))
+
+
+def _number_equations(aligned: str) -> str:
+    """Return equations with a number each, which may continue on the next page; definitions have none."""
+    inner = aligned.removeprefix("\\begin{aligned}\n").removesuffix("\n\\end{aligned}")
+    equations, gap, definitions = inner.partition(" \\\\[1ex]\n")
+    rows = (f"{row} \\notag" if row.startswith(r"&\q") else row for row in equations.split(_NEW_ROW))
+    named = (f"{row} \\notag" for row in definitions.split(_NEW_ROW) if row)
+    return f"\\begin{{align}}\n{_NEW_ROW.join(rows)}{gap}{_NEW_ROW.join(named)}\n\\end{{align}}\n"
 
 
 def _break_pages(aligned: str) -> str:

@@ -8,7 +8,7 @@ from typing import Final
 
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.parameter_units import symbol_units
-from symbody.errors import SymbodyError, number_in_words
+from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.declarations.declaration import Declared
@@ -31,6 +31,7 @@ from symbody.report.document import (
 from symbody.report.pictures import graph_picture, mechanism_picture
 from symbody.report.setting import Setting
 
+_MOST_NAMES: Final = 12  # in a row of the summary
 _EMPTY: Final[tuple[Cell, ...]] = ("", "none", NameList(()), Unit(""))
 
 
@@ -45,21 +46,30 @@ def _mechanism(setting: Setting) -> Iterator[Block]:
     try:
         freedoms = _freedoms(eqs.degrees_of_freedom)
     except SymbodyError as error:
-        freedoms = f"degrees of freedom that are not counted ({error.problems[0].what})"
-    parts = [
-        number_in_words(len(model.bodies), "body"),
-        number_in_words(len(model.joints), "joint"),
-        number_in_words(len(eqs.coordinate_names), "coordinate"),
-    ]
-    if eqs.multiplier_names:
-        parts.append(number_in_words(len(eqs.multiplier_names), "constraint"))
-    yield Paragraph(f"{model.name} has {', '.join(parts)} and {freedoms}.")
+        freedoms = f"degrees of freedom that could not be counted ({error.problems[0].what})"
+    yield Paragraph(f"{model.name[:1].upper()}{model.name[1:]} has {freedoms}.")
+    yield TextTable(("what", "number", "names"), tuple(_summary(eqs)))
     state = setting.start
     if isinstance(state, str):
-        yield Paragraph(f"It is not drawn: {state}")
+        yield Paragraph(f"No picture: {state}")
     else:
         caption = f"{model.name} at t = {state.t:g} s"
         yield Figure("mechanism", caption, lambda kind: mechanism_picture(state, kind))
+
+
+def _summary(eqs: EquationSet) -> Iterator[tuple[Cell, ...]]:
+    """Yield what the mechanism consists of: how many, and their names where these fit into a row."""
+    model = eqs.model
+    others = [each for each in model.elements if not isinstance(each, Body | Joint)]
+    for word, listed in (("bodies", model.bodies), ("joints", model.joints), ("other elements", others)):
+        if listed:
+            named = ", ".join(each.name for each in listed) if len(listed) <= _MOST_NAMES else ""
+            yield word, str(len(listed)), named
+    names = {"coordinates": eqs.coordinate_names, "speeds": eqs.speed_names,
+             "multipliers": eqs.multiplier_names, "inputs": eqs.input_names}  # fmt: skip
+    for word, symbols in names.items():
+        if symbols:
+            yield word, str(len(symbols)), NameList(symbols if len(symbols) <= _MOST_NAMES else ())
 
 
 def _freedoms(count: int) -> str:
@@ -72,7 +82,7 @@ def graph_section(setting: Setting) -> ReportSection:
     blocks: list[Block] = [
         Paragraph(
             "Bodies are nodes, joints are edges. Coordinates are those of the joints in the trees; a joint "
-            "outside both is cut, and what it locks becomes constraints."
+            "outside both is cut, and the directions it locks become constraints."
         )
     ]
     trees = (topology.rotation, topology.translation)
@@ -118,7 +128,7 @@ def parts_section(setting: Setting) -> ReportSection:
         "parts", "Bodies and joints",
         (
             TextTable(("body", "mass [kg]", "inertia [kg m\u00b2]"), tuple(map(_body_row, model.bodies))),
-            _table(("frame", "origin [m]", "turned about"), tuple(frames)),
+            _table(("frame", "origin [m]", "rotated about"), tuple(frames)),
             _table(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
             _table(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
         ),
@@ -202,7 +212,7 @@ def coordinates_section(setting: Setting) -> ReportSection:
     rows: list[tuple[Cell, ...]] = []
     for name in eqs.coordinate_names:
         joint = places.get(name)
-        where = f"{type(joint).__name__} {joint.name}" if joint is not None else "beside the joints"
+        where = f"{type(joint).__name__} {joint.name}" if joint is not None else "in addition to joints"
         rows.append((Name(name), Unit(units.get(name, "")), where))
     speeds: list[tuple[Cell, ...]] = [(Name(name), Unit(units.get(name, ""))) for name in eqs.speed_names]
     states: list[tuple[Cell, ...]] = [(Name(name), "a signal") for name in eqs.signal_state_names]

@@ -148,12 +148,12 @@ def _check(
         what = "notebooks have no template"
         problems.append(
             Problem(
-                "report.template_kind", str(path), what, fix="leave template out, or write .html, .tex or .md"
+                "report.template_kind", str(path), what, fix="remove template, or write .html, .tex or .md"
             )
         )
     if run is None and "motion" in (sections or ()):
-        what = "there is no motion to be shown"
-        fix = "give run=simulate(eqs, ...), or leave the section out"
+        what = "there is no motion to show"
+        fix = "give run=simulate(eqs, ...), or remove the section"
         problems.append(Problem("report.no_motion", "sections", what, fix=fix))
     if path.suffix.lower() not in _SUFFIXES:
         what = f"{path.suffix!r} is not a kind of report" if path.suffix else "the name has no suffix"
@@ -170,9 +170,7 @@ def _check(
         what = f"the motion has coordinates {names[0]}, not {names[1]}"
         problems.append(Problem("report.run", "run", what, fix="simulate these equations"))
     if not isinstance(eqs.model, Model):
-        what = (
-            "these equations were put together by hand: there is no model with bodies and joints to report on"
-        )
+        what = "these equations were assembled by hand: there is no model with bodies and joints to report on"
         problems.append(Problem("report.by_hand", "eqs", what, fix="eqs.text() and eqs.latex() print them"))
     else:
         values = eqs.model.parameters
@@ -190,7 +188,7 @@ def _write(document: ReportContent, path: Path, template: tuple[str, str] | None
     try:
         _write_files(document, path, template)
     except OSError as error:
-        fix = "choose a folder that exists and is yours"
+        fix = "choose an existing folder with write permission"
         what = f"the report cannot be written: {error.strerror}"
         raise EnvironmentFault(Problem("report.unwritable", str(path), what, fix=fix)) from error
 

@@ -34,7 +34,7 @@ def fill_template(template: str, pieces: Mapping[str, str], where: str) -> str:
         Problem(
             "report.template_name",
             where,
-            f"there is no part {name!r} of a report to be put in",
+            f"{name!r} is not a part of a report",
             choices,
             nearest(name, pieces),
         )
@@ -42,9 +42,15 @@ def fill_template(template: str, pieces: Mapping[str, str], where: str) -> str:
         if name not in pieces
     ]
     if not names:
-        what = "the template has no place for the report"
+        what = "the template does not contain the report"
         problems.append(
-            Problem("report.template_empty", where, what, choices, "write {{ body }} where it is to stand")
+            Problem(
+                "report.template_empty",
+                where,
+                what,
+                choices,
+                "write {{ body }} where the report should appear",
+            )
         )
     if problems:
         raise UsageError(*problems)

@@ -22,8 +22,9 @@ def show_progress(progress: Progress | bool | None, name: str) -> Iterator[Progr
     if not (progress is None or isinstance(progress, bool) or callable(progress)):
         raise UsageError(
             Problem("simulation.progress", "progress",
-                    f"progress = {progress!r} is neither a switch nor a function", "",
-                    "give True for a bar, or a function of the share that is done, from 0 to 1")
+                    f"progress = {progress!r} is neither True, False nor a function", "",
+                    "give True for a progress bar, or a function that takes the completed fraction, from 0 "
+                    "to 1")
         )  # fmt: skip
     if progress is None or progress is False:
         yield None

@@ -131,7 +131,7 @@ def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -
     silent = sorted(set(eqs.input_names).difference(inputs))
     notes = [silent_input_note(eqs.units, name) for name in silent]
     if not (eqs.speed_names or eqs.formed.light_balances):
-        notes.append("every coordinate is prescribed: only efforts and reactions are computed")
+        notes.append("every coordinate is prescribed: only driving forces and reactions are computed")
     return (*notes, *laws.notes)
 
 
@@ -163,7 +163,7 @@ def check_arguments(
         problems.append(Problem("simulation.not_equations", "eqs", what, "", "write form_equations(model)"))
     ends = t_end if isinstance(t_end, tuple) and len(t_end) == 2 else (t_end,)
     if not all(isinstance(end, Real) for end in ends):
-        what = f"{t_end!r} is not a time"
+        what = f"{t_end!r} is not a valid time"
         problems.append(
             Problem("simulation.not_a_time", "t_end", what, "", "give seconds: 10.0, or (2.0, 10.0)")
         )
@@ -173,7 +173,7 @@ def check_arguments(
     ]:
         if given is not None and not isinstance(given, kinds):
             known = ", ".join(f"{kind.__name__}(..)" for kind in kinds)
-            what = f"{given!r} means nothing"
+            what = f"{given!r} is not a valid choice"
             problems.append(Problem("simulation.not_a_method", name, what, "", f"write one of {known}"))
     if problems:
         raise UsageError(*problems)

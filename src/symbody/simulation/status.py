@@ -9,51 +9,53 @@ from enum import Enum, unique
 class Status(Enum):
     """The verdict on a run; the value names what happened and what to try."""
 
-    SUCCESS = "the motion was computed to its end"
+    SUCCESS = "the motion was computed to the end"
     STOPPED = "a stopping event ended the motion"
     STEP_COLLAPSE = (
-        "no step is small enough here: the motion runs to infinity, locks or jumps; end the run earlier, "
-        "smooth the law that jumps, or loosen rtol and atol if they are close to rounding"
+        "no step is small enough here: the motion grows without bound, locks or jumps; end the run earlier, "
+        "smooth the formula that jumps, or loosen rtol and atol if they are close to rounding"
     )
     NOT_FINITE = (
         "the accelerations are not finite: look for a division by zero, a root or logarithm of a negative "
         "number, or an overflow near the last stored state"
     )
     SINGULAR = (
-        "the accelerations are not determined: the mass matrix is not positive definite in some direction "
-        "that the constraints leave free; look for a body without mass or inertia or a zero parameter"
+        "the accelerations are undetermined: the mass matrix is not positive definite in a direction that "
+        "the constraints leave free; look for a body without mass or inertia or a parameter that is zero"
     )
     FRICTION = (
-        "friction and the reaction it comes from have no solution, or two (Painleve): the joint named in "
-        "the notes locks or jumps; lower its mu, change the direction of what loads it, or give the friction "
-        "as a force"
+        "friction and the normal reaction have no solution, or two (Painleve paradox): the joint named in "
+        "the notes locks or jumps; lower its mu, change the direction of its load, or model the friction as "
+        "a force"
     )
     DEPENDENT_SPEEDS = (
-        "the dependent speeds named in the notes do not follow from the others a little farther on: name "
-        "other dependent_speeds, or leave them out, so that multipliers hold the constraints"
+        "a little later the other speeds no longer determine the dependent speeds named in the notes: name "
+        "other dependent_speeds, or leave dependent_speeds out, so that multipliers enforce the constraints"
     )
     TOO_MANY_STEPS = (
-        "max_steps ran out: raise it, loosen rtol and atol, or use sb.Stiff() if fast damped motions force "
+        "max_steps was reached: increase it, loosen rtol and atol, or use sb.Stiff() if fast damped motions "
+        "force "
         "small steps, sb.GeneralizedAlpha() if they are hardly damped"
     )
     STIFF = "fast damped motions, not accuracy, keep the steps small: use sb.Stiff()"
     CHATTERING = (
         "an event happens again and again within an instant: use action='stop', give it a dead band, or "
-        "describe what follows by another law"
+        "describe the motion that follows by a different model"
     )
     NOT_STARTED = "the motion cannot start with these values: look for the reason in the notes of the case"
     WORKER_LOST = (
-        "the workers that computed this case ended again and again: look for their memory and their log, or "
-        "pass executor=None"
+        "the workers that computed this case ended repeatedly: check their memory and log, or pass "
+        "executor=None"
     )
-    INTERRUPTED = "the run was interrupted: what had been computed by then is kept"
+    INTERRUPTED = "the run was interrupted: the results computed so far are available"
     OUT_OF_MEMORY = (
-        "the samples outgrew the memory of this computer: pass times= to store fewer, or shorten the run"
+        "the samples do not fit into the memory of this computer: pass times= to store fewer, or shorten "
+        "the run"
     )
 
     UNMET_ACTION = (
-        "the action of an event sets what the constraints do not admit: look for its values in the notes, "
-        "and set fewer of them, or such that fit each other"
+        "the action of an event sets values that the constraints do not allow: see the notes, and set fewer "
+        "values or consistent ones"
     )
 
     @property

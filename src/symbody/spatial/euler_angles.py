@@ -38,7 +38,9 @@ def sequence_axes(sequence: str) -> tuple[tuple[str, str, str], bool]:
     first, second, third = letters
     if second in (first, third):
         raise _sequence_error(
-            sequence, "turns twice about one axis", "two such turns are only one, by their sum"
+            sequence,
+            "rotates twice in succession about one axis",
+            "two such rotations are a single one, by the sum of the angles",
         )
     return (first, second, third), is_space
 
@@ -136,7 +138,7 @@ def _check_three(turns: tuple[AxisRotation, ...]) -> tuple[AxisRotation, AxisRot
         raise FrameError(
             Problem("frame.three_turns", "angles",
                     f"an angular velocity has three components, but the orientation has {len(turns)} angles",
-                    "the rates of the angles follow from an angular velocity only if they are three",
+                    "an angular velocity determines the rates of the angles only if there are three",
                     "give the speeds as rates of the angles")
         )  # fmt: skip
     return (turns[0], turns[1], turns[2])
@@ -145,5 +147,5 @@ def _check_three(turns: tuple[AxisRotation, ...]) -> tuple[AxisRotation, AxisRot
 def _sequence_error(sequence: str, what: str, why: str) -> FrameError:
     return FrameError(
         Problem("frame.sequence", "angles", f"the sequence {sequence!r} {what}", why,
-                'write three axes of which neighbours differ, as "313", "zyx" or "space 123"')
+                'write three axes, with neighbouring axes different, as "313", "zyx" or "space 123"')
     )  # fmt: skip

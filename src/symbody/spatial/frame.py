@@ -155,7 +155,7 @@ class FrameTree:
 
 
 def _unknown_frame(name: str, frame: str, frames: list[str]) -> FrameError:
-    why = "" if name == frame else f"frame {frame!r} stands in it"
+    why = "" if name == frame else f"frame {frame!r} is defined in it"
     return FrameError(
         Problem("frame.unknown", frame, f"there is no frame {name!r}", why, nearest(name, frames))
     )
@@ -164,6 +164,6 @@ def _unknown_frame(name: str, frame: str, frames: list[str]) -> FrameError:
 def _circle(frame: str) -> FrameError:
     return FrameError(
         Problem("frame.circle", frame, f"frame {frame!r} never leads to {ROOT!r}",
-                "following the frames it stands in goes round in a circle",
-                "let one of them stand in 'ground', or in a frame that does")
+                "the frames it is defined in form a cycle",
+                "define one of them in 'ground', or in a frame that is connected to ground")
     )  # fmt: skip

@@ -108,7 +108,7 @@ def test_formulas_and_text_at_the_door() -> None:
         (np.float64("inf"), "not_finite", "inf"),
         (10**5000, "number", "digits"),
         (Fraction(1, 10**5000), "number", "digits"),
-        (10**350, "number", "beyond 1.797e308"),
+        (10**350, "number", "exceeds 1.797e308"),
     ],
     ids=range(14),
 )

@@ -107,7 +107,7 @@ def test_snapping_further_is_asked_for_and_told() -> None:
     assert plain.ground["q"].rotate[0][1].text == "1.5708"
     assert snapped.ground["q"].rotate[0][1].text == "pi/2"
     assert any("snap_angles" in note for note in plain.notes)
-    assert any("taken as the multiple of pi/12" in note for note in snapped.notes)
+    assert any("rounded to the nearest multiple of pi/12" in note for note in snapped.notes)
 
 
 def test_inertia_given_in_turned_axes() -> None:
@@ -225,15 +225,15 @@ def test_what_was_assumed_or_ignored_is_told() -> None:
     text = robot('<link name="base"/>', link("A"), joint("q", "revolute", "base", "A"), "<transmission/>", "<gazebo/>",
                  '<link name="B"/>', joint("p", "revolute", "A", "B"))  # fmt: skip
     notes = " | ".join(model_from_urdf(text).notes)
-    for words in ("without <axis> has 1 0 0 (2 times)", "<transmission> has no influence", "<gazebo>", "no <limit>",
-                  "body B is massless", "resists the efforts of joints p"):  # fmt: skip
+    for words in ("without <axis> has 1 0 0 (2 times)", "<transmission> has no effect", "<gazebo>", "no <limit>",
+                  "body B is massless", "the joints p move no mass"):  # fmt: skip
         assert words in notes
 
 
 def test_an_impossible_inertia_is_taken_with_a_warning(tmp_path: Path) -> None:
     text = arm("revolute").replace('izz="0.2"', 'izz="2"')
     model = model_from_urdf(text)
-    assert any("link A: no body has this inertia" in note for note in model.notes)
+    assert any("link A: no body can have this inertia" in note for note in model.notes)
     again = model_from_toml(model_to_toml(model))
     assert again == model and again.bodies[0].unphysical
 

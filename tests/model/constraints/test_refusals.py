@@ -105,7 +105,7 @@ IN_MODELS: list[tuple[ConstraintElement, str, str, str]] = [
     (sb.PointOnSurface("c", *ENDS, "x - yy"), "names.unknown", "equations[0]", "did you mean 'y'"),
     (sb.PointOnCurve("c", *ENDS, ["s2", "a1", 0], "s2"), "names.not_here", "curve[1]", "a coordinate"),
     (sb.PointOnCurve("c", *ENDS, ["s2", "s_2", 0], "s2"), "names.unknown", "curve[1]", "did you mean 's2'"),
-    (sb.PointOnCurve("c", *ENDS, [1, "L", 0], "s2"), "model.no_curve", "curve", "s2 does not occur"),
+    (sb.PointOnCurve("c", *ENDS, [1, "L", 0], "s2"), "model.no_curve", "curve", "s2 does not appear"),
     (sb.PointOnCurve("c", *ENDS, ["a1", 0, 0], "a1"), "names.duplicate", "parameter", "rename"),
     (sb.Distance("A", *ENDS, 1), "names.duplicate", "name", "2 elements are named 'A'"),
 ]  # fmt: skip

@@ -7,7 +7,7 @@ import { redo, select, undo, useStore, type State } from "../store";
 import * as editing from "./editing";
 import { newModel, save } from "./files";
 import { insertFrame } from "./insert";
-import { cancelJob, runJob, simulate } from "./jobs";
+import { cancelJob, deriveEquations, simulate } from "./jobs";
 
 export interface Command {
   readonly title: string;
@@ -34,7 +34,7 @@ export const COMMANDS = {
   redo: { title: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: redo, enabled: hasDocument },
   insert: { title: "Add an element…", keys: ["/"], run: insertInMiddle, enabled: hasDocument },
   frame: { title: "Add a frame", keys: ["Shift+F"], run: () => { insertFrame(useStore.getState().selection[0]!); }, enabled: isBody },
-  fields: { title: "To the properties", keys: ["F4"], run: toProperties, enabled: hasDocument, inText: true },
+  fields: { title: "Go to the properties", keys: ["F4"], run: toProperties, enabled: hasDocument, inText: true },
   rename: { title: "Rename", keys: ["F2"], run: editing.renameSelection, enabled: isEntry },
   cut: { title: "Cut", keys: ["Ctrl+X"], run: editing.cutSelection, enabled: hasSelection },
   copy: { title: "Copy", keys: ["Ctrl+C"], run: editing.copySelection, enabled: hasSelection },
@@ -44,16 +44,16 @@ export const COMMANDS = {
   selectAll: { title: "Select all", keys: ["Ctrl+A"], run: editing.selectAll, enabled: hasDocument },
   arrange: { title: "Arrange the diagram", keys: ["Shift+A"], run: editing.arrange, enabled: hasDocument },
   fit: { title: "Show the whole diagram", keys: ["F"], run: fitDiagram, enabled: hasDocument },
-  equations: { title: "Derive the equations", keys: ["F6"], run: () => { void runJob("equations"); }, enabled: hasDocument, inText: true },
+  equations: { title: "Derive the equations", keys: ["F6"], run: deriveEquations, enabled: hasDocument, inText: true },
   simulate: { title: "Simulate", keys: ["F5"], run: () => { simulate(); }, enabled: hasDocument, inText: true },
   cancel: { title: "Cancel what is running", keys: ["Shift+Escape"], run: () => { void cancelJob(); }, enabled: ({ run }) => run !== null, inText: true },
-  drawLayout: { title: "Draw: the diagram has the room", keys: ["1"], run: () => { useStore.setState({ layout: "draw" }); }, enabled: hasDocument },
-  watchLayout: { title: "Watch: the picture has the room", keys: ["2"], run: () => { useStore.setState({ layout: "watch", panel: "picture" }); }, enabled: hasDocument },
-  readLayout: { title: "Read: results have the room", keys: ["3"], run: () => { useStore.setState({ layout: "read", panel: "results" }); }, enabled: hasDocument },
+  drawLayout: { title: "Draw: large diagram", keys: ["1"], run: () => { useStore.setState({ layout: "draw" }); }, enabled: hasDocument },
+  watchLayout: { title: "Watch: large picture", keys: ["2"], run: () => { useStore.setState({ layout: "watch", panel: "picture" }); }, enabled: hasDocument },
+  readLayout: { title: "Read: large results", keys: ["3"], run: () => { useStore.setState({ layout: "read", panel: "results" }); }, enabled: hasDocument },
   fullScreen: { title: "Full screen", keys: ["Alt+Enter"], run: toggleFullScreen, inText: true },
-  present: { title: "Large type, for a projector", keys: ["Shift+P"], run: () => { useStore.setState({ presents: !useStore.getState().presents }); } },
+  present: { title: "Large text, for a projector", keys: ["Shift+P"], run: () => { useStore.setState({ presents: !useStore.getState().presents }); } },
   help: { title: "Keys and gestures", keys: ["?"], run: () => { useStore.setState({ dialog: "help" }); } },
-  escape: { title: "Close, back to the diagram, or select nothing", keys: ["Escape"], run: escape, inText: true },
+  escape: { title: "Close, return to the diagram, or clear the selection", keys: ["Escape"], run: escape, inText: true },
 } satisfies Record<string, Command>;
 
 export type CommandName = keyof typeof COMMANDS;

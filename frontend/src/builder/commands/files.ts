@@ -11,7 +11,7 @@ function notice(problems: readonly Problem[]): void {
 /** Whether the user agrees to leave edits that are in no file. */
 function mayLeave(): boolean {
   const state = useStore.getState();
-  return state.document === null || !isDirty(state) || window.confirm("The model has changes that are in no file. Leave them?");
+  return state.document === null || !isDirty(state) || window.confirm("The model has unsaved changes. Discard them?");
 }
 
 async function show(answer: Promise<DocumentAnswer>): Promise<boolean> {
@@ -53,14 +53,15 @@ export async function saveTo(path: string, overwrite: boolean): Promise<boolean>
   const fingerprint = path === document.path ? document.fingerprint : null;
   try {
     const answer = await api.save({ document: document.id, path, data, fingerprint, overwrite });
-    const name = answer.path.split(/[/\\]/).at(-1) ?? document.name;
+    const file = answer.path.split(/[/\\]/).at(-1) ?? document.name;
+    const name = file.replace(/\.toml$/i, "");
     useStore.setState({ saved: data, document: { ...document, path: answer.path, name, fingerprint: answer.fingerprint }, outside: false, notice: [], dialog: null });
-    say(`${name} saved`);
+    say(`${file} saved`);
     return true;
   } catch (error) {
     const changed = error instanceof ServerError && error.status === 409;
-    if (changed && path === document.path) useStore.setState({ outside: true });
-    notice(problemsOf(error));
+    if (!changed || path !== document.path) notice(problemsOf(error));
+    else useStore.setState({ outside: true, spoken: `${document.name} is not saved: the file was changed by another program` }); // the bar has what can be done
     return false;
   }
 }
@@ -82,7 +83,7 @@ async function lookOutside(): Promise<void> {
   const { document: shown, outside, server } = useStore.getState();
   if (shown?.path == null || shown.fingerprint === null || outside || server !== "here") return;
   const changed = await api.changed(shown.id, shown.fingerprint).catch(() => false);
-  if (changed && useStore.getState().document === shown) useStore.setState({ outside: true, spoken: "The file was changed outside." });
+  if (changed && useStore.getState().document === shown) useStore.setState({ outside: true, spoken: "Another program changed the file." });
 }
 
 /** Write a text, or bytes, as a file of the browser. */

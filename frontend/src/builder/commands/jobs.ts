@@ -1,7 +1,7 @@
 /** Long work of the server: started, followed, cancelled. */
 
 import { api, problemsOf } from "../api";
-import { endGesture, say, useStore, type SimulationOptions } from "../store";
+import { endGesture, say, useStore, type Panel, type SimulationOptions, type Tab } from "../store";
 import type { JobKind, JobState, Json, JsonObject, Model } from "../types";
 
 function finished({ state }: JobState): boolean {
@@ -36,6 +36,17 @@ async function followJob(kind: JobKind, job: string, of: Model): Promise<JobStat
   }
 }
 
+/** Derive the equations, in view of where they come. */
+export function deriveEquations(): void {
+  showResults({ tab: "equations" });
+  void runJob("equations");
+}
+
+/** Show a tab of the results; where one panel fills the window, that panel. */
+function showResults(tab: { readonly tab: Tab }, panel: Panel = "results"): void {
+  useStore.setState(window.matchMedia("(max-width: 700px)").matches ? { ...tab, panel } : tab);
+}
+
 function takeResult(kind: JobKind, job: string, of: Model, state: JobState): void {
   const { result } = state;
   if (state.state !== "done" || result === null) {
@@ -44,12 +55,16 @@ function takeResult(kind: JobKind, job: string, of: Model, state: JobState): voi
   }
   useStore.setState({ run: null, notice: state.problems });
   if (kind === "equations") {
-    useStore.setState({ equations: { of, job, result }, tab: "equations" });
+    useStore.setState({ equations: { of, job, result } });
     void writeTab("Equations"); // once more, with the sources of its terms, while all else goes on
   } else if (result["scene"] !== undefined && result["motion"] !== undefined) {
     const title = useStore.getState().document?.name ?? "";
-    useStore.setState({ simulated: { job, of, scene: result["scene"], motion: result["motion"], result, title }, showsMotion: true, analysisPicture: null, tab: "curves" });
-  } else useStore.setState({ analysisPicture: null, analysis: { kind, of, result }, tab: "analyses" });
+    useStore.setState({ simulated: { job, of, scene: result["scene"], motion: result["motion"], result, title }, showsMotion: true, analysisPicture: null });
+    showResults({ tab: "curves" }, "picture");
+  } else {
+    useStore.setState({ analysisPicture: null, analysis: { kind, of, result } });
+    showResults({ tab: "analyses" });
+  }
   say(`${labelOfJob(kind)} finished`);
 }
 

@@ -9,7 +9,7 @@ export function ConnectionLine({ fromX, fromY, toX, toY, connectionStatus, fromN
     <g className={`connection-line ${same ? "invalid" : (connectionStatus ?? "open")}`}>
       <path d={`M${fromX},${fromY} L${toX},${toY}`} />
       <circle cx={toX} cy={toY} r={5} />
-      {same && <text x={toX + 12} y={toY - 10}>A body is not joined to itself</text>}
+      {same && <text x={toX + 12} y={toY - 10}>A body cannot be connected to itself</text>}
     </g>
   );
 }

@@ -14,7 +14,7 @@ import { BodyNode } from "./body_node";
 import { ConnectionLine } from "./connection_line";
 import { CouplingLines } from "./coupling_lines";
 import { flowEdges, flowNodes, severities } from "./elements";
-import { fitDiagram, fitWhenDrawn, keepFlow, zoomDiagram, type BodyFlowNode, type JointFlowEdge } from "./flow";
+import { fitDiagram, fitWhenDrawn, followWindow, keepFlow, noteMove, zoomDiagram, type BodyFlowNode, type JointFlowEdge } from "./flow";
 import * as gestures from "./gestures";
 import { isEqual, isSameDrawing, kept, useKept } from "./kept";
 import { Guides, useGuides } from "./guides";
@@ -71,12 +71,13 @@ export function Diagram(): ReactElement {
   const free = useAlt();
   const document = useStore((state) => state.document?.id);
   const guides = useGuides(nodes, gestures.moved);
+  useEffect(followWindow, []);
   useEffect(() => fitWhenDrawn(() => diagramOf(useStore.getState().data).nodes.length), [document]);
   return (
     <section className="diagram" aria-label="Diagram" data-testid="diagram" onKeyDown={gestures.press} onDragOver={gestures.dragOver} onDrop={gestures.drop}>
       <ReactFlow<BodyFlowNode, JointFlowEdge>
         nodes={nodes} edges={edges} nodeTypes={NODE_TYPES} edgeTypes={EDGE_TYPES}
-        onInit={keepFlow} onNodesChange={change} onEdgesChange={gestures.takeSelection}
+        onInit={keepFlow} onMoveEnd={noteMove} onNodesChange={change} onEdgesChange={gestures.takeSelection}
         connectionMode={ConnectionMode.Loose} connectionRadius={28} connectionLineComponent={ConnectionLine}
         isValidConnection={gestures.isValid} onConnect={gestures.connect} onConnectEnd={gestures.endConnection}
         onReconnect={gestures.reconnected} reconnectRadius={14}
@@ -85,7 +86,7 @@ export function Diagram(): ReactElement {
         onNodeContextMenu={nodeMenu} onEdgeContextMenu={edgeMenu} onPaneContextMenu={paneMenu}
         snapToGrid={!free} snapGrid={SNAP} selectionMode={SelectionMode.Partial}
         selectionOnDrag panOnDrag={PAN_BUTTONS} panOnScroll zoomOnDoubleClick={false} multiSelectionKeyCode={MORE_KEYS}
-        selectionKeyCode={null} deleteKeyCode={null} disableKeyboardA11y minZoom={0.15} maxZoom={2.5} elevateEdgesOnSelect
+        selectionKeyCode={null} deleteKeyCode={null} disableKeyboardA11y minZoom={0.03} maxZoom={2.5} elevateEdgesOnSelect
         nodeDragThreshold={2}
       >
         <Background variant={BackgroundVariant.Dots} gap={2 * GRID} size={1.2} />

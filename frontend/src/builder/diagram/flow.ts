@@ -49,6 +49,8 @@ export type JointFlowEdge = Edge<JointEdgeData, "joint">;
 type Instance = ReactFlowInstance<BodyFlowNode, JointFlowEdge>;
 
 let instance: Instance | null = null;
+/** Whether nobody moved the view since the whole diagram was shown. */
+let showsAll = false;
 
 export function keepFlow(flow: Instance): void {
   instance = flow;
@@ -63,7 +65,20 @@ export function frameOf(handle: string | null | undefined): string {
   return (handle ?? "@").slice(1);
 }
 
+/** Note that a person moved the view; moves by the program have no event. */
+export function noteMove(event: unknown): void {
+  if (event !== null) showsAll = false;
+}
+
+/** Show all again in a window of another size, unless a person moved the view. */
+export function followWindow(): () => void {
+  const fit = (): void => { if (showsAll) fitDiagram(); };
+  window.addEventListener("resize", fit);
+  return () => { window.removeEventListener("resize", fit); };
+}
+
 export function fitDiagram(): void {
+  showsAll = true;
   if (instance?.getNodes().length === 1) {
     const area = document.querySelector(".diagram")?.getBoundingClientRect();
     void instance.setViewport({ x: 20, y: (area?.height ?? 300) / 2 - 70, zoom: 1 });

@@ -70,7 +70,7 @@ export function endConnection(event: globalThis.MouseEvent | TouchEvent, { isVal
   lastPointer = [point.clientX, point.clientY];
   const target = nodeAt(...lastPointer);
   if (taken || fromNode === null || target === undefined) return;
-  if (target === fromNode.id) say("A body is not joined to itself.");
+  if (target === fromNode.id) say("A body cannot be connected to itself.");
   else if (!takesJoints(target, null)) say("Joints and forces join bodies. A signal is used by writing its name.");
   else connect({ source: fromNode.id, sourceHandle: fromHandle.id ?? null, target, targetHandle: handleOf(portFor(useStore.getState().data, target, distanceOf(target))) });
 }

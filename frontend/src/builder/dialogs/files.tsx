@@ -56,7 +56,7 @@ export function OpenDialog(): ReactElement {
   const choose = (path: string, kind: string): void => { void openModel(kind === "urdf" ? { urdf: path } : { path }); };
   return (
     <Dialog title="Open a model">
-      <p className="soft">Model files (TOML) and robots (URDF). A file can also be dragged into the window.</p>
+      <p className="soft">Model files (TOML) and robots (URDF). You can also drag a file into the window.</p>
       {folder !== null && <Listing folder={folder} go={go} choose={choose} />}
       <ProblemLines problems={[...problems, ...notice]} />
       <label className="button upload">From this browser…

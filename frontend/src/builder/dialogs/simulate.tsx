@@ -8,7 +8,7 @@ import { useStore, type SimulationOptions } from "../store";
 import { Dialog } from "./dialog";
 
 const MOST_SAMPLES = 200_000;
-const SOLVERS = [["", "Automatic"], ["explicit", "Explicit, of order 8"], ["stiff", "Stiff, implicit"]] as const;
+const SOLVERS = [["", "Automatic"], ["explicit", "Explicit, order 8"], ["stiff", "Stiff, implicit"]] as const;
 
 /** Return what the texts of the window mean, with what is wrong of each. */
 function read(end: string, step: string, rtol: string): { t_end: number; step: number | null; rtol: number; wrong: Readonly<Record<"end" | "step" | "rtol", string>> } {

@@ -94,8 +94,8 @@ function whenText(when: string): string {
 function Drafts({ drafts }: { readonly drafts: readonly Draft[] }): ReactElement {
   return (
     <section aria-labelledby="drafts-head" className="drafts">
-      <h2 id="drafts-head">Edits that were not saved</h2>
-      <ul className="files">{drafts.map((each) => <li key={each.id}><button type="button" onClick={() => { void openDraft(each); }}><Icon name="file" size={16} /> <b>{each.name}</b> <span className="soft">{each.path ?? "in no file yet"} · {whenText(each.when)}</span></button></li>)}</ul>
+      <h2 id="drafts-head">Unsaved edits</h2>
+      <ul className="files">{drafts.map((each) => <li key={each.id}><button type="button" onClick={() => { void openDraft(each); }}><Icon name="file" size={16} /> <b>{each.name}</b> <span className="soft">{each.path ?? "not saved yet"} · {whenText(each.when)}</span></button></li>)}</ul>
     </section>
   );
 }

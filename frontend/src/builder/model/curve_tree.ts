@@ -1,6 +1,5 @@
 /** What can be drawn over time, as a tree: kinds of quantities, of reactions also the joint. */
 
-import { raised } from "../../player/readable";
 
 export interface Offered {
   readonly name: string;
@@ -49,13 +48,4 @@ function byJoint(curves: readonly Offered[]): Branch[] {
 /** Return what is ticked at first: positions and speeds, up to six. */
 export function firstTicks(tree: readonly Branch[]): string[] {
   return tree.filter((each) => each.title === "Positions" || each.title === "Speeds").flatMap((each) => each.curves.slice(0, 3)).map((each) => each.name);
-}
-
-/** Return a number as it is written in print, such as 3·10⁻⁸. */
-export function inPrint(value: number, digits = 2): string {
-  if (value === 0) return "0";
-  const [mantissa = "", power = "0"] = value.toExponential(digits - 1).split("e");
-  const exponent = Number(power);
-  if (exponent >= -3 && exponent < 4) return String(Number(value.toPrecision(digits)));
-  return `${Number(mantissa) === 1 ? "" : `${Number(mantissa)}·`}10${raised(String(exponent))}`;
 }

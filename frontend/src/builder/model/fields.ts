@@ -50,7 +50,7 @@ export function fieldsOf(schema: JsonObject, node: SchemaNode, acting: Acting = 
 }
 
 /** Of keys that the schema says nothing of. */
-const TIPS: Readonly<Record<string, string>> = { name: "Messages and outputs call it so; no other element has the same name." };
+const TIPS: Readonly<Record<string, string>> = { name: "Used in messages and outputs; unique in the model." };
 
 export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean, acting: Acting = ""): Field {
   const description = textOf(node["description"] ?? TIPS[key]);
@@ -75,6 +75,12 @@ function unitAndTip(description: string, acting: Acting): readonly [string, stri
   const unit = all.length === 2 && acting !== "" ? all[acting === "force" ? 0 : 1]! : all.join(", ");
   const tip = description.replace(/\s*\[[^\]]+\]/g, "").trim();
   return unit.includes(",") ? ["", `${tip} [${unit}]`.trim()] : [unit, tip];
+}
+
+/** Return the unit of a parameter and its comment in the file, which may begin with the unit. */
+export function meaningOf(unit: string, comment: string): string {
+  const rest = unit !== "" && comment.startsWith(unit) ? comment.slice(unit.length).replace(/^[\s:,;]+/, "") : comment;
+  return [printedUnit(unit), rest].filter((each) => each !== "").join(" · ");
 }
 
 export function labelOf(key: string): string {

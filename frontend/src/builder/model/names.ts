@@ -17,7 +17,7 @@ export function isSymbol(text: string): boolean {
 /** Return why a symbol cannot have a name, or "" where it can. */
 export function symbolRefusal(name: string): string {
   if (name === "") return "A name is needed.";
-  if (RESERVED.includes(name)) return `${name} is a word of formulas: choose another name.`;
+  if (RESERVED.includes(name)) return `${name} is reserved in formulas: choose another name.`;
   if (name.length > LONGEST) return `A name has at most ${LONGEST} characters.`;
   return isSymbol(name) ? "" : "Use letters, digits and _, beginning with a letter.";
 }
@@ -25,8 +25,8 @@ export function symbolRefusal(name: string): string {
 /** Return why an element or a frame cannot have a name, or "" where it can. */
 export function elementRefusal(name: string): string {
   if (name === "") return "A name is needed.";
-  if (name.toLowerCase() === GROUND) return `${name} is the fixed frame: choose another name.`;
-  if (/^\d+$/.test(name)) return "A name of digits alone would be read as a number.";
+  if (name.toLowerCase() === GROUND) return `${name} is the name of the fixed frame: choose another name.`;
+  if (/^\d+$/.test(name)) return "A name that consists only of digits would be read as a number.";
   if (/[./"']/.test(name)) return "A name has no dot, slash or quotation mark.";
   return name.length > LONGEST ? `A name has at most ${LONGEST} characters.` : "";
 }

@@ -24,24 +24,24 @@ const BODY_TEMPLATES: Readonly<Record<string, Template>> = {
     frames: (l) => ({ A: [`-${l}/2`, "0"], B: [`${l}/2`, "0"] }),
   },
   plate: {
-    title: "Plate", summary: "A triangle of equal sides with corners A, B and C.", length: "a", size: "1",
+    title: "Plate", summary: "An equilateral triangle with corners A, B and C.", length: "a", size: "1",
     inertia: (m, l) => [`${m}*${l}^2/24`, `${m}*${l}^2/24`, `${m}*${l}^2/12`],
     frames: (l) => ({ A: [`-${l}/2`, `-${l}*sqrt(3)/6`], B: [`${l}/2`, `-${l}*sqrt(3)/6`], C: ["0", `${l}*sqrt(3)/3`] }),
   },
   slider: {
-    title: "Slider", summary: "A block, a piston or a cart: half as high as long, held by its centre.", length: "a", size: "0.4",
+    title: "Slider", summary: "A block, a piston or a cart: half as high as it is long, connected at its centre.", length: "a", size: "0.4",
     inertia: (m, l) => [`${m}*${l}^2/24`, `5*${m}*${l}^2/48`, `5*${m}*${l}^2/48`],
     frames: () => ({}),
     shape: (l) => ({ type: "box", size: [l, `${l}/2`, `${l}/2`] }),
   },
   wheel: {
-    title: "Wheel", summary: "A disc about z, held by its centre.", length: "R", size: "0.3",
+    title: "Wheel", summary: "A disc about z, connected at its centre.", length: "R", size: "0.3",
     inertia: (m, l) => [`${m}*${l}^2/4`, `${m}*${l}^2/4`, `${m}*${l}^2/2`],
     frames: () => ({}),
     shape: (l) => ({ type: "cylinder", radius: l, length: `${l}/5` }),
   },
   ball: {
-    title: "Ball", summary: "A solid ball, held by its centre.", length: "R", size: "0.2",
+    title: "Ball", summary: "A solid ball, connected at its centre.", length: "R", size: "0.2",
     inertia: (m, l) => [`2*${m}*${l}^2/5`, `2*${m}*${l}^2/5`, `2*${m}*${l}^2/5`],
     frames: () => ({}),
     shape: (l) => ({ type: "sphere", radius: l }),

@@ -46,13 +46,28 @@ export function FieldGroup({ label, unit = "", tip = "", problems, children }: O
   );
 }
 
+/** Return problems without those that say the same as one before, and how many say it. */
+export function grouped(problems: readonly Problem[]): readonly (readonly [Problem, number])[] {
+  const groups = new Map<string, readonly [Problem, number]>();
+  for (const each of problems) {
+    const key = JSON.stringify([each.severity, each.code, each.what]);
+    const [first, count] = groups.get(key) ?? [each, 0];
+    groups.set(key, [first, count + 1]);
+  }
+  return [...groups.values()];
+}
+
+export function Times({ count }: { readonly count: number }): ReactElement | null {
+  return count === 1 ? null : <b> The same in {count - 1} other {count === 2 ? "place" : "places"}.</b>;
+}
+
 export function ProblemLines({ id, problems }: { id?: string; problems: readonly Problem[] }): ReactElement {
   return (
     <div id={id} role={problems.length > 0 ? "alert" : undefined} className="field-problems">
-      {problems.map((each) => (
+      {grouped(problems).map(([each, count]) => (
         <div key={`${each.code}${each.pointer}${each.what}`} className={`field-problem ${each.severity}`}>
           <Icon name={each.severity} size={14} />
-          <span>{each.line !== null && <b>Line {each.line}: </b>}<What text={each.what} /> {each.fix !== "" && <em>{sentence(each.fix)}</em>}</span>
+          <span>{each.line !== null && <b>Line {each.line}: </b>}<What text={each.what} /> {each.fix !== "" && <em>{sentence(each.fix)}</em>}<Times count={count} /></span>
           {each.repair !== null && <button type="button" className="button small" onClick={() => { repair(each); }}>{each.repair.label}</button>}
         </div>
       ))}

@@ -3,6 +3,7 @@
 import { useId, useState, type ReactElement } from "react";
 import { expectChanges } from "../checking";
 import { freeName, INPUTS, symbolsOf, textOf } from "../model/entries";
+import { meaningOf } from "../model/fields";
 import { isExact, withPriority } from "../model/initial";
 import { isArray, isObject, joinPointer, valueAt, withValue } from "../model/pointers";
 import { renameInitial, renameParameter } from "../model/rename";
@@ -22,13 +23,13 @@ export function ModelPanel(): ReactElement {
       <FieldFrame label="Name" problems={useProblems("/name")}>
         {(id, describedBy) => <LiveInput pointer="/name" id={id} describedBy={describedBy} value={textOf(data["name"])} change={(text) => { setValue("/name", text === "" ? undefined : text); }} />}
       </FieldFrame>
-      <FieldGroup label="Gravity" unit="m/s²" tip="Acceleration of free fall, in the axes of the ground." problems={useProblems("/gravity")}>
+      <FieldGroup label="Gravity" unit="m/s²" tip="Acceleration of gravity, in ground axes." problems={useProblems("/gravity")}>
         <VectorInput pointer="/gravity" value={isArray(gravity) ? gravity : []} labels={["x", "y", "z"]} label="Gravity" />
         {gravity === undefined && <GravityButtons />}
       </FieldGroup>
-      <Table section="parameters" title="Parameters" tip="Values, or formulas of other parameters." unnamed="p1" rename={renameOfParameter} />
+      <Table section="parameters" title="Parameters" tip="Values, or formulas in other parameters." unnamed="p1" rename={renameOfParameter} />
       <Inputs />
-      <Table section="initial" title="Initial values" tip="Of coordinates and speeds; others start at zero, or where the loops close. An exact value holds when loops are closed; a guess may be moved." unnamed="" rename={renameOfInitial} />
+      <Table section="initial" title="Initial values" tip="Initial values of coordinates and speeds; others start at zero, or where the loops close. Closing the loops does not change an exact value; it may change a guess." unnamed="" rename={renameOfInitial} />
     </div>
   );
 }
@@ -97,15 +98,24 @@ function useInitialNames(section: string): readonly string[] {
 function TableRow({ section, name, value, list, rename }: { readonly section: string; readonly name: string; readonly value: Json; readonly list: string; rename: TableProps["rename"] }): ReactElement {
   const pointer = `/${section}${joinPointer(name)}`;
   const problems = useProblems(pointer);
+  const meaning = useMeaning(section, name);
   return (
     <div className="table-row">
       <NameInput pointer={`${pointer}#name`} label={`Name of ${name}`} value={name} change={(text) => rename(name, text)} list={section === "initial" ? list : ""} />
       <span aria-hidden="true">=</span>
       <div><FormulaInput pointer={isObject(value) ? `${pointer}/value` : pointer} value={isObject(value) ? value["value"] : value} label={name} wrong={problems.some((each) => each.severity === "error")} />{section === "parameters" && <ParameterSlider key={name} pointer={pointer} name={name} value={value} />}{section === "initial" && <PriorityChoice pointer={pointer} name={name} value={value} />}</div>
       <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, pointer, undefined)); }}><Icon name="trash" size={14} /></button>
+      {meaning !== "" && <p className="tip meaning">{meaning}</p>}
       <ProblemLines problems={problems} />
     </div>
   );
+}
+
+/** Return the unit of a parameter and what the file says of it. */
+function useMeaning(section: string, name: string): string {
+  const unit = useStore((state) => state.check?.summary?.units[name]);
+  const comment = useStore((state) => state.document?.comments[name]);
+  return section === "parameters" ? meaningOf(unit ?? "", comment ?? "") : "";
 }
 
 const PRIORITIES = [{ value: "guess", text: "Guess" }, { value: "exact", text: "Exact" }] as const;
@@ -144,7 +154,7 @@ function Inputs(): ReactElement {
     useStore.setState({ focusPointer: `/inputs/${names.length}` });
   };
   return (
-    <FieldGroup label="Inputs" tip="Quantities given from outside while it moves, such as motor torques." problems={useProblems("/inputs")}>
+    <FieldGroup label="Inputs" tip="Quantities given from outside during the motion, such as motor torques." problems={useProblems("/inputs")}>
       {names.map((name, index) => (
         <div className="map-head" key={index}>
           <NameInput pointer={`/inputs/${index}`} label={`Input ${index + 1}`} value={name} change={(text) => acceptName(`${INPUTS}/${index}`, text)} />

@@ -59,7 +59,7 @@ function PaletteItem({ element }: { readonly element: PaletteElement }): ReactEl
     event.dataTransfer.setData(DRAGGED, `${element.section}/${element.type}`);
     event.dataTransfer.effectAllowed = "copy";
   };
-  const how = joins(element) ? "Click: joins the selected bodies. Or drag from port to port in the diagram." : "Click, or drag into the diagram.";
+  const how = joins(element) ? "Click to connect the selected bodies, or drag from port to port in the diagram." : "Click, or drag it into the diagram.";
   return (
     <button
       type="button" className="palette-item" draggable onDragStart={drag} title={`${element.summary} ${how}`}

@@ -8,7 +8,7 @@ import { splitPointer } from "../model/pointers";
 import { Icon } from "../shell/icons";
 import { select, useStore } from "../store";
 import type { Problem, Severity } from "../types";
-import { sentence, What } from "./field_frame";
+import { grouped, sentence, Times, What } from "./field_frame";
 
 const ORDER: readonly Severity[] = ["error", "warning", "note"];
 
@@ -36,24 +36,28 @@ export function isFault({ severity }: Problem): boolean {
 /** What is worth knowing though nothing is wrong. */
 export function Notes(): ReactElement {
   const notes = useAllProblems().filter((each) => !isFault(each));
-  if (notes.length === 0) return <p className="soft pad">Nothing to note.</p>;
-  return <ul className="problem-list" aria-label="Notes">{notes.map((each, index) => <ProblemItem key={`${each.code}${each.pointer}${index}`} problem={each} />)}</ul>;
+  if (notes.length === 0) return <p className="soft pad">No notes.</p>;
+  return <ul className="problem-list" aria-label="Notes"><ProblemItems problems={notes} /></ul>;
 }
 
 export function Problems(): ReactElement {
   const problems = useAllProblems().filter(isFault);
   const checked = useStore((state) => state.checked !== null);
   if (problems.length === 0) {
-    return <p className="soft pad good"><Icon name="check" size={16} /> {checked ? "Nothing is wrong." : "Checking…"}</p>;
+    return <p className="soft pad good"><Icon name="check" size={16} /> {checked ? "No problems." : "Checking…"}</p>;
   }
   return (
     <ul className="problem-list" aria-label="Problems">
-      {problems.map((each, index) => <ProblemItem key={`${each.code}${each.pointer}${index}`} problem={each} />)}
+      <ProblemItems problems={problems} />
     </ul>
   );
 }
 
-function ProblemItem({ problem }: { readonly problem: Problem }): ReactElement {
+function ProblemItems({ problems }: { readonly problems: readonly Problem[] }): ReactElement {
+  return <>{grouped(problems).map(([each, count], index) => <ProblemItem key={`${each.code}${each.pointer}${index}`} problem={each} count={count} />)}</>;
+}
+
+function ProblemItem({ problem, count }: { readonly problem: Problem; readonly count: number }): ReactElement {
   const data = useStore((state) => state.data);
   const id = entryOfPointer(problem.pointer);
   const field = splitPointer(problem.pointer).slice(id === null ? 0 : 2).join(" ");
@@ -64,6 +68,7 @@ function ProblemItem({ problem }: { readonly problem: Problem }): ReactElement {
         <Icon name={problem.severity} size={16} />
         <span>
           <b>{problem.severity}{where === "" ? "" : ` in ${where}`}{problem.line === null ? "" : `, line ${problem.line}`}:</b> <What text={problem.what} /> {sentence(problem.why)} <em>{sentence(problem.fix)}</em>
+          <Times count={count} />
         </span>
       </button>
       {problem.repair !== null && <button type="button" className="button small" onClick={() => { repair(problem); }}>{problem.repair.label}</button>}

@@ -34,7 +34,7 @@ function SeveralPanel({ count }: { readonly count: number }): ReactElement {
   return (
     <div className="pad">
       <h2>{count} elements</h2>
-      <p className="soft">Select one to see its properties. Drag, arrow keys, copy and delete act on all of them.</p>
+      <p className="soft">Select a single element to see its properties. Drag, arrow keys, copy and delete act on all selected elements.</p>
       <EntryButtons />
     </div>
   );
@@ -60,7 +60,7 @@ function EntryPanel({ id, schema }: { readonly id: EntryId; readonly schema: Sch
 
 function ElementPanel({ id, entry, schema }: { readonly id: EntryId; readonly entry: Entry | null; readonly schema: SchemaAnswer }): ReactElement {
   const element = entry === null ? null : elementOf(schema.elements, entry.section, entry.type);
-  if (entry === null || element === null) return <p className="soft pad">This element is unknown to the program.</p>;
+  if (entry === null || element === null) return <p className="soft pad">This type of element is unknown.</p>;
   const node = definitionNode(schema.schema, element.definition);
   return (
     <div className="pad form">
@@ -100,7 +100,7 @@ function TypeChoice({ entry, element, schema }: { readonly entry: Entry; readonl
     <div className="field">
       <div className="label"><label htmlFor="entry-type">Type</label></div>
       <Choice id="entry-type" pointer={`/${entry.id}/type`} value={element.type} options={others.map((each) => ({ value: each.type, text: each.title }))} change={change} />
-      <p className="tip">Another type keeps the name, the frames, and the fields that both have.</p>
+      <p className="tip">Changing the type keeps the name, the frames, and the fields that both types have.</p>
     </div>
   );
 }
@@ -112,7 +112,7 @@ function GroundPanel({ schema }: { readonly schema: SchemaAnswer }): ReactElemen
   const name = isObject(node) && typeof node["$ref"] === "string" ? node["$ref"].split("/").at(-1)! : "";
   return (
     <div className="pad form">
-      <header className="form-head"><Icon name="ground" size={20} /><h2>Ground</h2><span className="soft">What is fixed</span></header>
+      <header className="form-head"><Icon name="ground" size={20} /><h2>Ground</h2><span className="soft">The fixed frame</span></header>
       <EntryProblems id={GROUND} />
       <Fields node={definitionNode(schema.schema, name)} pointer="/ground" value={isObject(ground) ? ground : {}} />
     </div>

@@ -7,7 +7,7 @@ import { edit, endGesture } from "../store";
 
 const TITLES: Readonly<Record<SignalForm, string>> = { value: "value", output: "output", rate: "state" };
 const TIPS: Readonly<Record<SignalForm, string>> = {
-  value: "A name for a formula.", output: "A name for an output of the mechanism.", rate: "A state, by its rate and where it begins.",
+  value: "A name for a formula.", output: "A name for an output of the mechanism.", rate: "A state, defined by its rate and its initial value.",
 };
 
 export function SignalKind({ entry }: { readonly entry: Entry }): ReactElement {
@@ -18,7 +18,7 @@ export function SignalKind({ entry }: { readonly entry: Entry }): ReactElement {
   };
   return (
     <div className="field">
-      <div className="segments" role="radiogroup" aria-label="What the signal is">
+      <div className="segments" role="radiogroup" aria-label="Kind of signal">
         {FORMS.map((each) => <button key={each} type="button" role="radio" aria-checked={each === form} title={TIPS[each]} onClick={() => { choose(each); }}>{TITLES[each]}</button>)}
       </div>
       <p className="tip">{TIPS[form]}</p>

@@ -17,8 +17,8 @@ export function InputPanel({ id, entry, buttons }: { readonly id: EntryId; reado
   return (
     <div className="pad form">
       <header className="form-head"><Icon name="inputs" size={20} /><h2>{entry.name}</h2><span className="soft">Input</span></header>
-      <p className="tip">Given from outside while the mechanism moves: a number, or a formula in t where it is simulated.</p>
-      <FieldFrame label="Name" tip="Formulas contain it." problems={useProblems(`/${id}`)}>
+      <p className="tip">Given from outside during the motion: a number, or a formula in t set in the simulation dialog.</p>
+      <FieldFrame label="Name" tip="Appears in formulas." problems={useProblems(`/${id}`)}>
         {(field, describedBy) => <NameInput pointer={`/${id}`} id={field} describedBy={describedBy} value={entry.name} change={(text) => acceptName(id, text)} />}
       </FieldFrame>
       <Readers id={id} />

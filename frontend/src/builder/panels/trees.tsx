@@ -70,7 +70,7 @@ function JointRow({ joint, name, inside, body }: { readonly joint: Entry; readon
   };
   return (
     <div className={`tree-row${selected ? " selected" : ""}`} onContextMenu={(event) => { event.preventDefault(); select([joint.id]); useStore.setState({ popup: { kind: "menu", x: event.clientX, y: event.clientY, target: joint.id } }); }}>
-      <input type="checkbox" checked={inside} onChange={toggle} aria-label={`${joint.name} in the ${name} tree`} title={inside ? "Take it out of the tree" : "Put it into the tree"} />
+      <input type="checkbox" checked={inside} onChange={toggle} aria-label={`${joint.name} in the ${name} tree`} title={inside ? "Remove it from the tree" : "Put it into the tree"} />
       <button type="button" title={body === "" ? joint.name : `${joint.name}: ${body}`} onClick={() => { select([joint.id], `${joint.name} selected`); }}>
         <Icon name={joint.type} fallback={joint.section} size={15} /> <b>{joint.name}</b> <span className="soft">{body === "" ? joint.type.replaceAll("_", " ") : body}</span>
       </button>
@@ -86,7 +86,7 @@ function Chords(): ReactElement | null {
   return (
     <section aria-label="Loops">
       <h3>Loops</h3>
-      {summary.chords.length === 0 && <p className="soft">None: the joints form a tree.</p>}
+      {summary.chords.length === 0 && <p className="soft">No cut joints: the joints form a tree.</p>}
       {summary.chords.map((each) => (
         <p key={each.joint} className="loop-line"><b>{each.joint}</b> closes {each.loop.length > 0 ? each.loop.join(" – ") : "a loop"}: {each.equations} constraint {each.equations === 1 ? "equation" : "equations"}</p>
       ))}

@@ -3,13 +3,13 @@
 import { useEffect, useMemo, useRef, useState, type ReactElement } from "react";
 import { api, problemsOf } from "../api";
 import { CurvesPanel } from "../../player/curves_panel";
-import { plainReading } from "../../player/readable";
+import { inPrint, plainReading } from "../../player/readable";
 import { decodeMotion, decodeScene, sourceOf, type MotionCurve, type StateSource } from "../../viewer";
 import { useShownTheme } from "../shell/theme";
 import { useStore, type Simulated } from "../store";
 import type { JsonObject } from "../types";
 import { isArray, isObject } from "../model/pointers";
-import { curveTree, firstTicks, inPrint, type Branch, type Offered } from "../model/curve_tree";
+import { curveTree, firstTicks, type Branch, type Offered } from "../model/curve_tree";
 import { textOf } from "../model/entries";
 import { pictureNow } from "./shown";
 
@@ -58,7 +58,7 @@ function ChosenCurves({ simulated }: { readonly simulated: Simulated }): ReactEl
         {tree.map((each) => <TreeBranch key={each.title} branch={each} ticks={ticks} choose={choose} />)}
         <MoreOutputs simulated={simulated} added={(name) => { choose([...ticks, name]); }} />
       </div>
-      {ticks.length === 0 ? <p className="soft pad">Tick what shall be drawn.</p> : <Plots simulated={simulated} names={ticks} />}
+      {ticks.length === 0 ? <p className="soft pad">Select curves to draw.</p> : <Plots simulated={simulated} names={ticks} />}
     </div>
   );
 }
@@ -110,7 +110,7 @@ function RunLine({ simulated, stale }: { readonly simulated: Simulated; readonly
   return (
     <p className="run-line soft">
       {facts["success"] === false && <b className="failed" title={textOf(facts["status"])}>It did not reach its end: {textOf(facts["advice"])}.</b>}
-      {stale && <b className="stale">Before the last edits.</b>} {parts.filter((each) => each !== "").join(" · ")}
+      {stale && <b className="stale">Computed before the last edits.</b>} {parts.filter((each) => each !== "").join(" · ")}
     </p>
   );
 }

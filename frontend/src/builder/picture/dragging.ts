@@ -57,7 +57,7 @@ function begin(drag: Drag): void {
   const { data } = useStore.getState();
   const entry = entryNamed(data, drag.body, ["body"]);
   if (entry !== null) select([entry.id]);
-  useStore.setState({ dragged: drag.body, spoken: `${drag.body} is dragged` });
+  useStore.setState({ dragged: drag.body, spoken: `Dragging ${drag.body}` });
   drag.viewer.canvas.style.cursor = "grabbing";
 }
 
@@ -116,7 +116,7 @@ export function watchDrags(root: HTMLElement, thread: Thread): () => void {
   const cancel = (): void => {
     if (leave()?.started !== true) return;
     backToStart();
-    say("Back where it was");
+    say("Returned to its previous position");
   };
   const press = (event: KeyboardEvent): void => {
     if (event.key !== "Escape") return;

@@ -2,7 +2,7 @@
 
 import { useEffect, useMemo, useRef, useState, type ReactElement, type RefObject } from "react";
 import { Player } from "../../player/player";
-import { DEFAULTS } from "../../player/settings";
+import { defaultsFor } from "../../player/settings";
 import { castOf, decodeMotion, decodeScene, LiveSource, sourceOf, type Scene, type SceneElement } from "../../viewer";
 import { entriesOf, entryNamed, GROUND, type EntryId } from "../model/entries";
 import { select, useStore } from "../store";
@@ -39,7 +39,7 @@ function makePlayer(root: HTMLElement, scene: unknown, motion: unknown, moves: b
   const base = sourceOf(decoded, motion === null ? null : decodeMotion(motion, decoded.bodies.length));
   const source = new LiveSource(base, decoded.bodies.length);
   const theme = resolvedTheme(useStore.getState().theme);
-  const kept = before?.player.settings.values ?? DEFAULTS;
+  const kept = before?.player.settings.values ?? defaultsFor(decoded.bodies.length - 1);
   const settings = { ...kept, theme, curves: false, autoplay: moves };
   const player = new Player(root, { scene: decoded, source, title: "", settings }, {
     onSelect: (element) => { chosenInPicture(element); },
@@ -94,7 +94,7 @@ export function Picture(): ReactElement {
   useEffect(() => (host.current === null ? undefined : watchDrags(host.current, thread)), [thread]);
   useSelectionInPicture();
   return (
-    <section className="picture" aria-label="Picture in three dimensions" data-testid="picture">
+    <section className="picture" aria-label="3-D picture" data-testid="picture">
       <div ref={host} className="picture-host" />
       {picture === null && (drawn ? <p className="picture-old" role="status" data-testid="picture-old">Picture of the last valid model</p> : <Empty />)}
       <svg ref={svg} className="drag-thread" aria-hidden="true" data-testid="thread"><line /><circle r="5" /></svg>
@@ -207,7 +207,7 @@ function PictureBar({ moves }: { readonly moves: boolean }): ReactElement | null
   if (simulated === null && analysis === null) return null;
   const show = (motion: boolean): void => { useStore.setState({ showsMotion: motion, analysisPicture: null }); };
   return (
-    <div className="picture-bar segments" role="radiogroup" aria-label="What the picture shows">
+    <div className="picture-bar segments" role="radiogroup" aria-label="Display options">
       <button type="button" role="radio" aria-checked={!moves} onClick={() => { show(false); }}>Start position</button>
       {simulated !== null && <button type="button" role="radio" aria-checked={moves && analysis === null} onClick={() => { show(true); }}>Motion{stale ? " (before the edits)" : ""}</button>}
       {analysis !== null && <button type="button" role="radio" aria-checked>{analysis.title}</button>}

@@ -41,7 +41,7 @@ export function Positions(): ReactElement {
   const posed = useStore((state) => (state.posed?.of === state.data ? state.posed : null));
   const [degrees, setDegrees] = useState(() => localStorage.getItem(DEGREES_KEY) !== "no");
   const names = summary?.coordinates.filter((each) => start[each] !== undefined) ?? [];
-  if (names.length === 0) return <p className="soft pad">Coordinates appear here as soon as the mechanism can be assembled. Drag one, or a body in the picture, and the loops follow.</p>;
+  if (names.length === 0) return <p className="soft pad">Coordinates appear here as soon as the mechanism can be assembled. Drag a slider, or a body in the picture; the loops stay closed.</p>;
   const now = posed?.values ?? start;
   const choose = (next: boolean): void => {
     localStorage.setItem(DEGREES_KEY, next ? "yes" : "no");

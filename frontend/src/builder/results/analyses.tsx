@@ -9,10 +9,10 @@ import type { JobKind } from "../types";
 import { AnalysisResult } from "./analysis_result";
 
 const KINDS: readonly (readonly [JobKind, string])[] = [
-  ["equilibrium", "Where it rests, and whether it stays there."],
-  ["modes", "Frequencies, damping and shapes of small motions about an equilibrium; each can be watched."],
+  ["equilibrium", "Equilibrium positions and their stability."],
+  ["modes", "Frequencies, damping and shapes of small motions about an equilibrium; each mode can be animated."],
   ["singular", "Singular positions, in which the first coordinate does not determine the others: a drive there cannot move the mechanism."],
-  ["ratios", "How fast all speeds are beside the independent ones, at the start."],
+  ["ratios", "Ratios of all speeds to the independent speeds, at the start."],
 ];
 
 export function Analyses(): ReactElement {
@@ -43,7 +43,7 @@ function ConstantSpeed({ busy }: { readonly busy: boolean }): ReactElement | nul
   const wrong = !Number.isFinite(Number(rate)) || Number(rate) === 0;
   return (
     <div className="row sweep" role="group" aria-label="Torque for constant speed">
-      <label>What drives <select value={chosen} onChange={(event) => { setName(event.target.value); }}>{names.map((each) => <option key={each}>{each}</option>)}</select></label>
+      <label>Torque or force that keeps <select value={chosen} onChange={(event) => { setName(event.target.value); }}>{names.map((each) => <option key={each}>{each}</option>)}</select></label>
       <label>at <input value={rate} aria-invalid={wrong} onChange={(event) => { setRate(event.target.value); }} /> {unit}</label>
       <button type="button" className="button small" disabled={busy || wrong} onClick={() => { void runJob("torque", { coordinate: chosen, rate: Number(rate) }); }}>Run</button>
     </div>

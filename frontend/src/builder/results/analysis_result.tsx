@@ -22,7 +22,7 @@ export function AnalysisResult({ kind, result }: { readonly kind: JobKind; reado
       {modes.length > 0 && <Modes modes={modes} scene={result["scene"]} />}
       {cases.length > 0 && <SweepPlot result={result} cases={cases} />}
       <Places places={[...objects(result["places"]), ...objects(result["branches"])]} />
-      {result["places"] !== undefined && objects(result["places"]).length === 0 && <p>None was found.</p>}
+      {result["places"] !== undefined && objects(result["places"]).length === 0 && <p>None found.</p>}
       <Facts value={result} top />
     </section>
   );

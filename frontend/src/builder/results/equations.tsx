@@ -69,7 +69,7 @@ export function Equations(): ReactElement {
         <TabsNote />
       </div>
       <div className="equation-blocks" role="tabpanel" tabIndex={0} aria-label={name} aria-busy={tab === undefined}>
-        {tab === undefined ? <p className="soft pad" role="status">Being written…</p> : tab.note !== "" && <p className="soft pad">{tab.note}</p>}
+        {tab === undefined ? <p className="soft pad" role="status">Writing…</p> : tab.note !== "" && <p className="soft pad">{tab.note}</p>}
         {tab?.blocks.map((block, index) => <EquationBlock key={`${name} ${index}`} block={block} />)}
       </div>
     </div>
@@ -77,9 +77,11 @@ export function Equations(): ReactElement {
 }
 
 function NotDerived(): ReactElement {
+  const deriving = useStore((state) => state.run?.kind === "equations");
+  if (deriving) return <p className="soft pad" role="status">Being derived…</p>;
   return (
     <div className="pad soft">
-      <p>The equations of motion, written out: mass matrix, forcing, constraints, kinematics.</p>
+      <p>The equations of motion in full: mass matrix, forcing, constraints, kinematics.</p>
       <button type="button" className="button" onClick={() => { giveCommand("equations"); }}><Icon name="sum" size={16} /> Derive the equations <kbd>F6</kbd></button>
     </div>
   );
@@ -88,7 +90,7 @@ function NotDerived(): ReactElement {
 /** Whether these are of the model as it is. */
 function TabsNote(): ReactElement | null {
   const stale = useStore((state) => state.equations !== null && state.equations.of !== state.data);
-  return stale ? <button type="button" className="button small" onClick={() => { giveCommand("equations"); }}>Before the last edits: derive again</button> : null;
+  return stale ? <button type="button" className="button small" onClick={() => { giveCommand("equations"); }}>Derived before the last edits: derive again</button> : null;
 }
 
 function EquationBlock({ block }: { readonly block: Block }): ReactElement {
@@ -131,7 +133,7 @@ const FORMS = [["latex", "LaTeX", ".tex"], ["sympy", "SymPy", ".py"], ["c", "C",
 
 function CopyButtons({ block }: { readonly block: Block }): ReactElement {
   const copy = (text: string, name: string): void => {
-    navigator.clipboard.writeText(text).then(() => { say(`${name} copied`); }, () => { say("The browser did not let it be copied."); });
+    navigator.clipboard.writeText(text).then(() => { say(`${name} copied`); }, () => { say("The browser does not allow copying."); });
   };
   return (
     <span className="copy-buttons">

@@ -112,8 +112,8 @@ function Title(): ReactElement {
   const dirty = useStore(isDirty);
   return (
     <div className="doc-title">
-      <b title={document?.path ?? "In no file yet"}>{document?.name ?? ""}</b>
-      {dirty && <span className="dirty" title="Changes that are not saved" data-testid="dirty"> ●<span className="hidden">not saved</span></span>}
+      <b title={document?.path ?? "Not saved yet"}>{document?.name ?? ""}</b>
+      {dirty && <span className="dirty" title="Unsaved changes" data-testid="dirty"> ●<span className="hidden">not saved</span></span>}
     </div>
   );
 }
@@ -141,7 +141,7 @@ function Live(): ReactElement {
   const fresh = useStore((state) => state.checked === state.data);
   const reached = useStore((state) => state.server === "here");
   return (
-    <div className={`live${fresh ? "" : " stale"}`} data-testid="live" role="group" aria-label="What the mechanism is">
+    <div className={`live${fresh ? "" : " stale"}`} data-testid="live" role="group" aria-label="Summary of the mechanism">
       {check?.summary != null && countOf(check.problems, "error") === 0 && <Counts summary={check.summary} />}
       {!reached ? <StateButton worst="warning" text="Not connected" /> : check !== null && <StateOf problems={check.problems} />}
     </div>

@@ -35,6 +35,7 @@ from symbody.analysis.configurations.ranges import (
     clip_to_ranges,
 )
 from symbody.analysis.configurations.ropes import assemble_with_ropes
+from symbody.analysis.configurations.unsubstituted import substituted_state, with_followers
 from symbody.analysis.constraint_evaluator import (
     ConstraintEvaluator,
     constraint_evaluator,
@@ -46,6 +47,7 @@ from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
+from symbody.equations.closing_equations import closing_equations
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError
@@ -79,7 +81,8 @@ def assemble(
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
         order, those of the model last, as long as they are independent. `State.moved` lists the others.
         Without a guess of positions those of the model are kept, as if they were fixed, where the loops close
-        with them, and either they are no more than there are freedoms left, or nothing else is fixed.
+        with them, and either they are no more than there are degrees of freedom left, or nothing else is
+        fixed.
     parameters, inputs : mapping
         As for `simulate`; they matter for explicit time, accelerations and multipliers.
     t : float
@@ -104,6 +107,8 @@ def assemble(
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
     exact, near = by_priority(fixed or {}, guess or {})
+    if closing_equations(eqs) is not eqs:
+        return _assemble_whole(eqs, exact, near, parameters, inputs, t, ranges, scales)
     exact = {**held_initial_values(eqs, exact, near), **exact}
     signals, exact, near = split_signals(eqs, exact, near, parameters)
     rest = parameters, inputs, t, ranges, scales
@@ -112,6 +117,23 @@ def assemble(
         with suppress(AssemblyError):
             return _assemble(eqs, {**exact, **kept}, near, *rest, signals)
     return _assemble(eqs, exact, near, *rest, signals)
+
+
+def _assemble_whole(
+    eqs: EquationSet,
+    fixed: Mapping[str, FirstValue],
+    guess: Mapping[str, Value],
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+    ranges: Mapping[str, tuple[Value, Value]] | None,
+    scales: Mapping[str, float] | None,
+) -> State:
+    """Return a state that is found in other equations, those that close it."""
+    known = named_values(eqs, guess, parameters, strict=set(guess))
+    near = {**with_followers(eqs, known, parameters or {}), **guess}
+    state = assemble(closing_equations(eqs), fixed, near, parameters, inputs, t, ranges, scales=scales)
+    return substituted_state(eqs, state, scales)
 
 
 def _fitting_values(

@@ -31,7 +31,10 @@ def why_excluded(evaluator: ConstraintEvaluator, fixed: Mapping[str, float]) -> 
         linear = zip(rows, manifold.linear if manifold.linear is not None else (), strict=False)
         names = dict.fromkeys(row.element for row, is_linear in linear if is_linear)
         what = "these values" if fixed else "each other"
-        return f"equations of {', '.join(names)} are linear in all that may move, and contradict {what}"
+        return (
+            f"equations of {', '.join(names)} are linear in all coordinates that may move, and contradict "
+            f"{what}"
+        )
     return _why_out_of_reach(evaluator, fixed)
 
 
@@ -65,7 +68,7 @@ def _why_out_of_reach(evaluator: ConstraintEvaluator, fixed: Mapping[str, float]
     elements: dict[str, bool] = {}
     for _ in range(_MOST_WORK // max(len(sequence.operations), 1)):
         if not boxes:
-            return f"{', '.join(elements)} cannot close, whatever the other coordinates are"
+            return f"{', '.join(elements)} cannot close for any values of the other coordinates"
         box = boxes.pop()
         bounds = evaluate_sequence(sequence, {**point, "q": [*box, *signals]}, INTERVALS)[0]
         element = _farthest_element(evaluator, bounds)

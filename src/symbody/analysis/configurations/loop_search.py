@@ -132,16 +132,16 @@ def _conflict_problem(
     """Return values with which no configuration was found, with the nearest where one alone is impossible."""
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items())
     proof = why_excluded(evaluator, conflict)
-    why = proof or f"none was found from {STARTS} starts about the guess"
-    cure = "leave one of them to guess="
+    why = proof or f"the search from {STARTS} starting points around the guess found none"
+    cure = "pass one of them in guess= instead"
     nearest = find_assembly(evaluator, start, {})
     if len(conflict) == 1 and nearest is not None:
         places = dict(zip(evaluator.eqs.coordinate_names, nearest.q.tolist(), strict=True))
         near = [f", for instance {name} = {places[name]:.4g}" for name in conflict if name in places]
-        cure = f"give another value{''.join(near)}, or leave it to guess="
+        cure = f"give another value{''.join(near)}, or pass it in guess= instead"
     return Problem(
         "assembly.conflict", "fixed", f"no configuration {'has' if proof else 'was found with'} {listed}",
-        f"the loops close without these values; {why}", cure,
+        f"the loops close without these values, but {why}", cure,
     )  # fmt: skip
 
 
@@ -154,12 +154,12 @@ def _open_joints(
     why = (
         f"there is no configuration: {proof}"
         if proof
-        else f"none was found from {STARTS} starts about the guess"
+        else f"the search from {STARTS} starting points around the guess found none"
     )
     if not evaluator.is_aligned(best.q) and best.residual <= ASSEMBLED:
         joint = next(iter(evaluator.gaps(best.q)), "")
         kind = "joint"
-        what = f"joint {joint} closes only with its axes opposite to each other"
+        what = f"joint {joint} closes only with its axes pointing in opposite directions"
     else:
         finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_GAP_TRIALS]
         trials = [(best.q, np.inf), *(minimum_gap(evaluator, evaluator.normalize(q), fixed) for q in finite)]
@@ -168,16 +168,16 @@ def _open_joints(
         size = evaluator.mechanism.length
         check_meeting_ends(evaluator, q)
         kind = _kind(evaluator, joint)
-        what = f"{kind} {joint} stays open by {_width(gap, size)}"
+        what = f"{kind} {joint} cannot be closed: a gap of {_width(gap, size)} remains"
         wide = [(name, gap) for name, gap in others if gap[0] > _VISIBLE * size or gap[1] > _VISIBLE]
         if wide:
             listed = ", ".join(
-                f"{_kind(evaluator, name)} {name} by {_width(gap, size)}" for name, gap in wide
+                f"{_kind(evaluator, name)} {name} has a gap of {_width(gap, size)}" for name, gap in wide
             )
-            why += f"; with the least squares of all gaps {listed}"
+            why += f"; in the best fit {listed}, too"
     return Problem(
         "assembly.open", f"{kind} {joint}", what, why,
-        "check lengths and frames of the loop, or give guess= values nearer to a configuration that closes",
+        "check lengths and frames of the loop, or give guess= values closer to a configuration that closes",
     )  # fmt: skip
 
 

@@ -114,8 +114,8 @@ class _ModeSearch:
             notes.append(note)
             if has_choice and abs(surplus) <= limit:
                 edges.append(name)
-                notes.append(f"{self._element(name)} changes over at this state: what is said of small "
-                             "deviations holds on one side of it at most")  # fmt: skip
+                notes.append(f"{self._element(name)} switches at this state: statements about small "
+                             f"deviations hold on one side of it at most")  # fmt: skip
         return OneSidedState(held, state, tuple(notes), tuple(edges)), fits
 
     def _equations(self, modes: Modes) -> EquationSet:
@@ -159,8 +159,8 @@ class _ModeSearch:
             return value, f"rope {name} is slack: it constrains nothing"
         if mode == STICKS:
             return value, (
-                f"joint {name} sticks, {value:.6g} below its static limit: it is held, and every place "
-                "where it sticks is an equilibrium along it"
+                f"joint {name} sticks, {value:.6g} below its static limit: it does not move, and every "
+                f"position where it sticks is an equilibrium of this joint"
             )
         way = "forward" if mode > 0 else "backward"
         return mode * value, f"joint {name} begins to slip {way}"

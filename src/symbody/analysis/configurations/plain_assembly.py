@@ -24,9 +24,11 @@ from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block
-from symbody.kernels.configurations import assembly as at
-from symbody.kernels.configurations import first_state as places
+from symbody.kernels.configurations.assembly import ASSEMBLED as SOLVED
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.closing import closing_size
+from symbody.kernels.configurations.first_state import speeds_size
+from symbody.kernels.pack import pack
 from symbody.single_flight import once
 from symbody.tolerances import ASSEMBLED, EXACT
 
@@ -183,29 +185,24 @@ class PlainAssembly:
         four = [eqs.coordinate_names.index(name) for names in eqs.quaternions for name in names]
         closed = max(n_u, n_q) if residuals or rows or four else 0
         constants = function.constant_count
-        lengths = [
-            at.HEADER, n_u + n_q, n_u + n_q, residuals, sum(sizes), closing_size(closed), n_q,
-            len(four), 4 * n_u, places.speeds_size(n_u) if rows else 0, block.R_PLACE, constants,
-            function.work_size, n_q,
-        ]  # fmt: skip
-        begins = np.cumsum([0, *lengths]).tolist()
-        self._template = head = np.zeros(begins[-1])
-        head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, residuals, rows
-        order = [
-            at.HELD, at.SIZES, at.SCALES, at.OUT, at.MATRICES, at.OLD, at.QUATERNION_PLACES, places.CHOSEN,
-            places.ROW_PLACE, at.NUMBERS,
-        ]  # fmt: skip
-        head[order] = begins[1:11]
-        head[at.QUATERNIONS], head[begins[7] : begins[8]] = len(eqs.quaternions), four
-        head[at.OUT_SIZE], head[places.COSINES] = sum(sizes), sizes[4]
-        head[at.LIMITED], head[begins[13] :] = begins[13], limited_coordinates(eqs)
-        head[at.SHARE], head[at.ENOUGH] = ASSEMBLED, EXACT
-        numbers = head[begins[10] :]
+        numbers = np.zeros(block.R_PLACE + constants + function.work_size)
         numbers[[block.P_PLACE, block.C_PLACE]] = block.R_PLACE
         numbers[block.WORK_PLACE] = block.R_PLACE + constants
-        self._begins = dict(zip(order, begins[1:11], strict=True))
-        self._constants = slice(begins[11], begins[12])
-        self._outputs = np.cumsum([begins[4], *sizes]).tolist()
+        self._template = pack(
+            AssemblyProblem, speeds=n_u, coordinates=n_q, residuals=residuals, rows=rows, out_size=sum(sizes),
+            quaternion_count=len(eqs.quaternions), share=ASSEMBLED, enough=EXACT, cosines=sizes[4],
+            held=np.zeros(n_u + n_q), sizes=np.zeros(n_u + n_q), matrices=np.zeros(closing_size(closed)),
+            numbers=numbers, quaternion_places=four, limited=limited_coordinates(eqs),
+            row_room=np.zeros(speeds_size(n_u) if rows else 0),
+        )  # fmt: skip
+        self._begins = {
+            name: int(self._template[field.place])
+            for name, field in AssemblyProblem.fields.items()
+            if field.stored is not None
+        }
+        begin = self._begins["numbers"] + block.R_PLACE
+        self._constants = slice(begin, begin + constants)
+        self._outputs = np.cumsum([self._begins["out"], *sizes]).tolist()
         self._residuals = residuals
         self._silent = _silent_rows(function, rows)
         self._speeds = {name: float(k) for k, name in enumerate(eqs.speed_names)}
@@ -231,21 +228,19 @@ class PlainAssembly:
         fixed, near = unit_quaternions(eqs.quaternions, fixed, near)
         start = _start(eqs, {**near, **fixed})
         A, n_u, n = self._template.copy(), len(eqs.speed_names), len(eqs.state_names)
-        held = begins[at.HELD] + n_u
+        held = begins["held"] + n_u
         for k, name in enumerate(eqs.coordinate_names):
             A[held + k] = name in fixed
-        first = begins[at.SIZES]
+        first = begins["sizes"]
         A[first : first + n_u], A[first + n_u : first + n] = (
             mechanism.displacements(eqs), mechanism.coordinates(eqs),
         )  # fmt: skip
-        first = begins[at.SCALES]
+        first = begins["scales"]
         A[first : first + self._residuals] = mechanism.constraints(eqs)[: self._residuals]
         self._choose_speeds(A, fixed, near)
         A[self._constants] = constants
         x = np.concatenate([np.zeros(n_u), start])
-        if _kernel()(self._function, A.ctypes.data, t, x.ctypes.data) != at.ASSEMBLED or not (
-            np.isfinite(x).all()
-        ):
+        if _kernel()(self._function, A.ctypes.data, t, x.ctypes.data) != SOLVED or not (np.isfinite(x).all()):
             return None
         return self._state(A, x, start)
 
@@ -257,9 +252,9 @@ class PlainAssembly:
                 if name in speeds and (values is fixed or name not in fixed):
                     chosen += [speeds[name], value]
             if values is fixed:
-                A[places.KEPT] = len(chosen) // 2
-        A[places.CHOICES] = len(chosen) // 2
-        first = self._begins[places.CHOSEN]
+                AssemblyProblem(A).kept = len(chosen) // 2
+        AssemblyProblem(A).choices = len(chosen) // 2
+        first = self._begins["chosen"]
         A[first : first + len(chosen)] = chosen
 
     def _state(self, A: Floats, x: Floats, start: Floats) -> PlainState:
@@ -269,7 +264,7 @@ class PlainAssembly:
         return PlainState(
             start, x[n_u:], x[:n_u], A[outputs[6] : outputs[7]], A[outputs[7] : outputs[8]],
             float(np.abs(phi).max(initial=0.0)), float(A[outputs[8]]),
-            int(A[places.ZERO_ROWS]) == self._silent,
+            AssemblyProblem(A).zero_rows == self._silent,
         )  # fmt: skip
 
 

@@ -128,8 +128,8 @@ class PositionSolutions:
         if not distances:
             listed = ", ".join(f"{_name(key)} = {value:g}" for key, value in values.items())
             raise AssemblyError(
-                Problem("positions.unreachable", "positions", f"no branch reaches {listed}",
-                        "the loops do not close there: a root or an arc cosine has no real value",
+                Problem("positions.unreachable", "positions", f"no solution exists for {listed}",
+                        "the loops do not close there: a square root or an arc cosine has no real value",
                         "give independent coordinates within reach, or correct the lengths")
             )  # fmt: skip
         return self.branches[min(distances, key=distances.__getitem__)]
@@ -159,7 +159,7 @@ class PositionSolutions:
         if missing:
             problems.append(
                 Problem("compile.missing_value", "values", f"no value is given for {', '.join(missing)}",
-                        "a number is needed to compute with", f"give {{{missing[0]!r}: ...}}")
+                        "the computation needs a number", f"give {{{missing[0]!r}: ...}}")
             )  # fmt: skip
         if problems:
             raise CompileError(*problems)
@@ -175,8 +175,8 @@ def solve_positions(
 ) -> PositionSolutions:
     """Return the dependent coordinates as functions of the independent ones, in closed form.
 
-    Planar dyads and chains of them are solved by cosines and sines, whatever else by SymPy, in a process that
-    is ended when the time is over.
+    Planar dyads and chains of them are solved by cosines and sines, everything else by SymPy, in a process
+    that is ended when the time is over.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def solve_positions(
     Raises
     ------
     FormulationError
-        If there are not as many dependent coordinates as constraints, one of them stands in no constraint,
+        If there are not as many dependent coordinates as constraints, one of them appears in no constraint,
         no closed form is found, or none within the time.
     """
     names = [_name(item) for item in dependent]
@@ -205,15 +205,16 @@ def solve_positions(
     unknowns = _unknowns(graph, rows, names)
     if not seconds > 0.0:
         raise FormulationError(
-            Problem("positions.seconds", "seconds", f"seconds = {seconds!r} is not a time", "",
+            Problem("positions.seconds", "seconds", f"seconds = {seconds!r} is not a valid time", "",
                     "give seconds > 0")
         )  # fmt: skip
     solutions = solve_within(graph, rows, unknowns, seconds)
     if not solutions:
         raise FormulationError(
             Problem("positions.none", "positions", "no closed form was found",
-                    "the equations contradict each other, depend on each other, or have no solution by roots "
-                    "and arcs", "take other dependent coordinates, or assemble with numbers")
+                    "the equations contradict each other, depend on each other, or have no solution in "
+                    "roots and inverse trigonometric functions",
+                    "choose other dependent coordinates, or solve with numbers by assemble()")
         )  # fmt: skip
     forms = _formulas(constraints, graph, rows, unknowns, solutions)
     kept = tuple(tuple(solutions[k]) for k in distinct_solutions(forms))
@@ -254,7 +255,7 @@ def _unknowns(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> list[i
         if symbol.kind == SymbolKind.COORDINATE:
             nodes[symbol.label] = node
     problems = [
-        Problem("positions.dependent", name, f"{name!r} stands in no constraint", "", nearest(name, nodes))
+        Problem("positions.dependent", name, f"{name!r} appears in no constraint", "", nearest(name, nodes))
         for name in names if name not in nodes
     ]  # fmt: skip
     problems += [
@@ -264,7 +265,7 @@ def _unknowns(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> list[i
     if len(names) != len(rows):
         problems.append(
             Problem("positions.number", "dependent",
-                    f"{len(names)} coordinates are to be found from {len(rows)} constraints",
+                    f"{len(names)} dependent coordinates are named for {len(rows)} constraints",
                     "each constraint determines one dependent coordinate; the others are independent",
                     f"name {len(rows)} of {', '.join(nodes)}")
         )  # fmt: skip

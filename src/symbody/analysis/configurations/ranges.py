@@ -36,7 +36,7 @@ def checked_ranges(
     ]  # fmt: skip
     problems += [
         Problem("assembly.range", name, f"the range from {lower[name]:g} to {upper[name]:g} is empty",
-                "its lower end is not below its upper end", "give (lower, upper)")
+                "its lower bound is not below its upper bound", "give (lower, upper)")
         for name in lower if not lower[name] < upper[name]
     ]  # fmt: skip
     if problems:

@@ -98,9 +98,9 @@ def equations_with_ropes(
     shares = slackness(constraint_evaluator(with_taut(eqs, ()), parameters, {}, t), q)
     taut = [name for name, share in shares.items() if share <= AT_LENGTH]
     notes = tuple(
-        f"rope {name} is at its length and taken as taut, whatever its tension"
+        f"rope {name} is at its full length and assumed taut, regardless of its tension"
         if name in taut
-        else f"rope {name} is slack here, by {share:.3g} of its length: it constrains nothing"
+        else f"rope {name} is slack here by {share:.3g} of its length, so it constrains nothing"
         for name, share in shares.items()
     )
     return with_taut(eqs, taut), notes
@@ -109,7 +109,7 @@ def equations_with_ropes(
 def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
     """Return notes on the ropes that an analysis of all configurations takes as taut."""
     rows = {row.element for row in eqs.formed.rows}
-    return tuple(f"rope {name} is taken as taut" for name in ropes(eqs.formed) if name in rows)
+    return tuple(f"rope {name} is assumed to be taut" for name in ropes(eqs.formed) if name in rows)
 
 
 def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floats) -> str:
@@ -128,7 +128,7 @@ def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floa
         if name in taut and share > LOOSE:
             misplaced.append(f"rope {name} is slack, by {share:.3g} of its length")
         elif share < -LOOSE:
-            misplaced.append(f"the ends of rope {name} are farther apart than it is long")
+            misplaced.append(f"the ends of rope {name} are farther apart than its length")
     return ", ".join(misplaced)
 
 
@@ -157,7 +157,7 @@ def _too_short(state: State, name: str, error: AssemblyError) -> Problem:
     return Problem(
         "assembly.rope_too_short", f"constraint {name}",
         f"its ends are {length - slack:.9g} m apart, but the rope is {length:.9g} m long",
-        f"nothing that is free to move brings them closer: {error.problems[0].what}",
+        f"no free motion brings them closer: {error.problems[0].what}",
         "give other initial positions, or a longer rope",
     )  # fmt: skip
 

@@ -83,9 +83,9 @@ class EquilibriumSearch:
         ]
         if moving:
             raise AssemblyError(
-                Problem("equilibrium.moving", ", ".join(moving), "these constraints demand motion",
-                        f"they depend on time, at t = {evaluator.t:g} s with rates",
-                        "give a t at which they rest")
+                Problem("equilibrium.moving", ", ".join(moving), "these constraints require motion",
+                        f"they depend on time and have nonzero rates at t = {evaluator.t:g} s",
+                        "give a t at which their rates are zero")
             )  # fmt: skip
 
     def starts(self) -> list[Floats]:
@@ -258,7 +258,7 @@ def examine_neighbourhood(search: EquilibriumSearch, equilibrium: StaticResidual
     """Return whether other equilibria lie about one."""
     if search.is_crossing(equilibrium):
         note = (
-            "branches of the motion cross at this configuration: forces do no work along any of them, and "
+            "branches of the motion cross at this configuration: forces do no work along any of them, so "
             "linear equations do not show whether it is stable"
         )
         return Neighbourhood("undecided", (note,))
@@ -270,12 +270,12 @@ def examine_neighbourhood(search: EquilibriumSearch, equilibrium: StaticResidual
     if going.shape[1]:
         notes.append(
             f"equilibria form a continuum of {going.shape[1]} dimension(s) along "
-            f"{_names(search, going)}: the one nearest to the guess by the shortest steps is given"
+            f"{_names(search, going)}; the result is the one closest to the guess"
         )
     if left.shape[1]:
         notes.append(
             f"the equilibrium is critical: its stiffness vanishes along {_names(search, left)}, but no "
-            "equilibria lie beside it, and terms of higher order decide whether it is stable"
+            f"other equilibria lie near it; terms of higher order decide whether it is stable"
         )
     return Neighbourhood("critical" if left.shape[1] else "", tuple(notes))
 

@@ -54,7 +54,7 @@ class Equilibrium(State):
         try:
             verdict = self.verdict
         except SymbodyError:  # no linear equations here
-            verdict = "stability not known"
+            verdict = "stability unknown"
         lines = [values_line(values, self.eqs.units) for values in (self.q, self.s)]
         return f"Equilibrium, {verdict}: {'; '.join(filter(None, lines))}"
 
@@ -67,7 +67,7 @@ class Equilibrium(State):
     def verdict(self) -> str:
         """The verdict of the linear equations on small deviations, see `Linearization`.
 
-        "critical" where the stiffness vanishes along a direction in which equilibria do not go on: terms of
+        "critical" where the stiffness vanishes along a direction without further equilibria: terms of
         higher order decide, unless something else grows. "undecided" where there are no linear equations:
         where branches cross, or an element may as well be slack as taut.
         """
@@ -96,8 +96,8 @@ def find_equilibrium(
 ) -> Equilibrium:
     """Return the equilibrium nearest to a guess, with others found as its ``branches``.
 
-    Ropes pull or are slack, whatever holds there: none pushes, and none is longer than it is. The states of
-    signals are those whose rates vanish.
+    Ropes pull or are slack, as the equilibrium requires: none pushes, and none is longer than it is. The
+    states of signals are those whose rates vanish.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def find_equilibrium(
     inputs : mapping of name to number or formula
         Constant, by default 0; formulas may read the state.
     unknowns : str or sequence of str
-        Inputs that take whatever value holds the mechanism; they are in ``inputs`` of the result.
+        Inputs that take the value that holds the mechanism; they are in ``inputs`` of the result.
     fixed : mapping of name to number or formula
         Coordinates that keep these values, as a rule with inputs unknown.
     t : float
@@ -148,9 +148,9 @@ def find_equilibrium(
 def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Iterable[str]) -> None:
     problems = [
         Problem("equilibrium.signal", name, f"{name!r} is a state of a signal, not a coordinate in q",
-                "states of signals are found with the positions: where their rates are 0",
-                f"leave it out; guess={{{name!r}: ..}} says where to look, a signal with a value instead "
-                "of a rate holds it")
+                "the search finds states of signals together with the positions, where their rates are 0",
+                f"leave it out; guess={{{name!r}: ..}} sets where the search starts; a signal with a value "
+                f"instead of a rate stays constant")
         for name in fixed
         if name in eqs.signal_state_names
     ]  # fmt: skip
@@ -208,16 +208,18 @@ def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
             name = speeds[k]
             unit = "N" if eqs.units.get(name) == "m/s" else "N m"
             force = forces[k] * search.balance.largest_term(search.start) / search.balance.sizes[k]
-            left = f"along {name} {force:.4g} {unit} are not balanced"
+            left = f"along {name}, {force:.4g} {unit} are not balanced"
         place = ", ".join(
             f"{q} = {x:.4g}" for q, x in zip(eqs.coordinate_names, best.residual.q, strict=True)
         )
-        what = f"{best.fault or left}, where least is left ({place})"
+        what = f"{best.fault or left}, at the best point found ({place})"
         cause = _loose_body(eqs, name) if not best.fault else ""
-    dry = "; friction at rest was taken as 0" if switching_joints(eqs.formed) else ""
+    dry = "; friction at rest was assumed to be 0" if switching_joints(eqs.formed) else ""
     return Problem(
-        "equilibrium.none", eqs.model.name, what, f"{cause}{STARTS} starts about the guess were tried{dry}",
-        "hold what moves by a joint, a spring or an unknown input, or give guess= nearer to a balance",
+        "equilibrium.none", eqs.model.name, what, f"{cause}{STARTS} starting points around the guess were "
+            f"tried{dry}",
+        "restrain what moves by a joint, a spring or an unknown input, or give guess= closer to an "
+        "equilibrium",
     )  # fmt: skip
 
 
@@ -232,9 +234,10 @@ def _loose_body(eqs: EquationSet, speed: str) -> str:
 def _singular(evaluator: ConstraintEvaluator, q: Floats) -> Problem:
     place = ", ".join(f"{name} = {x:.4g}" for name, x in zip(evaluator.eqs.coordinate_names, q, strict=True))
     return Problem(
-        "equilibrium.singular", evaluator.eqs.model.name, "forces balance only where no acceleration exists",
-        f"at {place} angles are singular, or no mass resists some motion",
-        "take a quaternion or other angles, give mass to what moves, or give guess= nearer to a balance",
+        "equilibrium.singular", evaluator.eqs.model.name, "forces balance only where accelerations are not "
+            "defined",
+        f"at {place} the angles are singular, or some motion has no mass",
+        "use a quaternion or other angles, give mass to what moves, or give guess= closer to an equilibrium",
     )  # fmt: skip
 
 
@@ -253,9 +256,13 @@ def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
     further = examine_neighbourhood(search, residual)
     notes = [*evaluator.mechanism.notes(eqs), *further.notes, *candidate.notes]
     if search.balance.timed:
-        notes.append(f"forces or motions depend on time: they are frozen at t = {evaluator.t:g} s")
+        notes.append(
+            f"forces or motions depend on time: they are evaluated at t = {evaluator.t:g} s and held constant"
+        )
     if eqs.formed.friction:
-        notes.append("friction is 0 at rest: sticking holds more configurations than this")
+        notes.append(
+            "friction is assumed to be 0 at rest; with sticking, more configurations are in equilibrium"
+        )
     edges = (*candidate.edges, *(settle(eqs, state).edges if switching_joints(eqs.formed) else ()))
     return _equilibrium(state, notes, "undecided" if edges else further.doubt)
 
@@ -274,7 +281,10 @@ def _friction_equilibrium(searches: TautSearch) -> Equilibrium | None:
     left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * evaluator.speed_sizes
     if not float(np.abs(left).max(initial=0.0)) <= BALANCED * search.balance.largest_term(search.start):
         return None
-    note = "friction holds the guess, though forces balance nowhere without it: places about it are held, too"
+    note = (
+        "friction holds the mechanism at the guess; without friction it has no equilibrium. Configurations "
+        "around the guess are held, too"
+    )
     return _equilibrium(sides.state, [note, *sides.notes], "undecided" if sides.edges else "")
 
 

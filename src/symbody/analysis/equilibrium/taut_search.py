@@ -146,7 +146,7 @@ class TautSearch:
         limit = BALANCED * float(work.max(initial=0.0)) / search.evaluator.mechanism.length
         pushing = [name for name, pull in pulls.items() if pull < -limit]
         fault = ", ".join(
-            [f"rope {name} would have to push by {-pulls[name]:.4g} N" for name in pushing]
+            [f"rope {name} would have to push with {-pulls[name]:.4g} N" for name in pushing]
             + [f"rope {name} would have to be longer" for name in longer]
         )
         edges = [name for name, pull in pulls.items() if abs(pull) <= limit]
@@ -156,8 +156,8 @@ class TautSearch:
         ]
         notes += [f"rope {name} is slack" for name in self.names if slack[name] > AT_LENGTH]
         notes += [
-            f"rope {name} is at its length without tension: small deviations on one side only make it pull, "
-            "and linear equations do not show whether the equilibrium is stable"
+            f"rope {name} is at its length without tension: it pulls for small deviations to one side only, "
+            f"so linear equations do not show whether the equilibrium is stable"
             for name in edges
         ]  # fmt: skip
         return Candidate(search, end, tuple(notes), tuple(edges), fault)

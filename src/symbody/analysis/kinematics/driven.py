@@ -91,13 +91,14 @@ def _not_free(eqs: EquationSet, name: str) -> Problem | None:
         return None
     if any(name in role.prescribed_coordinates for role in eqs.formed.joint_roles):
         return Problem(
-            "kinematics.prescribed", f"motion {name}", f"{name} is prescribed by the model already",
-            f"{element_of(eqs, name)} has a motion of its own",
-            "leave it out here, or take the motion out of the model",
+            "kinematics.prescribed", f"motion {name}", f"the model already prescribes {name}",
+            f"{element_of(eqs, name)} already has a prescribed motion",
+            "leave it out here, or remove the motion from the model",
         )  # fmt: skip
     if name in eqs.speed_names or name.endswith("_dot"):
         return Problem(
-            "kinematics.speed_held", f"motion {name}", f"{name} is a speed, and motions are of coordinates",
+            "kinematics.speed_held", f"motion {name}", f"{name} is a speed, but only coordinates can be "
+                f"driven",
             "positions do not follow from speeds without integration",
             "give the coordinate as a function of time, or sb.simulate with an input",
         )  # fmt: skip
@@ -139,6 +140,7 @@ def _target(eqs: EquationSet, name: str, law: Value) -> Expr:
     if not kinds <= {SymbolKind.TIME, SymbolKind.PARAMETER}:
         raise ExpressionError(
             Problem("kinematics.motion_law", where, f"{law} depends on more than time and parameters",
-                    "the motion is given before the mechanism moves", "write it in t and parameters")
+                    "a prescribed motion must be known before the mechanism moves",
+                    "write it as a formula in t and parameters")
         )  # fmt: skip
     return target

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.continuation import Continuation
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, UsageError, nearest
+from symbody.errors import Problem, UsageError, nearest, number_in_words
 from symbody.manifold import pivot_order
 
 Floats = NDArray[np.float64]
@@ -21,7 +21,10 @@ _DRIVEN: Final = 1e-3  # a speed with an input counts for so much less among can
 def coupled_notes(eqs: EquationSet) -> tuple[str, ...]:
     """Return a note on speeds that are no rows here, because couplings give them."""
     listed = ", ".join(f"{name}_dot" for name in eqs.formed.coupled.values)
-    note = f"{listed}: couplings give them; in equations formed without substitute=True they are rows"
+    note = (
+        f"{listed}: couplings determine them; in equations formed without substitute=True they remain "
+        f"constraints"
+    )
     return (note,) if listed else ()
 
 
@@ -65,7 +68,8 @@ def check_names(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[str
     if not problems and len(set(labels)) != count:
         problems = [
             Problem("kinematics.independent_count", "independent",
-                    f"{len(set(labels))} speeds are named, but the mechanism has {count} freedoms", "",
+                    f"{len(set(labels))} speeds are named, but the mechanism has "
+                    f"{number_in_words(count, 'degree of freedom')}", "",
                     f"name {count} of {', '.join(eqs.speed_names)}")
         ]  # fmt: skip
     if problems:
@@ -78,9 +82,9 @@ def _unknown_speed(eqs: EquationSet, name: str) -> Problem:
     others = eqs.formed.coupled.sources(name.removesuffix("_dot"))
     if others:
         return Problem("kinematics.coupled_speed", f"independent {name}",
-                       f"{name} follows from {', '.join(others)} by a coupling",
-                       "it is put into the equations, where it is no speed of its own",
+                       f"a coupling determines {name} from {', '.join(others)}",
+                       "it was substituted in the equations and is no longer a speed",
                        f"name {others[0]}, or form the equations without substitute=True")  # fmt: skip
     return Problem("kinematics.unknown_speed", f"independent {name}",
-                   f"{name} is not a speed of these equations", "coordinates of cut joints have none",
+                   f"{name} is not a speed of these equations", "coordinates of cut joints have no speeds",
                    nearest(name, (*eqs.coordinate_names, *eqs.speed_names)))  # fmt: skip

@@ -55,9 +55,10 @@ def read_range(over: Mapping[str, Any]) -> tuple[str, tuple[float, float], dict[
     (name, ends), *others = ranges.items() or [("", (0.0, 0.0))]
     if others or len(ends) != 2 or not float(ends[0]) < float(ends[1]):
         raise UsageError(
-            Problem("kinematics.range", "over", f"{dict(over)} has not one range (a, b) with a < b",
-                    "the search goes along one coordinate",
-                    'give one range, and numbers for what is held: over={"theta": (0, "90 deg"), "phi": 0.2}')
+            Problem("kinematics.range", "over", f"{dict(over)} needs exactly one range (a, b) with a < b",
+                    "the search runs along one coordinate",
+                    'give one range, and numbers for coordinates that are held fixed: over={"theta": (0, '
+                    '"90 deg"), "phi": 0.2}')
         )  # fmt: skip
     return name, (float(ends[0]), float(ends[1])), held
 
@@ -76,13 +77,15 @@ def read_values(over: Mapping[str, Any]) -> dict[str, Floats]:
            if x.ndim != 1 or x.size not in (1, count) or not np.isfinite(x).all()]  # fmt: skip
     if not over:
         raise UsageError(
-            Problem("kinematics.values", "over", "no coordinate is led", "positions follow from values given",
+            Problem("kinematics.values", "over", "no coordinate is driven",
+            "positions are computed from the values of driven coordinates",
                     'give a coordinate its values: over={"theta": [0.1, 0.2, "30 deg"]}')
         )  # fmt: skip
     if bad or not count:
         raise UsageError(
             Problem("kinematics.values", f"over {', '.join(bad)}",
                     "these are not lists of numbers of equal length",
-                    "", "give as many finite numbers for each coordinate, or one to hold it still")
+                    "", "give as many finite numbers for each coordinate, or a single number to hold it "
+                        "fixed")
         )  # fmt: skip
     return {name: np.broadcast_to(x, count) for name, x in given.items()}

@@ -30,7 +30,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
-from symbody.errors import AssemblyError, Problem, UsageError
+from symbody.errors import AssemblyError, Problem, UsageError, number_in_words
 from symbody.tolerances import ASSEMBLED, BALANCED, SAME_POSITION, SINGULAR
 
 Floats = NDArray[np.float64]
@@ -79,10 +79,12 @@ class SingularConfiguration:
         # Places are good to about 1e-7: what is smaller than 1e-9 is rounding about 0.
         place = ", ".join(f"{name} = {round(value, 9) + 0.0:.7g}" for name, value in self.q.items())
         if self.kind == "bifurcation":
-            return f"bifurcation at {place}: constraints of {self.joint} depend on others, branches cross"
+            return f"bifurcation at {place}: constraints of {self.joint} depend on others, so branches cross"
         ends = ", ".join(f"{name} has a {end}" for name, end in self.limits.items() if end != "passes")
         drive = f"{'coordinate' if self.joint in self.q else 'joint'} {self.joint}"
-        return f"lock-up at {place}: {drive} cannot drive the mechanism" + (f", {ends}" if ends else "")
+        return f"dead position (lock-up) at {place}: {drive} cannot drive the mechanism" + (
+            f", {ends}" if ends else ""
+        )
 
 
 @checked_arguments
@@ -102,9 +104,9 @@ def singular_configurations(
     Parameters
     ----------
     independent : str or sequence of str
-        Coordinates or speeds, as many as there are freedoms.
+        Coordinates or speeds, as many as there are degrees of freedom.
     over : mapping of coordinate to range or number
-        The coordinate along which is looked, with the ends of its range; numbers hold further freedoms still.
+        The coordinate to search along, with the ends of its range; numbers fix further degrees of freedom.
         Both may be formulas in parameters, angles texts such as ``"30 deg"``.
     guess : mapping of name to number or formula in parameters
         Near which the loops close; other assemblies that are found are followed, too.
@@ -115,7 +117,7 @@ def singular_configurations(
     Raises
     ------
     UsageError
-        If names make no sense, there is not one range, or other freedoms are left.
+        If names make no sense, there is not exactly one range, or other degrees of freedom are left.
     AssemblyError
         If the loops close nowhere in the range.
     """
@@ -342,7 +344,8 @@ def _first(
         raise UsageError(
             Problem("kinematics.range_coordinate", f"over {along}",
                     f"{along!r} is not a coordinate of these equations",
-                    "coordinates of cut joints, prescribed and substituted ones are not among them",
+                    "coordinates of cut joints, prescribed coordinates and substituted coordinates are not "
+                    "available",
                     f"name one of {', '.join(eqs.coordinate_names)}, or put its joint into the tree")
         )  # fmt: skip
     return assemble(eqs, None, guess, parameters, scales=scales)
@@ -370,9 +373,10 @@ def _search(
     if left != 1:
         raise UsageError(
             Problem("kinematics.range_freedoms", "over",
-                    f"the mechanism has {len(ratios.independent)} freedoms, "
-                    f"and {len(held)} are held", "the positions over a range have to form a curve",
-                    "hold all freedoms but one by numbers")
+                    f"the mechanism has {number_in_words(len(ratios.independent), 'degree of freedom')}, "
+                    f"and {len(held)} are "
+                    f"held fixed", "the positions over a range must form a curve",
+                    "fix all degrees of freedom but one with numbers")
         )  # fmt: skip
     farthest = {along: max(map(abs, ends)), **held}
     mechanism = mechanism.rescale(mechanism_scales(ratios.eqs, parameters, scales, {**first.q, **farthest}))

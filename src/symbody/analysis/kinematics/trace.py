@@ -67,7 +67,7 @@ class Positions:
             if values.size
         )
         dead = ", ".join(f"{name} = {value:.6g}" for name, value in self.limits.items())
-        reached = f"a dead end at {dead}" if dead else "all reached"
+        reached = f"stopped at a dead end at {dead}" if dead else "all reached"
         path = "; ".join([*ends, reached])
         return f"<Positions of {', '.join(self.coordinate_names)}: {self.q.shape[-1]} of them, {path}>"
 
@@ -124,19 +124,19 @@ def trace_positions(
     *,
     scales: Mapping[str, float] | None = None,
 ) -> Positions:
-    """Lead coordinates through values, each position found from the one before.
+    """Drive coordinates through values, each position found from the one before.
 
     Parameters
     ----------
     over : mapping of coordinate to (N,) values or one value
-        For as many coordinates as there are freedoms; numbers, formulas, ``"30 deg"``. One value holds still.
+        For each degree of freedom a coordinate: numbers, formulas, ``"30 deg"``. A single value fixes it.
     guess : mapping of name to number or formula in parameters
         Near which the loops close at the first values.
     t : float
         Time [s], for explicit time in the model.
     scales : mapping of "length", "time", "mass" to float, optional
         Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
-        from the first position and the values led through.
+        from the first position and the driven values.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def trace_positions(
     Raises
     ------
     UsageError
-        If names or values make no sense, or freedoms are left.
+        If names or values make no sense, or degrees of freedom are left.
     AssemblyError
         If the loops do not close at the first values.
     """
@@ -237,9 +237,9 @@ def check_driven(driven: Continuation, s: float, q: Floats, notes: tuple[str, ..
         names = ", ".join(driven.driven) or "nothing"
         raise UsageError(
             Problem("kinematics.freedoms_left", "over",
-                    f"with {names} driven {left} more can move freely",
-                    "; ".join(("positions do not follow from these", *notes)),
-                    "lead further coordinates, or hold them: over={..., 'name': value}")
+                    f"with {names} driven, {left} more can still move freely",
+                    "; ".join(("the driven coordinates do not determine the positions", *notes)),
+                    "drive further coordinates, or hold them fixed: over={..., 'name': value}")
         )  # fmt: skip
 
 
@@ -257,8 +257,8 @@ def _stop_at_limit(
     joint = "" if rope else driven.blocking_joint(s, last)
     reached = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
     element = f"rope {rope}" if rope else element_of(driven.eqs, joint)
-    why = "it would have to be longer" if rope else "it is a limit of what is driven"
-    note = f"{element}: no position follows beyond {reached}; {why}"
+    why = "the rope would have to be longer" if rope else "the driven coordinate has a limit there"
+    note = f"{element}: the mechanism cannot move beyond {reached}; {why}"
     done = {name: np.append(x[: q.shape[1]], limits[name]) for name, x in values.items()}
     return Positions(
         driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (*notes, note)

@@ -28,7 +28,7 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
-from symbody.errors import Problem, SimulationError, UsageError, nearest
+from symbody.errors import Problem, SimulationError, UsageError, nearest, number_in_words
 from symbody.expr.sympy.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.manifold import least_solution
 
@@ -133,23 +133,24 @@ class VelocityRatios:
 
     @checked_arguments
     def holding(self, unknown: str) -> SympyExpr:
-        """Return the input that holds a mechanism with one freedom at rest, as a formula.
+        """Return the input that holds a mechanism with one degree of freedom at rest, as a formula.
 
         Raises
         ------
         UsageError
-            If the mechanism has more freedoms, or the input does not enter in first degree.
+            If the mechanism has more degrees of freedom, or the input does not enter linearly.
         """
         names = self.eqs.input_names
         if unknown not in names or len(self.independent) != 1:
             what = (
                 f"{unknown!r} is not an input"
                 if unknown not in names
-                else f"there are {len(self.independent)} freedoms"
+                else f"the mechanism has {number_in_words(len(self.independent), 'degree of freedom')}"
             )
             raise UsageError(
-                Problem("kinematics.holding", f"holding {unknown}", what, "one force holds one freedom",
-                        "solve force_balance for as many inputs" if unknown in names
+                Problem("kinematics.holding", f"holding {unknown}", what,
+                "one force holds one degree of freedom",
+                        "solve force_balance for the same number of inputs" if unknown in names
                         else nearest(unknown, names))
             )  # fmt: skip
         symbol = self.eqs.inputs[names.index(unknown)]
@@ -158,8 +159,8 @@ class VelocityRatios:
         if slope == 0 or slope.has(symbol):
             raise UsageError(
                 Problem("kinematics.holding", f"holding {unknown}", f"{unknown} does not hold the mechanism",
-                        "its coefficient in the balance of forces is zero, or depends on it",
-                        "name an input that works along the motion")
+                        "its coefficient in the balance of forces is zero, or depends on this input",
+                        "name an input that does work in the motion")
             )  # fmt: skip
         return _simplify_short(-balance.subs(symbol, 0) / slope)
 
@@ -257,9 +258,9 @@ class VelocityRatios:
         if wrong:
             raise SimulationError(
                 Problem("kinematics.rope", f"speeds {', '.join(self.independent)}",
-                        f"{wrong}: these ratios do not hold there",
+                        f"{wrong}: the ratios do not hold in this state",
                         "they hold for the ropes that are taut where they were formed",
-                        "form them at= a state like this one")
+                        "form the ratios with at= a state like this one")
             )  # fmt: skip
 
     def _tau(self, t: float, q: Floats) -> Floats:
@@ -276,7 +277,10 @@ class VelocityRatios:
         if sizes.size and sizes[-1] < _SINGULAR:
             k = int(np.abs(left[:, -1]).argmax())
             element = element_of(self.eqs, self.independent[k])
-            why = f"{element} stands still while others move (lock-up): {self.independent[k]} cannot drive"
+            why = (
+                f"{element} stands still while others move (dead position): {self.independent[k]} cannot "
+                f"drive the mechanism"
+            )
             raise SimulationError(self._singular(q, why))
         ratios = np.linalg.solve(basis[places].T, basis[others].T).T if places else np.zeros((len(others), 0))
         tau: Floats = ratios * mechanism.speed_sizes[others][:, np.newaxis] / mechanism.speed_sizes[places]
@@ -285,8 +289,8 @@ class VelocityRatios:
     def _singular(self, q: Floats, why: str) -> Problem:
         place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.eqs.coordinate_names, q, strict=True))
         return Problem("kinematics.singular", f"speeds {', '.join(self.independent)}",
-                       f"other speeds do not follow from these at {place}", why,
-                       "choose other independent speeds, or a position beside this one")  # fmt: skip
+                       f"these speeds do not determine the others at {place}", why,
+                       "choose other independent speeds, or a nearby position")  # fmt: skip
 
     def _complete(self, t: float, q: Floats, u: Floats, asked: Mapping[str, float], order: int) -> Floats:
         """Return all speeds (order 1) or accelerations (order 2) that fit the constraints."""
@@ -295,7 +299,7 @@ class VelocityRatios:
             raise UsageError(
                 Problem("kinematics.not_independent", ", ".join(unknown),
                         "these speeds are not independent", "",
-                        f"independent are {', '.join(self.independent)}")
+                        f"the independent speeds are {', '.join(self.independent)}")
             )  # fmt: skip
         mechanism, values = self._mechanism, {self._label(name): x for name, x in asked.items()}
         jacobian, rate, acceleration = mechanism.rows(t, q, u)
@@ -328,7 +332,7 @@ def velocity_ratios(
     Parameters
     ----------
     independent : str or sequence of str
-        Coordinates or speeds, as many as there are freedoms. By default those from which the others follow
+        Coordinates or speeds, one per degree of freedom. By default those from which the others follow
         best at a configuration, by pivoting; those with an input are preferred.
     at : State
         That configuration; by default one near the model's initial values.
@@ -339,7 +343,7 @@ def velocity_ratios(
     Raises
     ------
     UsageError
-        If names make no sense, or are not as many as freedoms.
+        If names make no sense, or their number differs from the degrees of freedom.
     AssemblyError
         If the loops do not close.
     """
@@ -354,7 +358,7 @@ def velocity_ratios(
     count = len(eqs.speed_names) - len(rows)
     if independent is None:
         chosen = best_speeds(mechanism, eqs, state.t, q, count)
-        notes += (f"independent speeds are {', '.join(chosen)}: from them the others follow best",)
+        notes += (f"chosen independent speeds: {', '.join(chosen)}; they determine the others best",)
     else:
         chosen = check_names(
             eqs, (independent,) if isinstance(independent, str) else tuple(independent), count

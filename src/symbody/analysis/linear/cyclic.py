@@ -56,8 +56,8 @@ def check_cyclic(
         for place in orbit.places(start, names, step):
             _refuse(names, [*_changes_with(orbit, place, names), *_changes_between(orbit, start, place)])
     return (
-        f"that {', '.join(shown)} can be cyclic is concluded from {PLACES} places along the motion, at which "
-        "nothing else changes; the formulas alone do not prove it",
+        f"{', '.join(shown)} can be cyclic: nothing else changes at {PLACES} positions along the motion; "
+        f"this is a numerical check, the formulas alone do not prove it",
     )
 
 

@@ -170,7 +170,7 @@ def _split_names(
 
 def _check_cyclic_names(turned: Rotations, cyclic: Collection[str]) -> None:
     problems = [
-        Problem("linearize.unknown_name", name, f"the equations have no coordinate {name!r} to be cyclic", "",
+        Problem("linearize.unknown_name", name, f"the equations have no cyclic coordinate {name!r}", "",
                 nearest(name, turned.names))
         for name in cyclic if name not in turned.names
     ]  # fmt: skip
@@ -195,14 +195,16 @@ def _choose(
             Problem("linearize.independent", "independent",
                     f"{count} {word} are independent here, but {len(asked)} are named"
                     + (f": {', '.join(asked)}" if asked else ""),
-                    f"{len(names)} {word} keep {len(names) - count} independent constraints",
+                    f"{len(names)} {word} satisfy {len(names) - count} independent constraints",
                     f"name {count} of {', '.join(names)}")
         )  # fmt: skip
     outside = [name for name in kept if name not in asked]
     if outside:
         raise AssemblyError(
-            Problem("linearize.cyclic", "cyclic", f"{', '.join(outside)} is not among the independent ones",
-                    "what is cyclic cannot follow from others", "name cyclic coordinates in independent too")
+            Problem("linearize.cyclic", "cyclic", f"{', '.join(outside)} is not among the independent "
+                f"coordinates",
+                    "a cyclic coordinate cannot depend on others",
+                    "name cyclic coordinates in independent too")
         )  # fmt: skip
     return choose(rows, names, asked, ())
 
@@ -213,7 +215,7 @@ def _notes(q: Choice, u: Choice, names: tuple[str, ...], asked: Sequence[str] | 
         notes.append(f"independent states by pivoting: {', '.join(names)}")
     if q.is_poor or u.is_poor:
         notes.append(
-            f"the others follow from these states poorly: the smallest pivot is {min(q.pivot, u.pivot):.1e}; "
-            "the position is nearly singular, or other independent coordinates are better"
+            f"these states determine the others poorly: the smallest pivot is {min(q.pivot, u.pivot):.1e}; "
+            f"the position is nearly singular, or other independent coordinates are better"
         )
     return tuple(notes)

@@ -169,14 +169,16 @@ class _Point:
             listed = ", ".join(f"{names[k]}' = {affine[k]:.6g}" for k in moving)
             notes.append(
                 f"the state is neither an equilibrium nor a stationary motion: {listed} (largest for "
-                f"{names[worst]}{f' [{unit}]' if unit else ''}, per second); x' = A x + B r holds for "
-                "deviations from the motion through it, at this instant: eigenvalues do not show whether "
-                "that motion is stable. find_equilibrium gives an equilibrium; coordinates that change "
-                "steadily can be named cyclic"
+                f"{names[worst]}{f' [{unit}]' if unit else ''}, per second); x' = A x + B r describes "
+                f"deviations from the motion through this state, at this instant only: eigenvalues do not "
+                f"show whether that motion is stable. Use find_equilibrium to find an equilibrium, or name "
+                f"steadily changing coordinates as cyclic"
             )
         if self.function.timed:
-            notes.append(f"the equations depend on time: the matrices hold at t = {self.state.t:g} s")
+            notes.append(
+                f"the equations depend on time: the matrices are valid at t = {self.state.t:g} s only"
+            )
         missing = [name for name in eqs.input_names if name not in self.state.inputs]
         if missing:
-            notes.append(f"inputs without a value are 0 at the state: {', '.join(missing)}")
+            notes.append(f"inputs without a value are set to 0: {', '.join(missing)}")
         return tuple(notes)

@@ -130,7 +130,7 @@ class Orbit:
             by = here.follow @ (_PACE * step)
             closed = self.correct(displace(self.function.eqs, here.q, by), here.u)
             if closed is None:
-                raise AssemblyError(not_cyclic(names, ["what the constraints admit"]))
+                raise AssemblyError(not_cyclic(names, ["what the constraints allow"]))
             here = self.place(*closed)
             yield here
 
@@ -185,8 +185,8 @@ def not_cyclic(names: Sequence[str], reading: Sequence[str]) -> Problem:
     verb = "are" if len(names) > 1 else "is"
     return Problem(
         "linearize.not_cyclic", f"coordinate {listed}",
-        f"{listed} {verb} not cyclic: {', '.join(reading)} changes with {listed}, here or further on",
-        "only coordinates that nothing depends on can leave the states",
-        "leave it among the states, or linearize about another state; deviations of attitude go with angular "
+        f"{listed} {verb} not cyclic: {', '.join(reading)} changes with {listed}",
+        "only coordinates that nothing depends on can be removed from the states",
+        "keep it among the states, or linearize about another state; for deviations of attitude use angular "
         "velocities in end axes, speeds='end'",
     )  # fmt: skip

@@ -242,8 +242,8 @@ def _check_finite(
     what = f"{names[row]}' has no finite {f'derivative by {by}' if by else 'value'} here"
     raise AssemblyError(
         Problem("linearize.infinite", f"state {by or names[row]}", what,
-                "a force is not differentiable, as a root of 0, or it is infinite",
-                "linearize beside this state, or give the force a smooth law")
+                "a force is not differentiable, such as a square root at 0, or it is infinite",
+                "linearize near this state, or define the force by a smooth formula")
     )  # fmt: skip
 
 
@@ -315,8 +315,8 @@ def nonsmooth_notes(
     is_zero = np.abs(values) <= ASSEMBLED * np.where(np.isfinite(changes), changes, 1.0)
     here = [switch for switch, yes in zip(listed, is_zero, strict=True) if yes]
     return tuple(
-        f"{what} changes over at this state, where {_text(eqs.formed.graph, node)} = 0: the matrices hold "
-        "on one side of it at most; a smooth law, such as friction with v0, holds on both"
+        f"{what} switches at this state, where {_text(eqs.formed.graph, node)} = 0: the matrices are valid "
+        f"on one side of it at most; a smooth law, such as friction with v0, is valid on both"
         for what, node in here
     )
 

@@ -217,7 +217,8 @@ def solve_dependent(rows: Floats, choice: Choice, right: Floats) -> Floats:
 
 def _not_independent(names: Collection[str], count: int) -> Problem:
     return Problem(
-        "linearize.singular_choice", "independent", f"not everything follows from {', '.join(names)} here",
-        "the coefficients of all others in the constraints are singular at this configuration",
-        f"name {count} others, or leave independent out: they are then chosen by their pivots",
+        "linearize.singular_choice", "independent", f"{', '.join(names)} do not determine all other states "
+            f"here",
+        "the coefficients of the others in the constraints are singular at this configuration",
+        f"name {count} other coordinates, or leave independent out: the best are then chosen by pivoting",
     )  # fmt: skip

@@ -46,7 +46,7 @@ def equilibrium(payload: Mapping[str, Any], report: Report) -> Answer:
     """Return the equilibrium nearest to the start, with others that were met."""
     options = read_options(EquilibriumOptions, payload["options"])
     eqs = _equations(payload)
-    report("looking for equilibria", None)
+    report("searching for equilibria", None)
     state = find_equilibrium(
         eqs, options.guess, inputs=options.inputs, unknowns=options.unknowns, fixed=options.fixed
     )
@@ -76,7 +76,7 @@ def modes(payload: Mapping[str, Any], report: Report) -> Answer:
     """Return frequencies, damping and shapes of small motions, the shapes as motions too."""
     options = read_options(ModesOptions, payload["options"])
     eqs = _equations(payload)
-    report("looking for the place", None)
+    report("searching for the position", None)
     if options.at == "equilibrium":
         state: State = find_equilibrium(eqs, inputs=options.inputs)
     else:

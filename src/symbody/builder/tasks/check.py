@@ -111,7 +111,7 @@ def _check_formed(model: Model, data: Data, folder: str) -> Checked:
 
 def _missing_value(name: str, data: Data) -> PageProblem:
     problem = Problem(
-        "builder.no_value", f"#/parameters/{name}", f"{name} has no value", "it is drawn as if it were 1",
+        "builder.no_value", f"#/parameters/{name}", f"{name} has no value", "the picture uses 1",
         "give it one to see the mechanism assembled, and to simulate"
     )  # fmt: skip
     return page_problem(problem, data, "warning")

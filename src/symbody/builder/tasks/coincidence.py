@@ -78,8 +78,8 @@ def _warning(core: Sequence[Joint], data: Data) -> PageProblem:
         "builder.coincident",
         f"joint {names[-1]}",
         f"all frames of {_in_words(names)} coincide",
-        "the bodies between them have no length, so nothing can move as it should",
-        "give the bodies frames at their ends, and join those",
+        "the bodies between them have no length, so they cannot move as intended",
+        "give the bodies frames at their ends, and connect these frames",
     )
     return {**page_problem(problem, data, "warning"), "repair": _repair(core, data)}
 

@@ -230,10 +230,10 @@ def _immovable(body: str) -> Problem:
 
 
 def _unknown(body: str) -> Problem:
-    return Problem("builder.drag", body, f"there is no body {body!r}", fix="drag one of the picture")
+    return Problem("builder.drag", body, f"there is no body {body!r}", fix="drag a body of the picture")
 
 
 def _no_line() -> Problem:
     return Problem(
-        "builder.drag", "direction", "the pointer has no place in the picture", fix="press on a body again"
+        "builder.drag", "direction", "the pointer has no position in the picture", fix="press on a body again"
     )

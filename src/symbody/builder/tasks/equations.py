@@ -102,7 +102,7 @@ def equation_tab(payload: Mapping[str, Any], report: Report) -> Answer:
     """
     name = payload["name"]
     if not _DERIVED or name not in TABS:
-        problem = Problem("builder.no_tab", str(name)[:40], "there is no such tab of equations",
+        problem = Problem("builder.no_tab", str(name)[:40], "this tab of equations does not exist",
                           fix="derive the equations again")  # fmt: skip
         raise TaskFailure([page_problem(problem, {})])
     derived = _DERIVED[0]
@@ -166,8 +166,9 @@ def _numbers(eqs: EquationSet) -> list[Answer]:
 
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "Equations": "There are none: there are no speeds, all motions are prescribed or nothing can move.",
-        "Constraints": "There are none: every joint is in the trees.",
+        "Equations": "No equations of motion: there are no speeds, because all motions are prescribed or "
+        "nothing can move.",
+        "Constraints": "No constraints: every joint is in the trees.",
         "Kinematic equations": "The speeds are the rates of the coordinates.",
         "Reactions": "There are no joints.",
     }
@@ -256,7 +257,10 @@ def _constraints(eqs: EquationSet) -> list[FormulaBlock]:
             output="velocity_constraints",
         )
     )
-    return [*blocks, *_matrices(eqs, ("jacobian", "J", "Jacobian of the constraints by the speeds"))]
+    return [
+        *blocks,
+        *_matrices(eqs, ("jacobian", "J", "Jacobian of the constraints with respect to the speeds")),
+    ]
 
 
 def _rates(eqs: EquationSet) -> list[FormulaBlock]:
@@ -296,9 +300,9 @@ def _reaction(eqs: EquationSet, joint: str) -> tuple[str, tuple[int, ...], tuple
 
 
 def _linear(eqs: EquationSet) -> list[FormulaBlock]:
-    matrices = [("A", "A", "A: derivatives of the states' rates by the states")]
+    matrices = [("A", "A", "A: derivatives of the state rates with respect to the states")]
     if eqs.input_names:
-        matrices.append(("B", "B", "B: derivatives of the states' rates by the inputs"))
+        matrices.append(("B", "B", "B: derivatives of the state rates with respect to the inputs"))
     return _matrices(eqs, *matrices)
 
 

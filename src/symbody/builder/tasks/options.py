@@ -90,7 +90,7 @@ class TorqueOptions(JobOptions):
     def check_rate(cls, rate: float) -> float:
         """Refuse a drive that stands still."""
         if rate == 0.0:
-            raise ValueError("a rate other than 0 is needed")
+            raise ValueError("a nonzero rate is needed")
         return rate
 
 

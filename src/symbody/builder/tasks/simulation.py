@@ -145,7 +145,7 @@ def more_curves(payload: Mapping[str, Any], report: Report) -> Answer:
     """
     finished = kept_run()
     if finished is None:
-        what = "this process holds no motion"
+        what = "this process has no motion"
         raise UsageError(Problem("builder.no_run", "outputs", what, fix="simulate again"))
     motion = make_motion(
         finished.run, finished.scene, times=finished.motion.times, curves=payload["names"], vectors="none"

@@ -36,11 +36,12 @@ def equation_summary(eqs: EquationSet) -> Summary:
     """Return what the equations say of a model."""
     formed = eqs.formed
     freedoms, instant, redundant = _freedoms(eqs)
+    named = (*eqs.coordinate_names, *formed.topology.model.parameters)
     return {
         **tree_summary(formed.topology),
         "coordinates": list(eqs.coordinate_names),
         "speeds": list(eqs.speed_names),
-        "units": {name: eqs.units.get(name, "") for name in eqs.coordinate_names},
+        "units": {name: eqs.units.get(name, "") for name in named},
         "freedoms": freedoms,
         "instant_freedoms": instant,
         "constraints": len(eqs.multiplier_names),

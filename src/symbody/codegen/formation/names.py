@@ -52,6 +52,6 @@ def missing_value(names: Items[str]) -> Problem:
     entries = ", ".join(f"{name!r}: .." for name in names)
     return Problem(
         "compile.missing_value", "parameters", f"no value is given for {listed}",
-        "a number is needed to compute with",
+        "the computation needs a number",
         f"give parameters={{{entries}}}",
     )  # fmt: skip

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Final, NoReturn
 
+from symbody.codegen.kernels.records import RecordReader
 from symbody.codegen.kernels.source import KernelSource
 from symbody.codegen.kernels.tree import (
     FUNCTION_ARGUMENTS,
@@ -29,6 +30,7 @@ from symbody.codegen.kernels.tree import (
     StoreEntry,
     Type,
     Variable,
+    add,
     always_returns,
     assigned_names,
     variable_names,
@@ -59,7 +61,7 @@ Signature = tuple[tuple[Parameter, ...], Type | None]
 
 def read_signature(source: KernelSource, node: ast.FunctionDef) -> Signature:
     """Return the parameters of a function, and the type of its result."""
-    parameters = tuple(Parameter(a.arg, _type(source, a.annotation or a)) for a in node.args.args)
+    parameters = tuple(_parameter(source, a) for a in node.args.args)
     returns = node.returns
     if returns is None or (isinstance(returns, ast.Constant) and returns.value is None):
         return parameters, None
@@ -69,6 +71,13 @@ def read_signature(source: KernelSource, node: ast.FunctionDef) -> Signature:
             node, f"{node.name} returns an array or a function", "store into an array that is a parameter"
         )
     return parameters, result
+
+
+def _parameter(source: KernelSource, node: ast.arg) -> Parameter:
+    annotation = node.annotation or node
+    if isinstance(annotation, ast.Name) and annotation.id in source.records:
+        return Parameter(node.arg, Type.ARRAY, record=source.records[annotation.id])
+    return Parameter(node.arg, _type(source, annotation))
 
 
 def _type(source: KernelSource, annotation: ast.AST) -> Type:
@@ -88,6 +97,8 @@ class FunctionReader:
         self._node = node
         self._parameters, self._result = signatures[node.name]
         self._given = {parameter.name: parameter.type for parameter in self._parameters}
+        classes = {p.name: p.record for p in self._parameters if p.record is not None}
+        self._records = RecordReader(source, classes, lambda index: self._convert(index, Type.INTEGER))
         self._variables: dict[str, Type] = {}
         self._counters: set[str] = set()
 
@@ -112,9 +123,8 @@ class FunctionReader:
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
                 return self._assign(node, name, value)
-            case ast.Assign(targets=[ast.Subscript(value=array, slice=index)], value=value):
-                entry = self._entry(array, index)
-                return StoreEntry(entry.array, entry.index, self._convert(value, Type.REAL))
+            case ast.Assign(targets=[ast.Subscript() | ast.Attribute() as target], value=value):
+                return self._store(target, value)
             case ast.For(target=ast.Name(id=name), orelse=[]):
                 return self._count(node, name)
             case ast.While(orelse=[]):
@@ -133,8 +143,21 @@ class FunctionReader:
                 return Perform(self._call(call))
         self._refuse(node, "this statement is not in the kernel language", "see docs/kernels.md")
 
+    def _store(self, target: ast.Subscript | ast.Attribute, value: ast.expr) -> StoreEntry:
+        kind = Type.REAL
+        if isinstance(target, ast.Subscript):
+            entry = self._entry(target.value, target.slice)
+        else:
+            entry, kind = self._records.number(target)
+        return StoreEntry(
+            entry.array, entry.index, self._as_type(value, self._convert(value, kind), Type.REAL)
+        )
+
     def _assign(self, node: ast.stmt, name: str, value: ast.expr) -> Assign:
-        expression = self._expression(value)
+        record = self._records.find(value)
+        if record is not None:
+            self._records.classes[name] = record.record
+        expression = self._expression(value) if record is None else record.whole
         kind = expression.type
         if kind is None or kind in {Type.TRUTH, Type.FUNCTION, Type.MASK}:
             self._refuse(
@@ -213,10 +236,8 @@ class FunctionReader:
         match node:
             case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
                 return Literal(value, Type.INTEGER if isinstance(value, int) else Type.REAL)
-            case ast.Name(id=name):
-                return self._name(node, name)
-            case ast.Subscript(value=array, slice=index):
-                return self._entry(array, index)
+            case ast.Name() | ast.Attribute() | ast.Subscript():
+                return self._read(node)
             case ast.UnaryOp():
                 return self._unary(node)
             case ast.BinOp(left=left, op=operator, right=right):
@@ -229,6 +250,18 @@ class FunctionReader:
             case ast.Call():
                 return self._call_or_word(node)
         self._refuse(node, "this expression is not in the kernel language", "see docs/kernels.md")
+
+    def _read(self, node: ast.Name | ast.Attribute | ast.Subscript) -> Expression:
+        """Return a variable, a constant, a field of a record or an entry of an array."""
+        record = self._records.find(node)
+        if record is not None:
+            return record.whole
+        match node:
+            case ast.Name(id=name):
+                return self._name(node, name)
+            case ast.Attribute():
+                return self._records.value(node)
+        return self._entry(node.value, node.slice)
 
     def _unary(self, node: ast.UnaryOp) -> Expression:
         match node.op:
@@ -257,7 +290,10 @@ class FunctionReader:
         expression = self._expression(array)
         if expression.type != Type.ARRAY:
             self._refuse(array, "only arrays have entries", "declare it as Reals")
-        return ArrayEntry(expression, self._convert(index, Type.INTEGER))
+        place = self._convert(index, Type.INTEGER)
+        if isinstance(array, ast.Attribute) and isinstance(expression, Part):
+            return ArrayEntry(expression.array, add(expression.offset, place))
+        return ArrayEntry(expression, place)
 
     def _number_type(self, node: ast.AST, *values: Expression) -> Type:
         kinds = {value.type for value in values}
@@ -304,6 +340,8 @@ class FunctionReader:
             array = self._convert(node.args[0], Type.ARRAY)
             offset, size = (self._convert(argument, Type.INTEGER) for argument in node.args[1:])
             return Part(array, offset, size)
+        if name == "exists" and len(node.args) == 1 and isinstance(node.args[0], ast.Attribute):
+            return self._records.exists(node.args[0])
         if name in {"take", "where", "spread"} and name not in self._signatures:
             return self._lanes_word(node, name)
         if name in _WORDS and len(node.args) == len(_WORDS[name][0]):
@@ -338,5 +376,13 @@ class FunctionReader:
         parameters, result = self._signatures[name]
         if len(parameters) != len(node.args):
             self._refuse(node, f"{name} takes {len(parameters)} arguments", "give all of them")
-        arguments = (self._convert(a, p.type) for a, p in zip(node.args, parameters, strict=True))
+        arguments = (self._argument(a, p) for a, p in zip(node.args, parameters, strict=True))
         return Call(name, tuple(arguments), result)
+
+    def _argument(self, node: ast.expr, parameter: Parameter) -> Expression:
+        if parameter.record is not None:
+            place = self._records.find(node)
+            if place is None or place.record is not parameter.record:
+                wanted = parameter.record.__name__
+                self._refuse(node, f"{parameter.name} is a record {wanted}", f"give a {wanted}")
+        return self._convert(node, parameter.type)

@@ -10,16 +10,17 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from importlib import resources
+from importlib import import_module, resources
 from types import MappingProxyType
 from typing import Final
 
 from symbody.codegen.kernels.functions import FunctionReader, read_signature
 from symbody.codegen.kernels.source import KernelSource
 from symbody.codegen.kernels.tree import KernelTree, Literal, Type, called_kernels, changed_arrays, effects_of
+from symbody.kernels.record import Record
 
 PACKAGE: Final = "symbody.kernels"
-LANGUAGE: Final = f"{PACKAGE}.language"
+LANGUAGE: Final = (f"{PACKAGE}.language", f"{PACKAGE}.record")
 
 
 def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
@@ -74,8 +75,10 @@ def _content(syntax: ast.Module, file: str) -> _Content:
             source.define_constant(node)
         elif isinstance(node, ast.FunctionDef):
             definitions.append(node)
-        elif not _is_docstring(node):
-            source.refuse(node, "only imports, constants and functions stand in a kernel file", "remove it")
+        elif not _is_docstring(node) and not isinstance(node, ast.ClassDef):
+            source.refuse(
+                node, "a kernel file contains only imports, constants, records and functions", "remove it"
+            )
     signatures = {name: (tuple(tree.parameters), tree.result) for name, tree in kernels.items()}
     signatures |= {node.name: read_signature(source, node) for node in definitions}
     own = {node.name: FunctionReader(source, signatures, node).read() for node in definitions}
@@ -118,8 +121,15 @@ def _constants(module: str) -> Mapping[str, Literal]:
     return source.constants
 
 
+@cache
+def _records(module: str) -> Mapping[str, type[Record]]:
+    """Return the records of a file: its classes, which know their layout."""
+    names = [node.name for node in _syntax(module).body if isinstance(node, ast.ClassDef)]
+    return {name: getattr(import_module(module), name) for name in names}
+
+
 def _is_kernel_file(module: str) -> bool:
-    return module.startswith(f"{PACKAGE}.") and module != LANGUAGE
+    return module.startswith(f"{PACKAGE}.") and module not in LANGUAGE
 
 
 def _file(module: str) -> str:
@@ -134,14 +144,16 @@ def _syntax(module: str) -> ast.Module:
 
 def _import(source: KernelSource, node: ast.ImportFrom) -> _Content:
     module = node.module or ""
-    if module in {LANGUAGE, "__future__", "typing"}:
+    if module in {*LANGUAGE, "__future__", "typing"}:
         return _Content({}, {})
     if not _is_kernel_file(module):
         source.refuse(node, f"kernels import nothing from {module}", f"import from {PACKAGE} alone")
-    content, constants = _read(module), _constants(module)
+    content, constants, records = _read(module), _constants(module), _records(module)
     for alias in node.names:
         if alias.name in constants:
             source.constants[alias.name] = constants[alias.name]
+        elif alias.name in records:
+            source.records[alias.name] = records[alias.name]
         elif alias.name not in content.kernels:
             source.refuse(node, f"{module} has no kernel {alias.name}", "correct the name")
     return content

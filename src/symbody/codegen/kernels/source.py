@@ -8,6 +8,7 @@ from typing import NoReturn
 
 from symbody.codegen.kernels.tree import Literal, Type
 from symbody.errors import Problem, SymbodyError
+from symbody.kernels.record import Record
 
 
 class KernelError(SymbodyError):
@@ -16,10 +17,11 @@ class KernelError(SymbodyError):
 
 @dataclass(frozen=True, slots=True)
 class KernelSource:
-    """A file by name, and the constants defined so far."""
+    """A file by name, and the constants and records defined so far."""
 
     file: str
     constants: dict[str, Literal] = field(default_factory=dict)
+    records: dict[str, type[Record]] = field(default_factory=dict)
 
     def refuse(self, node: ast.AST, what: str, fix: str) -> NoReturn:
         """Raise for a place in the file."""

@@ -123,7 +123,7 @@ class _KernelWriter:
     def _compound(self, statement: syntax.Statement) -> Iterator[str]:
         match statement:
             case syntax.Count(name, start, stop, is_downwards, body):
-                last = self._text(add(stop, 1 if is_downwards else -1))
+                last = self._text(syntax.add(stop, 1 if is_downwards else -1))
                 words = {"start": self._text(start), "stop": self._text(stop, BINDING["<"] + 1), "last": last}
                 yield (self._form.count_down if is_downwards else self._form.count).format(
                     name=self._name(name), **words
@@ -161,7 +161,7 @@ class _KernelWriter:
         match array:
             case syntax.Part(inner, offset, _):
                 base, first = self._place(inner)
-                return base, add(first, offset)
+                return base, syntax.add(first, offset)
             case syntax.Variable(name) if name in self._bases:
                 return self._bases[name], syntax.Variable(offset_name(self._name(name)), syntax.Type.INTEGER)
             case syntax.Variable(name) if self._dialect.arrays == Arrays.OFFSETS:
@@ -175,8 +175,8 @@ class _KernelWriter:
             text = self._text(array, NAME)
         else:
             text, first = self._place(array)
-            index = add(first, index)
-        return {"array": text, "index": self._text(index), "next": self._text(add(index, 1))}
+            index = syntax.add(first, index)
+        return {"array": text, "index": self._text(index), "next": self._text(syntax.add(index, 1))}
 
     def _array(self, array: syntax.Expression) -> str:
         """Return an array as an argument."""
@@ -190,8 +190,10 @@ class _KernelWriter:
             if offset == syntax.Literal(0, syntax.Type.INTEGER) and not isinstance(array, syntax.Part):
                 return base
         if d.arrays == Arrays.COPIES:
-            last = self._text(add(offset, self._size(array)))
-        return d.part.format(array=base, index=self._text(offset), next=self._text(add(offset, 1)), last=last)
+            last = self._text(syntax.add(offset, self._size(array)))
+        return d.part.format(
+            array=base, index=self._text(offset), next=self._text(syntax.add(offset, 1)), last=last
+        )
 
     def _size(self, array: syntax.Expression) -> syntax.Expression:
         """Return the size of a part."""
@@ -252,24 +254,6 @@ class _KernelWriter:
             texts = (self._text(x, strength + (k > 0 and not is_associative)) for k, x in enumerate(operands))
             text = f" {symbol} ".join(texts)
         return f"({text})" if strength < binding else text
-
-
-def add(expression: syntax.Expression, step: syntax.Expression | int) -> syntax.Expression:
-    """Return the sum of two integers without needless terms."""
-    if isinstance(step, int):
-        step = syntax.Literal(step, syntax.Type.INTEGER)
-    if not isinstance(step, syntax.Literal):
-        zero = expression == syntax.Literal(0, syntax.Type.INTEGER)
-        return step if zero else syntax.Apply("+", (expression, step), syntax.Type.INTEGER)
-    match expression:
-        case syntax.Literal(value, kind):
-            return syntax.Literal(value + step.value, kind)
-        case syntax.Apply("+" | "-" as operator, (first, syntax.Literal(int() as value))):
-            return add(first, (value if operator == "+" else -value) + int(step.value))
-    if step.value == 0:
-        return expression
-    size = syntax.Literal(abs(step.value), syntax.Type.INTEGER)
-    return syntax.Apply("+" if step.value > 0 else "-", (expression, size), syntax.Type.INTEGER)
 
 
 def _wrap(line: str, continuation: str) -> Iterator[str]:

@@ -10,6 +10,10 @@ from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
 from typing import Final
 
+from symbody.kernels.record import Record
+
+RecordClass = type[Record]
+
 
 class Type(Enum):
     """The types of values: arrays hold reals, functions are parameters only, comparing lanes gives a mask."""
@@ -165,11 +169,15 @@ Statement = Assign | StoreEntry | Count | Repeat | Choose | Leave | Return | Per
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter; `is_changed` if the kernel, or one that it calls, stores into the array."""
+    """One parameter; `is_changed` if the kernel, or one that it calls, stores into the array.
+
+    A record is an array.
+    """
 
     name: str
     type: Type
     is_changed: bool = False
+    record: RecordClass | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,3 +297,21 @@ def always_returns(body: tuple[Statement, ...]) -> bool:
     if isinstance(last, Choose):
         return always_returns(last.body) and always_returns(last.otherwise)
     return isinstance(last, Return)
+
+
+def add(expression: Expression, step: Expression | int) -> Expression:
+    """Return the sum of two integers without needless terms."""
+    if isinstance(step, int):
+        step = Literal(step, Type.INTEGER)
+    if not isinstance(step, Literal):
+        zero = expression == Literal(0, Type.INTEGER)
+        return step if zero else Apply("+", (expression, step), Type.INTEGER)
+    match expression:
+        case Literal(value, kind):
+            return Literal(value + step.value, kind)
+        case Apply("+" | "-" as operator, (first, Literal(int() as value))):
+            return add(first, (value if operator == "+" else -value) + int(step.value))
+    if step.value == 0:
+        return expression
+    size = Literal(abs(step.value), Type.INTEGER)
+    return Apply("+" if step.value > 0 else "-", (expression, size), Type.INTEGER)

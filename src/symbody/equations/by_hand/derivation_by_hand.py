@@ -187,8 +187,8 @@ def _rows_by_hand(
             rows.append(row)
             if not row.is_holonomic and is_integrable(kinematics, row):
                 notes.append(
-                    f"constraint {row.element}: it constrains rates, but it is the rate of a constraint on "
-                    "positions, which would keep them from drifting; write it in coordinates"
+                    f"constraint {row.element}: it constrains rates, but is the time derivative of a "
+                    f"position constraint; write it in coordinates, so that positions do not drift"
                 )
         elif find_zeros(graph, [left.index])[0]:
             notes.append(f"constraint {row.element}: it holds identically and is dropped")
@@ -213,6 +213,6 @@ def _rows(mechanism: MechanismByHand, kinematics: Kinematics) -> Iterator[Constr
 def _never(row: ConstraintEquation, left: str) -> Problem:
     return Problem(
         "by_hand.never_closed", f"constraint {row.element}",
-        f"its left-hand side is {left}, whatever moves",
-        "no coordinate is in it", "leave it out, or write it in the coordinates it holds",
+        f"its left-hand side is always {left}",
+        "it contains no coordinate", "leave it out, or write it in the coordinates that it constrains",
     )  # fmt: skip

@@ -52,7 +52,7 @@ def equations_by_hand(
     ModelError
         If a coordinate, reaction or parameter does not occur, or a moving quantity is not a coordinate.
     FormulationError
-        If the formulation takes no kinetic energy, or a constraint is not of first degree in the rates.
+        If the formulation does not accept a kinetic energy, or a constraint is not linear in the rates.
     """
     check_coordinates(mechanism, coordinates)
     check_formulation(formulation, natural)
@@ -64,13 +64,13 @@ def equations_by_hand(
 
 
 def check_formulation(formulation: Formulation | None, natural: bool) -> None:
-    """Refuse a formulation that takes no kinetic energy, where natural coordinates need theirs."""
+    """Refuse a formulation that does not accept a kinetic energy, where natural coordinates need theirs."""
     if natural and formulation is not None and not formulation.takes_kinetic_energy:
         raise FormulationError(
             Problem("by_hand.natural_energy", "nat_coords",
-                    f"{type(formulation).__name__} takes no kinetic energy",
-                    "the constant mass matrix comes from the energy of stretching and turning",
-                    "take Lagrange(), or leave nat_coords out")
+                    f"{type(formulation).__name__} does not accept a kinetic energy",
+                    "the constant mass matrix is derived from the kinetic energy",
+                    "use Lagrange(), or leave nat_coords out")
         )  # fmt: skip
 
 
@@ -82,14 +82,14 @@ def _split_functions(
     apart = {*coordinates, *mechanism.multipliers, *reactions}
     inputs = tuple(sorted(name for name in dict.fromkeys(functions) if name not in apart))
     problems = [
-        Problem("by_hand.unknown_reaction", name, f"the reaction {name!r} occurs in no force", "",
+        Problem("by_hand.unknown_reaction", name, f"the reaction {name!r} appears in no force", "",
                 nearest(name, inputs))
         for name in reactions if name not in functions
     ]  # fmt: skip
     problems += [
-        Problem("by_hand.multiplier_in_load", name, f"the multiplier {name!r} stands in a frame or a force",
+        Problem("by_hand.multiplier_in_load", name, f"the multiplier {name!r} appears in a frame or a force",
                 "a force that depends on reactions is not linear in them",
-                "draw the joint and give it friction, or use an input in its place")
+                "model the joint with friction, or use an input instead")
         for name in mechanism.multipliers if name in functions
     ]  # fmt: skip
     if problems:
@@ -134,11 +134,11 @@ def _text(x: Expr) -> str:
 
 def _notes(mechanism: MechanismByHand, inputs: Sequence[str], reactions: Sequence[str]) -> Iterator[str]:
     if inputs:
-        yield f"functions of time that are not coordinates are inputs: {', '.join(inputs)}"
+        yield f"these functions of time are not coordinates and become inputs: {', '.join(inputs)}"
     if reactions:
         yield (
-            f"the reactions {', '.join(reactions)} do no work and left the equations of motion; "
-            "multipliers of constraints take their place"
+            f"the reactions {', '.join(reactions)} do no work and were removed from the equations of "
+            f"motion; multipliers of constraints replace them"
         )
     if mechanism.gravity is None:
         yield "there is no gravity"

@@ -97,7 +97,7 @@ def state_matrices(
     if high:
         raise FormulationError(
             Problem("by_hand.not_first_order", ", ".join(high), "the equations are not of first order",
-                    "a state holds each rate as a variable of its own", "call first_order first")
+                    "in a state, each rate is a separate variable", "call first_order first")
         )  # fmt: skip
     left, rest = coefficient_matrix(graph, equations, rates)
     right, constants = coefficient_matrix(graph, rest, x)

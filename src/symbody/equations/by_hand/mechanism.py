@@ -157,8 +157,8 @@ def check_coordinates(mechanism: MechanismByHand, coordinates: Sequence[str]) ->
     symbols = [symbol for symbol in mechanism.symbols if symbol.kind is SymbolKind.COORDINATE]
     known = {symbol.name for symbol in symbols}
     problems = [
-        Problem("by_hand.unknown_coordinate", name, f"the coordinate {name!r} occurs in no frame, force or "
-                "constraint of the mechanism", "nothing depends on it, so no equation determines it",
+        Problem("by_hand.unknown_coordinate", name, f"the coordinate {name!r} appears in no frame, force or "
+            f"constraint of the mechanism", "nothing depends on it, so no equation determines it",
                 f"leave it out, or add the body that it moves; {nearest(name, known)}")
         for name in coordinates if name not in known
     ]  # fmt: skip
@@ -197,8 +197,8 @@ def _functions_in_frames(mechanism: MechanismByHand) -> set[str]:
 def _no_body(mechanism: MechanismByHand) -> Iterator[Problem]:
     if not mechanism.bodies:
         yield Problem("by_hand.no_body", "objects", "there is no body among the objects",
-                      "equations of motion are those of bodies",
-                      "add what make_BODY returned, of any mass if only positions matter; "
+                      "equations of motion need bodies",
+                      "add what make_BODY returned, with any mass if only positions matter; "
                       "sb.solve_positions(Phi, unknowns) solves constraints alone")  # fmt: skip
 
 
@@ -211,8 +211,8 @@ def _twice(mechanism: MechanismByHand) -> Iterator[Problem]:
                       "it would be counted twice", "list it once")  # fmt: skip
     names = [body.name for body in dict.fromkeys(mechanism.bodies) if body.name]
     for name in dict.fromkeys(name for name in names if names.count(name) > 1):
-        yield Problem("by_hand.body_name", f"body {name}", f"two bodies are called {name!r}", "",
-                      "name them apart")  # fmt: skip
+        yield Problem("by_hand.body_name", f"body {name}", f"two bodies are named {name!r}", "",
+                      "give them different names")  # fmt: skip
 
 
 def _stray_loads(mechanism: MechanismByHand) -> Iterator[Problem]:
@@ -222,16 +222,17 @@ def _stray_loads(mechanism: MechanismByHand) -> Iterator[Problem]:
             if body is not None and body not in mechanism.bodies:
                 yield Problem("by_hand.stray_load", _body_title(body),
                               f"a {kind} acts on the body, which is not among the objects",
-                              "its power would be counted, its inertia not",
+                              "its power would be counted, but not its inertia",
                               "add the body to the objects, or leave the force out")  # fmt: skip
 
 
 def _body_title(body: PlacedBody) -> str:
-    return f"body {body.name}" if body.name else "a body without name"
+    return f"body {body.name}" if body.name else "a body has no name"
 
 
 def _repeated_multipliers(mechanism: MechanismByHand) -> Iterator[Problem]:
     names = mechanism.multipliers
     for name in dict.fromkeys(name for name in names if names.count(name) > 1):
-        yield Problem("by_hand.multiplier_twice", name, f"the multiplier {name!r} stands in two constraints",
-                      "each equation needs one of its own", "name the multipliers apart")  # fmt: skip
+        yield Problem("by_hand.multiplier_twice", name, f"the multiplier {name!r} appears in two constraints",
+                      "each equation needs its own multiplier",
+                      "give the multipliers different names")  # fmt: skip

@@ -71,7 +71,7 @@ def velocity_equation(kinematics: Kinematics, element: str, value: Expr, where: 
             graph = kinematics.graph
             speed = graph.symbols[graph.left[u]].label
             raise FormulationError(
-                Problem("equations.nonlinear_in_speeds", where, f"it is not of first degree in {speed}",
+                Problem("equations.nonlinear_in_speeds", where, f"it is not linear in {speed}",
                         f"its derivative by {speed} is {to_text(graph, slope.index)}, which contains speeds",
                         "write an equation of the form a*u + b = 0 with a and b in coordinates and time")
             )  # fmt: skip

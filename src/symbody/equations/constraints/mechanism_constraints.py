@@ -82,7 +82,7 @@ def form_constraints(
     kept = [row for row, zero in zip(rows, gone, strict=True) if not zero]
     problems = list(_impossible_problems(topology, kinematics.graph, kept, roles))
     problems += [
-        Problem("equations.name_clash", f"element {row.element}", f"{row.name} stands for two things",
+        Problem("equations.name_clash", f"element {row.element}", f"{row.name} is defined twice",
                 "it is a symbol of the model, and the multiplier of a constraint", "rename the symbol")
         for row in rows if row.name in names.symbols
     ]  # fmt: skip
@@ -139,9 +139,9 @@ def _impossible_problems(
         elif SymbolKind.TIME in inside and SymbolKind.COORDINATE not in inside:
             yield Problem(
                 "equations.over_driven", where,
-                f"its closing equation {row.name} depends on time alone: every joint of its loop is driven",
-                f"prescribed are {driven or 'none'}, more than the loop has freedoms",
-                "let one of these coordinates free, or give it a drive instead of a motion",
+                f"its closing equation {row.name} depends on time only: every joint of its loop is driven",
+                f"prescribed are {driven or 'none'}, more than the loop has degrees of freedom",
+                "leave one of these coordinates free, or give it a drive instead of a prescribed motion",
             )  # fmt: skip
 
 
@@ -154,24 +154,27 @@ def _find_speedless(graph: Graph, rows: Sequence[ConstraintEquation]) -> list[bo
 def _never_closed_problem(row: ConstraintEquation, where: str) -> Problem:
     return Problem(
         "equations.never_closed", where,
-        f"its closing equation {row.name} is the constant {row.value.number}, whatever the coordinates",
-        "the frames it connects are apart in a direction in which nothing can move",
+        f"its closing equation {row.name} is the constant {row.value.number} for all values of the "
+        f"coordinates",
+        "the frames it connects are apart in a direction in which neither can move",
         "move the frames together, or let the loop move in this direction",
     )  # fmt: skip
 
 
 def _contradiction_problem(graph: Graph, row: ConstraintEquation, where: str, driven: str) -> Problem:
-    """Return the problem of a constraint without any coordinate or speed that is not 0 = 0."""
+    """Return the problem of a constraint without a coordinate or speed that is not 0 = 0."""
     left = row.value if row.is_holonomic else row.drift
     number = left.number
     if number is None and tree_size(graph, left.index) > _SHORT:
-        said = "without any coordinate or speed"
+        said = "without a coordinate or speed"
     else:
-        said = f"{number if number is not None else to_text(graph, left.index)}, whatever moves"
-    why = "what it holds does not move" + (f", or only as prescribed ({driven})" if driven else "")
+        said = f"{number if number is not None else to_text(graph, left.index)}, regardless of the motion"
+    why = "what it constrains does not move" + (
+        f", or contains prescribed coordinates only ({driven})" if driven else ""
+    )
     return Problem(
         "equations.never_closed", where, f"its equation {row.name} has the left-hand side {said}", why,
-        "leave it out, or let what it holds move freely",
+        "leave it out, or free what it constrains",
     )  # fmt: skip
 
 
@@ -191,8 +194,8 @@ def _integrable_notes(kinematics: Kinematics, rows: Sequence[ConstraintEquation]
     for row in rows:
         if not row.is_holonomic and is_integrable(kinematics, row):
             yield (
-                f"constraint {row.element}: {row.name} constrains velocities, but it is the rate of a "
-                "constraint on positions, which would keep them from drifting; write it in coordinates"
+                f"constraint {row.element}: {row.name} constrains velocities, but is the time derivative of "
+                f"a position constraint; write it in coordinates, so that positions do not drift"
             )
 
 

@@ -33,6 +33,7 @@ from symbody.model.constraints.couplings import (
     RackPinion,
 )
 from symbody.model.model import Model
+from symbody.single_flight import SingleFlight
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,8 @@ class CoupledCoordinates:
         What was substituted, and which couplings stay constraints.
     rows : tuple of ConstraintEquation
         The couplings; they are not among the constraints.
+    unsubstituted : SingleFlight
+        The same equations with the couplings as constraints, once something has formed them.
     """
 
     values: Mapping[str, Expr]
@@ -61,6 +64,7 @@ class CoupledCoordinates:
     divisors: Mapping[str, Expr] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     rows: tuple[ConstraintEquation, ...] = ()
+    unsubstituted: SingleFlight[None, Any] = field(default_factory=SingleFlight, repr=False, compare=False)
 
     @property
     def multiplier_names(self) -> frozenset[str]:
@@ -143,7 +147,7 @@ def solve_couplings(model: Model, names: Names, roles: Sequence[JointRole]) -> C
         equations = _EQUATIONS.get(type(condition))
         for label, value, read in () if equations is None else equations(names, condition):
             form, obstacle = _linear_form(names.graph, value, read, inside)
-            place = f"constraint {condition.name}: {label} stays a constraint"
+            place = f"constraint {condition.name}: {label} remains a constraint"
             left[label] = f"{place}, because {obstacle}"
             if form is not None:
                 forms[label] = replace(form, sources={label: number(names.graph, 1)})
@@ -160,7 +164,7 @@ def solve_couplings(model: Model, names: Names, roles: Sequence[JointRole]) -> C
     return replace(coupled, divisors=given.divisors, notes=(*coupled.notes, *stay))
 
 
-_DOUBTFUL: Final = "{} together leave factors that are differences of parameters, which may vanish"
+_DOUBTFUL: Final = "{} together lead to factors that are differences of parameters and may vanish"
 
 
 class _Solution(NamedTuple):
@@ -186,7 +190,9 @@ def _solve(forms: Mapping[str, _LinearForm], free: set[str]) -> _Solution:
             return given._replace(doubtful=tuple(name for name in forms if name in form.sources))
         elif form.factors:
             listed = ", ".join(form.factors)
-            given.left[label] = f"none of {listed} is an unknown of a joint in the tree whose rate is a speed"
+            given.left[label] = (
+                f"none of {listed} is a coordinate of a joint in the tree whose rate is a speed"
+            )
     return given
 
 
@@ -219,8 +225,8 @@ def _coupled_coordinates(names: Names, solved: Mapping[str, _LinearForm]) -> Cou
             leaders[name] = (leader, factor, -form.offset)
     combinations = {name: form.sources for name, form in solved.items()}
     notes = tuple(
-        f"{name} = {to_text(names.graph, value.index)} is substituted, from {', '.join(combinations[name])}; "
-        "all of them stay outputs"
+        f"{name} = {to_text(names.graph, value.index)} is substituted, from "
+        f"{', '.join(combinations[name])}; all of them remain available as outputs"
         for name, value in values.items()
     )
     return CoupledCoordinates(values, combinations, leaders, notes=notes)
@@ -270,7 +276,7 @@ def _linear_form(
     slopes = fold_zeros(graph, [Expr(graph, node) for node in gradient(graph, value.index, by)])
     kinds = {graph.symbols[graph.left[x]].kind for x in symbols_of(graph, [s.index for s in slopes])}
     if kinds - {SymbolKind.PARAMETER}:
-        return None, "it is not of first degree in the coordinates"
+        return None, "it is not linear in the coordinates"
     offset = Expr(graph, substitute(graph, [value.index], dict.fromkeys(by, 0))[0])
     factors = {name: slope for name, slope in zip(coordinates, slopes, strict=True) if not slope.is_zero}
     return _LinearForm(factors, offset), ""

@@ -108,8 +108,8 @@ def find_solution_order(graph: Graph, matrix: Matrix) -> DependentBlock | None:
     if len(rows) > MOST_COUPLED:
         raise FormulationError(
             Problem("equations.coupled_rows", "dependent_speeds", f"{len(rows)} rows are coupled",
-                    f"dependent speeds of at most {MOST_COUPLED} coupled rows can be eliminated",
-                    "choose speeds of which each occurs in few rows, or leave dependent_speeds out")
+                    f"at most {MOST_COUPLED} coupled rows of dependent speeds can be eliminated",
+                    "choose speeds that each appear in few rows, or leave dependent_speeds out")
         )  # fmt: skip
     inner = [[clean[i][j] for j in columns] for i in rows]
     determinant = _determinant(graph, inner)

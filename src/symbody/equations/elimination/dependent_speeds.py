@@ -118,9 +118,9 @@ def nothing_to_eliminate() -> Problem:
     """Return the problem that there are no constraints on velocities."""
     return Problem(
         "equations.nothing_to_eliminate", "dependent_speeds",
-        "no constraint on velocities ties speeds to each other",
-        "all constraints are on positions, or there are none",
-        "leave dependent_speeds out; dependent coordinates of loops go with another tree",
+        "no velocity constraint relates speeds to each other",
+        "there are only position constraints, or no constraints",
+        "leave dependent_speeds out; for dependent coordinates of loops choose another tree",
     )  # fmt: skip
 
 
@@ -134,15 +134,15 @@ def elimination_notes(elimination: SpeedElimination) -> tuple[str, ...]:
     if tied:
         listed, speeds = (", ".join(words) for words in zip(*tied, strict=True))
         notes.append(
-            f"dependent speeds {speeds} are eliminated by the constraints on velocities {listed}, whose "
-            f"multipliers are outputs; {len(elimination.independent)} speeds are left"
+            f"dependent speeds {speeds} are eliminated by the velocity constraints {listed}, whose "
+            f"multipliers are outputs; {len(elimination.independent)} speeds remain"
         )
     if light:
         follows = "follows from the balance" if len(light) == 1 else "follow from the balances"
         notes.append(
-            f"no mass resists a motion in which {', '.join(light)} takes part: {', '.join(light)} {follows} "
-            "of forces in springs and dampers, and is not a state; the coordinates are. Where a body is to "
-            "resist, give it mass, or inertia about the axis about which it turns"
+            f"a motion that involves {', '.join(light)} has no mass: {', '.join(light)} {follows} of forces "
+            f"in springs and dampers, and is not a state, but the coordinates are. Where this is not "
+            f"intended, give the body mass, or inertia about the axis about which it rotates"
         )
     for pivot in elimination.block.pivots:
         if _varies(graph, pivot):
@@ -154,8 +154,9 @@ def elimination_notes(elimination: SpeedElimination) -> tuple[str, ...]:
                 else "their determinant vanishes"
             )
             notes.append(
-                f"dependent speeds {which}: they do not follow from the others where {where}; "
-                f"{dependent[pivot.columns[0]].label}_pivot tells how near that is, and a run stops before"
+                f"dependent speeds {which}: the others do not determine them where {where}; "
+                f"{dependent[pivot.columns[0]].label}_pivot shows how close that is, and a simulation stops "
+                f"before it"
             )
     return tuple(notes)
 
@@ -218,14 +219,14 @@ def _name_problems(
             yield Problem("equations.unknown_speed", where, f"{name!r} is not a speed of these equations",
                           f"the speeds are {', '.join(labels)}", nearest(name, labels))  # fmt: skip
         elif f"{name}_pivot" in names.symbols or f"{name}_pivot" in names.values:
-            yield Problem("equations.name_clash", where, f"{name}_pivot stands for two things",
-                          f"it tells how well {name} follows from the other speeds",
+            yield Problem("equations.name_clash", where, f"{name}_pivot is defined twice",
+                          f"it shows how well the other speeds determine {name}",
                           "rename this symbol of the model")  # fmt: skip
     if len(dependent) != len(rows) or len(set(dependent)) != len(dependent):
         yield Problem(
             "equations.dependent_number", where,
             f"{len(set(dependent))} different dependent speeds are named, for {counted_rows}",
-            "each of these constraints gives one speed",
+            "each of these constraints determines one speed",
             f"name {len(rows)} of {', '.join(_speeds_in_rows(names.graph, speeds, rows))}, or write \"auto\"",
         )  # fmt: skip
 
@@ -235,8 +236,8 @@ def _singular(
 ) -> Problem:
     return Problem(
         "equations.singular_choice", "dependent_speeds",
-        f"{', '.join(dependent)} do not follow from the other speeds at any configuration",
-        f"in the constraints on velocities {_list_rows(rows)} their coefficients form a singular matrix",
+        f"the other speeds do not determine {', '.join(dependent)} at any configuration",
+        f"their coefficients in the velocity constraints {_list_rows(rows)} form a singular matrix",
         f"name others of {', '.join(_speeds_in_rows(graph, speeds, rows))}, or write \"auto\"; leave "
         "dependent_speeds out if one of the constraints follows from the others",
     )  # fmt: skip

@@ -56,7 +56,9 @@ class NewtonEuler(Formulation):
     def balance_obstacle(self, *, on_positions: bool) -> str:
         """Return the reason why free bodies cannot be solved for where balances transmit nothing."""
         return (
-            "free bodies: a balance of forces holds a position, and transmits nothing" if on_positions else ""
+            "free bodies: a position follows from a balance of forces, which transmits no reaction"
+            if on_positions
+            else ""
         )
 
     def derive(self, system: MultibodySystem) -> Dynamics:

@@ -47,10 +47,17 @@ def projected_dynamics(
         M, both halves, in the order of ``system.kinematics.speeds``.
     forcing : list of Expr
         F in the same order, free of u'.
+
+    Raises
+    ------
+    AssertionError
+        If they have other sizes: an error of the formulation.
     """
     n = len(system.kinematics.speeds)
-    assert len(forcing) == n, f"F has {len(forcing)} entries for {n} speeds"
-    assert [len(row) for row in mass] == [n] * n, f"M is not {n} by {n}"
+    if len(forcing) != n:
+        raise AssertionError(f"F has {len(forcing)} entries for {n} speeds")
+    if [len(row) for row in mass] != [n] * n:
+        raise AssertionError(f"M is not {n} by {n}")
     begin("energy")
     return ProjectedDynamics(
         tuple(map(tuple, mass)), tuple(forcing), kinetic_energy(system), system.loads.potential_energy

@@ -55,12 +55,12 @@ class Recursive(Formulation):
         if eliminates:
             return "recursion: speeds are eliminated"
         if topology.rotation_branches != topology.translation_branches:
-            return "recursion: the rotation tree is not the translation tree"
+            return "recursion: the rotation tree differs from the translation tree"
         return "" if topology.joints else "recursion: there are no joints"
 
     def balance_obstacle(self, *, on_positions: bool) -> str:
         """Return the reason why recursion is impossible."""
-        return "recursion: no mass resists some motion, which balances of forces determine"
+        return "recursion: some motion has no mass and is determined by balances of forces"
 
     def derive(self, system: MultibodySystem) -> Dynamics:
         """Return mass matrix, forcing and accelerations by recursion, each formed on request."""

@@ -82,7 +82,7 @@ def _dependent(formed: EquationsOfMotion, places: Sequence[int], rows: Rows) -> 
         kept.append(row)
     return Problem(
         "equations.dependent_rows", "dependent_speeds",
-        f"the constraints on velocities depend on each other: {name} follows from those before it",
-        f"of {len(places)} such constraints each must give one speed",
-        "remove the constraint that says what others say, or leave dependent_speeds out",
+        f"the velocity constraints depend on each other: {name} follows from those before it",
+        f"each of the {len(places)} constraints must determine one speed",
+        "remove the redundant constraint, or leave dependent_speeds out",
     )  # fmt: skip

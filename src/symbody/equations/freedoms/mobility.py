@@ -113,9 +113,8 @@ def _notes(branch: ConfigurationBranch, taken: int, instantaneous: int) -> Itera
     freedoms = branch.dimension - taken
     if instantaneous != freedoms:
         yield (
-            f"at the initial values themselves {instantaneous} speeds are independent, "
-            f"beside them {freedoms}: "
-            + ("branches of the motion meet there" if freedoms else "small displacements lead nowhere")
+            f"at the initial values {instantaneous} speeds are independent, near them {freedoms}: "
+            + ("branches of the motion meet there" if freedoms else "small displacements cannot be continued")
         )
     if len(branch.dimensions) > 1:
         listed = ", ".join(str(dimension - taken) for dimension in branch.dimensions)
@@ -123,7 +122,7 @@ def _notes(branch: ConfigurationBranch, taken: int, instantaneous: int) -> Itera
     if not branch.is_decided:
         yield (
             f"there may be more than {freedoms} degrees of freedom: not all displacements from the initial "
-            "values could be followed. Give initial values beside this configuration"
+            "values could be followed. Give initial values near this configuration"
         )
 
 
@@ -226,9 +225,9 @@ def _parameter_values(formed: EquationsOfMotion) -> dict[str, float]:
 def _assembly_error(formed: EquationsOfMotion) -> AssemblyError:
     return AssemblyError(
         Problem("equations.not_assembled", formed.topology.model.name,
-                "the degrees of freedom cannot be counted, because the loops close from none of the starts",
-                f"{len(_STARTS)} starts about the initial values were tried",
-                "check lengths, or give [initial] values near a configuration that closes")
+                "the degrees of freedom cannot be counted: the loops close from none of the starting points",
+                f"{len(_STARTS)} starting points around the initial values were tried",
+                "check lengths, or give [initial] values close to a configuration in which the loops close")
     )  # fmt: skip
 
 

@@ -100,9 +100,9 @@ def _check_columns(graph: Graph, matrix: Sequence[Sequence[int]], names: Sequenc
     missing = [name for k, name in enumerate(names) if all(find_zeros(graph, [row[k] for row in matrix]))]
     if missing:
         raise FormulationError(
-            Problem("index_1.open", "equations", f"{', '.join(missing)} stand in no equation",
+            Problem("index_1.open", "equations", f"{', '.join(missing)} appear in no equation",
                     "the equations are of higher index than 1, or an unknown has no equation",
-                    "differentiate constraints until they hold the highest derivatives")
+                    "differentiate constraints until they contain the highest derivatives")
         )  # fmt: skip
 
 
@@ -119,7 +119,8 @@ def _parameters(graph: Graph, nodes: Sequence[int], state: Sequence[int]) -> dic
         raise FormulationError(
             Problem("index_1.unknowns", "equations",
                     f"{', '.join(strange)} are neither among the unknowns nor in the state",
-                    "inputs have no law here, and every unknown needs its derivative or stands as a reaction",
-                    "put the law of an input into the equations, and name all unknowns")
+                    "inputs have no value here, and every unknown must appear with its derivative or be a "
+                    "reaction",
+                    "substitute a formula for each input, and name all unknowns")
         )  # fmt: skip
     return parameters

@@ -101,6 +101,6 @@ def _check_no_friction(formed: EquationsOfMotion) -> None:
         raise FormulationError(
             Problem("reduction.friction", f"friction of {names}",
                     "equations with friction from reactions are not reduced in closed form",
-                    "the friction effort depends on the reaction that it changes",
-                    "give the friction as an applied effort in the speeds, or call simulate")
+                    "the friction force depends on the reaction that it changes",
+                    "define the friction as an applied force or torque in the speeds, or call simulate")
         )  # fmt: skip

@@ -55,8 +55,8 @@ def reduce_index(
         return reduce_mechanism(equations.formed)
     if unknowns is None:
         raise FormulationError(
-            Problem("reduction.unknowns", "unknowns", "the unknowns are not given",
-                    "a list of equations does not tell inputs from unknowns",
+            Problem("reduction.unknowns", "unknowns", "unknowns= is missing",
+                    "a list of equations does not show which functions are inputs and which are unknowns",
                     "give unknowns=[...], all functions of time that are to be determined")
         )  # fmt: skip
     return _of_equations(equations, tuple(unknowns))
@@ -98,21 +98,19 @@ def _check_number(count: int, unknowns: Sequence[SympyExpr]) -> None:
             "reduction.number", "equations", f"there are {count} equations for {len(unknowns)} unknowns",
             "some unknowns have no equation" if few else "some equations have no unknown",
             "add equations: constraints, forces, rates v = x'" if few
-            else "name all unknowns, multipliers and reactions among them, or leave out equations",
+            else "name all unknowns, including multipliers and reactions, or leave out equations",
         )
     )  # fmt: skip
 
 
 def _undetermined_problem(dropped: Sequence[int], rounds: int, unknowns: Sequence[SympyExpr]) -> Problem:
     listed = ", ".join(map(str, dropped))
-    what = (
-        f"equation {listed} follows from the others" if dropped else "differentiation does not come to an end"
-    )
+    what = f"equation {listed} follows from the others" if dropped else "differentiation does not end"
     if rounds and dropped:
         what = f"after {rounds} differentiations an equation follows from the others"
     names = ", ".join(map(str, unknowns[:6])) + (", ..." if len(unknowns) > 6 else "")
     return Problem(
         "reduction.undetermined", "equations", f"{what}: {names} are not all determined",
-        "a constraint says what others say, a mass is zero, or an unknown stands in no equation",
+        "a constraint is redundant, a mass is zero, or an unknown appears in no equation",
         "leave out constraints that others imply and their multipliers, and give every body its mass",
     )  # fmt: skip

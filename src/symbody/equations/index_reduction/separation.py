@@ -83,7 +83,7 @@ class Separation:
 
 @checked_arguments
 def separate_derivatives(equations: Sequence[SympyExpr], derivatives: Sequence[SympyExpr]) -> Separation:
-    """Part equations that determine derivatives from the constraints hidden among them.
+    """Split equations that determine derivatives from the constraints hidden among them.
 
     Parameters
     ----------
@@ -183,8 +183,8 @@ def coefficients(
             *(
                 Problem("reduction.not_linear", problem.where.replace("row", "equation"),
                         problem.what.replace("expression", "equation"),
-                        "only equations linear in the derivatives can be parted",
-                        "write it in first order: one more unknown v = x' for x, and v in place of x'")
+                        "only equations that are linear in the derivatives can be split",
+                        "write it in first order: add an unknown v = x' for x, and write v instead of x'")
                 for problem in error.problems
             )
         ) from error  # fmt: skip
@@ -199,7 +199,7 @@ def _check_consistent(graph: Graph, left: Mapping[int, int]) -> None:
     raise FormulationError(
         *(
             Problem("reduction.inconsistent", f"equation {i}", f"the equations say that {formula} = 0",
-                    "what an equation asks for contradicts the others: all unknowns cancel from it",
+                    "an equation contradicts the others: all unknowns cancel from it",
                     "correct or leave out one of the equations that set the same unknowns")
             for (i, _), formula in zip(found, formulas, strict=True)
         )

@@ -85,6 +85,6 @@ def _needs_angles(joint: Joint, read: AbstractSet[str]) -> bool:
 def _quaternion_problem(joint: Joint) -> Problem:
     return Problem(
         "equations.cut_quaternion", f"joint {joint.name}", "its quaternion is needed, but the joint is cut",
-        "a formula or a motion reads it, and a quaternion cannot be measured without a choice of sign",
+        "a formula or a motion uses it, and the sign of a measured quaternion is ambiguous",
         "put the joint into the rotation tree, or give it angles",
     )  # fmt: skip

@@ -54,8 +54,8 @@ def _check_clashes(topology: Topology, names: Sequence[str]) -> None:
     clashes = sorted({name for name in names if name in symbols or names.count(name) > 1})
     if clashes:
         raise FormulationError(
-            Problem("equations.name_clash", "tree", f"the names {', '.join(clashes)} stand for two things",
-                    "bodies with absolute coordinates bring the names BODY_x .. BODY_qz, BODY_vx .. BODY_wz",
+            Problem("equations.name_clash", "tree", f"the names {', '.join(clashes)} are used twice",
+                    "bodies with absolute coordinates use the names BODY_x .. BODY_qz, BODY_vx .. BODY_wz",
                     "rename these symbols of the model")
         )  # fmt: skip
 

@@ -44,8 +44,8 @@ def _values(names: Names, tables: Iterable[Lookup]) -> dict[str, Expr]:
         if len(table.points) > MOST_POINTS:
             raise FormulationError(
                 Problem("equations.long_table", where, f"it has {len(table.points)} points",
-                        f"every evaluation of the equations looks at each point; {MOST_POINTS} is the most",
-                        f"thin it out, or make it the law of an input: inputs = [{table.name!r}]")
+                        f"every evaluation of the equations reads each point; the maximum is {MOST_POINTS}",
+                        f"use fewer points, or make it the value of an input: inputs = [{table.name!r}]")
             )  # fmt: skip
         values[table.name] = piecewise_value(
             table.pieces(), names.expression(table.argument, f"{where}, argument")

@@ -69,6 +69,14 @@ class FrictionLaw:
         return symbol(self.rate.graph, self.symbol)
 
     @property
+    def normal(self) -> Expr:
+        """The reaction N that it comes from as an unknown of the graph, or 1."""
+        graph = self.rate.graph
+        if not self.reads_reaction:
+            return number(graph, 1)
+        return symbol(graph, Symbol(f"friction_normal_{self.joint.name}", SymbolKind.MULTIPLIER))
+
+    @property
     def holding_effort(self) -> str:
         """The name of the row that holds the joint while it sticks."""
         return f"lambda_{self.joint.name}_stick"

@@ -122,8 +122,8 @@ def _torsion_law(
     if angle is None:
         rate = dot(tree, axis, w_end - w_start)
         measured = _angle_between_axes(kinematics, spring, direction, free)
-        notes = (f"{where}: no joints about its axis lead from end to end; its angle is measured within "
-                 f"half a turn of {spring.free}",)  # fmt: skip
+        notes = (f"{where}: no joints about its axis connect its ends; its angle is measured within half a "
+                 f"turn of {spring.free}",)  # fmt: skip
     else:
         rate, measured = kinematics.rate(angle), angle
     inside = names.with_values({"angle": measured, "angle_rate": rate})

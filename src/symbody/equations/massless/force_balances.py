@@ -127,8 +127,8 @@ def position_notes(balances: ForceBalances) -> tuple[str, ...]:
     """Return which coordinates are positions of equilibrium."""
     names = [row.name.removeprefix("balance_") for row in balances.positions]
     return tuple(
-        f"no mass and no damper resists a motion of {name}: it is where the forces are in balance, as the "
-        f"constraint balance_{name} says, which transmits nothing"
+        f"the motion of {name} has no mass and no damper: its position follows from the balance of forces, "
+        f"the constraint balance_{name}, which transmits no reaction"
         for name in names
     )
 
@@ -191,11 +191,11 @@ def _misfit(kinematics: Kinematics, value: Expr, slopes: dict[int, Expr]) -> str
     """Return why a balance is not a constraint, empty if it is one."""
     graph = kinematics.graph
     if SymbolKind.MULTIPLIER in dependence(graph, [value.index])[value.index]:
-        return "dry friction acts along it, whose sign is that of the motion to be determined"
+        return "dry friction acts along it, and its sign depends on the motion to be determined"
     for slope in slopes.values():
         by = [u for u in kinematics.speeds if u <= slope.index]
         if not all(find_zeros(graph, gradient(graph, slope.index, by))):
-            return "the forces along it are not of first degree in the rates"
+            return "the forces along it are not linear in the rates"
     return ""
 
 
@@ -239,8 +239,8 @@ def _obstacle(
         if outer & dependence(graph, [balance.value.index])[balance.value.index]:
             return UndeterminedMotion(
                 formed.u[balance.place],
-                "it follows at once from inputs or states of signals, whose second derivatives its "
-                "acceleration needs",
+                "it follows directly from inputs or states of signals, so its acceleration needs their "
+                "second derivatives",
                 f"put a damper beside the spring, or {_MASS}",
             )
     for balance, u in pivots:
@@ -250,8 +250,8 @@ def _obstacle(
                 formed.u[balance.place],
                 "a force on it follows from inputs or states of signals, and masses are placed relative "
                 "to it",
-                "let the joint of the body with mass start at the ground, or at a body with mass, and the "
-                "force be a formula in both coordinates",
+                "start the joint of the body with mass at the ground or at a body with mass, and write the "
+                "force as a formula in both coordinates",
             )
     rates = [_slopes_by_speed(formed, balance) for balance in (*(b for b, _ in pivots), *statics)]
     zero = number(graph, 0)

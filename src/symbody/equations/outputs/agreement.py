@@ -105,9 +105,9 @@ def _check(formed: EquationsOfMotion, pairs: Sequence[_Pair]) -> None:
     if different:
         raise FormulationError(
             Problem("equations.views_differ", different[0].place,
-                    "the formulas shown are not the functions that are computed",
-                    "a fault in symbody, not in the model",
-                    "report it with the model; another formulation may do meanwhile")
+                    "the formulas shown differ from the functions that are computed",
+                    "this is a bug in symbody, not a fault of the model",
+                    "report it with the model; another formulation may work in the meantime")
         )  # fmt: skip
 
 

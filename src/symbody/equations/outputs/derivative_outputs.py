@@ -77,6 +77,7 @@ def _symbols(formed: EquationsOfMotion, name: str, word: str) -> tuple[Symbol, .
         return (graph.symbols[graph.left[node]],)
     known = [*DERIVATIVE_GROUPS, *formed.names.symbols]
     raise FormulationError(
-        Problem("equations.derivative_by", name, f"{word!r} is nothing to differentiate by",
-                "it is not a symbol of these equations, or stands for an expression", nearest(inner, known))
+        Problem("equations.derivative_by", name, f"cannot differentiate by {word!r}",
+                "it is not a symbol of these equations, or is replaced by an expression",
+                nearest(inner, known))
     )  # fmt: skip

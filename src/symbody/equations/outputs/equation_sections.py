@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
+from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.outputs.display import equation_sides
 from symbody.equations.outputs.textbook import Textbook
 from symbody.expr.canonical import ZERO
@@ -38,14 +39,16 @@ TITLES: Final[Mapping[str, SectionTitle]] = MappingProxyType(
         "motion": SectionTitle("motion", "Equations of motion"),
         "positions": SectionTitle("constraints", "Constraints on positions"),
         "velocities": SectionTitle("velocity constraints", "Constraints on velocities"),
+        "friction": SectionTitle("friction", "Dry friction"),
         "signals": SectionTitle("signals", "Signals"),
         "outputs": SectionTitle("outputs", "Signals of outputs"),
         "samples": SectionTitle("samples", "Sampled signals"),
     }
 )
 _IDENTICAL: Final = "holds identically"
-_UNRESISTED: Final = "no inertia resists {}, no force acts on it"
-_NOTHING_MOVES: Final = "none: there are no speeds, all motions are prescribed or nothing can move"
+_UNRESISTED: Final = "{} has no inertia, and no force acts on it"
+_SLIPS: Final = "while it slips; at rest it holds up to this magnitude"
+_NOTHING_MOVES: Final = "none: there are no speeds, because all motions are prescribed or nothing can move"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,7 @@ class EquationSection:
     leading : mapping of node to node
         The acceleration that comes first in the left side of each equation of motion.
     remarks : mapping of int to str
-        What is said behind equations that read ``0 = 0``, by their place.
+        What is said behind equations, by their place: why one reads ``0 = 0``, when one applies.
     words : tuple of (str, str)
         Names and what they stand for in words, where that is no formula.
     note : str
@@ -106,6 +109,7 @@ def _all_sections(textbook: Textbook, limit: int) -> list[EquationSection]:
         EquationSection("rates", tuple((left, right) for left, right in rates if left != right)),
         motion_section(textbook, limit),
         *constraint_sections(textbook),
+        friction_section(textbook),
         EquationSection("signals", tuple(textbook.signal_equations)),
         EquationSection("outputs", words=tuple((s.name, str(s.output)) for s in model.signals if s.output)),
         EquationSection("samples", words=tuple(map(_sample_words, model.held_signals))),
@@ -133,6 +137,22 @@ def constraint_sections(textbook: Textbook) -> list[EquationSection]:
     positions = textbook.display("constraints").nodes
     velocities = textbook.display("velocity_constraints").nodes[len(positions) :]
     return [_constraints("positions", positions), _constraints("velocities", velocities)]
+
+
+def friction_section(textbook: Textbook) -> EquationSection:
+    """Return the laws of dry friction: one equation an effort, and one for each reaction that a law reads."""
+    switching = {law.effort.index: law for law in textbook.formed.friction if law.switches}
+    sides = tuple(textbook.friction_equations)
+    remarks = {k: _at_rest(switching[left]) for k, (left, _) in enumerate(sides) if left in switching}
+    return EquationSection("friction", sides, remarks=remarks)
+
+
+def _at_rest(law: FrictionLaw) -> str:
+    """Return when the law of a joint that sticks applies, and up to which effort it sticks."""
+    friction = law.joint.friction
+    pairs = () if friction is None else ((friction.force, friction.static), (friction.mu, friction.mu_static))
+    exchanged = [f", with {b.text} in place of {a.text}" for a, b in pairs if a is not None and b is not None]
+    return f"{_SLIPS}{''.join(exchanged)}"
 
 
 def _constraints(key: str, nodes: Sequence[int]) -> EquationSection:

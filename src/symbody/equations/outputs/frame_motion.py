@@ -59,7 +59,7 @@ def frame_output(formed: EquationsOfMotion, text: str) -> tuple[tuple[int, ...],
     if asked is None:
         raise FormulationError(
             Problem("equations.frame_words", f"frame {text}", f"{text!r} does not name a motion",
-                    "a motion is named by its kind and its frames",
+                    "an output of motion is named by its kind and its frames",
                     'write "frame r END REFERENCE RESOLVED_IN" or "frame R END REFERENCE"')
         )  # fmt: skip
     shape, values = frame_motion_entries(formed, asked.kind, *asked.frames)
@@ -69,8 +69,8 @@ def frame_output(formed: EquationsOfMotion, text: str) -> tuple[tuple[int, ...],
     places = ["xyz".index(letter) for letter in entry]
     if len(places) != len(shape):
         raise FormulationError(
-            Problem("equations.frame_entry", f"frame {text}", f"{entry!r} names no entry",
-                    f"the motion has {len(shape)} ind{'ex' if len(shape) == 1 else 'ices'}",
+            Problem("equations.frame_entry", f"frame {text}", f"{entry!r} is not an entry",
+                    f"this output has {len(shape)} ind{'ex' if len(shape) == 1 else 'ices'}",
                     'end with "x" for a vector, "xy" for a matrix')
         )  # fmt: skip
     return (), [values[places[0] if len(places) == 1 else 3 * places[0] + places[1]]]

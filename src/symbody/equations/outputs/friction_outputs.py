@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import FrictionLaw
+from symbody.equations.solving.friction_solution import normal_load
 from symbody.equations.solving.solution import resistance, substitute_solution
 from symbody.errors import FormulationError, Problem, nearest
-from symbody.expr.expression import Expr, symbol
+from symbody.expr.expression import Expr, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS
 from symbody.model.output_names import output_words
@@ -40,6 +41,24 @@ def friction_reserves(formed: EquationsOfMotion) -> list[Expr]:
 
 def _reserve(law: FrictionLaw, normal: Expr) -> Expr:
     return law.limit * normal - _effort(law).apply(ABS)
+
+
+def friction_equations(formed: EquationsOfMotion) -> list[tuple[Expr, Expr]]:
+    """Return the law of each effort, and the reaction N where the law reads it."""
+    equations = []
+    for law in formed.friction:
+        normal = law.normal
+        equations.append((law.effort, -(law.slip * law.strength * normal)))
+        if law.reads_reaction:
+            equations.append((normal, _magnitude(normal_load(formed, law))))
+    return equations
+
+
+def _magnitude(parts: list[Expr]) -> Expr:
+    acting = [part for part in parts if not part.is_zero] or parts[:1]
+    if len(acting) == 1:
+        return acting[0].apply(ABS)
+    return sqrt(sum((part**2 for part in acting[1:]), acting[0] ** 2))
 
 
 def friction_names(formed: EquationsOfMotion) -> tuple[str, ...]:

@@ -118,12 +118,12 @@ def _ring_problem(formed: EquationsOfMotion, ring: list[str], laws: Mapping[str,
         text for text, law in texts.items()
         if following in _inputs_read(formed, _law_node(formed, input_formula(law, name), name), laws)
     ]  # fmt: skip
-    what = f"its law reads {', '.join(reading) or formula.text}, which follows from {following}"
+    what = f"its formula reads {', '.join(reading) or formula.text}, which follows from {following}"
     way = " -> ".join([*ring, name])
     return Problem(
         "equations.input_loop", f"input {name}", what,
-        "accelerations, reactions and efforts are computed from the forces, so that no such value is there "
-        f"before the inputs have theirs: {way}",
-        "read positions and speeds instead, or let a state stand between, such as a signal with a rate "
-        "(a first-order filter)",
+        "accelerations, reactions and efforts are computed from the forces, so they do not exist before the "
+        f"inputs have values: {way}",
+        "read positions and speeds instead, or put a state in between, such as a signal with a rate (a "
+        "first-order filter)",
     )  # fmt: skip

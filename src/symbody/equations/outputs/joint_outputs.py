@@ -77,7 +77,8 @@ def reaction_output(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ..
     name, entry = words[0], words[1] if len(words) == 2 else ""
     if len(words) > 2 or (entry and entry not in ENTRIES):
         raise FormulationError(
-            Problem("equations.reaction_words", f"reaction {rest}", f"{rest!r} does not name a reaction", "",
+            Problem("equations.reaction_words", f"reaction {rest}",
+            f"{rest!r} is not the name of a reaction", "",
                     f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(ENTRIES)}')
         )  # fmt: skip
     values = reaction_entries(formed, name)

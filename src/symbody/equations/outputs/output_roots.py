@@ -137,17 +137,17 @@ def _named_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...]
 def _dropped_problem(formed: EquationsOfMotion, name: str) -> Problem:
     """Return the problem of a multiplier whose equation was dropped."""
     kept = ", ".join(row.name for row in (*formed.coupled.rows, *formed.rows))
-    cure = f"read those of the constraints that are kept: {kept}" if kept else "leave it out"
+    cure = f"read those of the remaining constraints: {kept}" if kept else "leave it out"
     if formed.coupled.rows:
-        cure += "; or form the equations without substitute=True, where all of them share the load"
-    return Problem("equations.dropped_multiplier", name, "its equation says what others say, and is dropped",
-                   "how they share the load is not determined", cure)  # fmt: skip
+        cure += "; or form the equations without substitute=True, in which all of them share the load"
+    return Problem("equations.dropped_multiplier", name, "its equation is redundant and was dropped",
+                   "how they share the load is undetermined", cure)  # fmt: skip
 
 
 def _cure(formed: EquationsOfMotion, name: str) -> str:
     """Return what to type instead of a text that is neither an output nor an expression."""
     if name in OF_MOTIONS:
-        return f"read it of a motion that was computed: run[{name!r}], alone or in a formula"
+        return f"read it from a computed motion: run[{name!r}], alone or in a formula"
     outputs = output_names(formed)
     entries = [f"{x} {entry}" for x in outputs if x.startswith("reaction ") for entry in ENTRIES]
     frames = [frame for frame in formed.kinematics.velocities if "|" not in frame]
@@ -200,8 +200,9 @@ def _check_is_measured(formed: EquationsOfMotion, name: str, value: Expr) -> Non
     if unknown:
         raise FormulationError(
             Problem("equations.not_measured", name, f"{', '.join(unknown)} cannot be measured",
-                    "the joint is cut, and a quaternion or its speeds need a choice of sign and axes",
-                    "put the joint into the rotation tree, give it angles, or ask for frame R or w")
+                    "the joint is cut, and the sign and axes of a quaternion or its speeds are then "
+                    "ambiguous",
+                    "put the joint into the rotation tree, give it angles, or read frame R or w")
         )  # fmt: skip
 
 

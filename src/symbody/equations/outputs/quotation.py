@@ -25,4 +25,4 @@ def quotation_cure(text: str, outputs: Iterable[str]) -> str:
     words = "|".join([*(re.escape(name) + _ENTRY for name in names), _FRAME])
     bare = rf"(?<![\w'])(?:\"({words})\"|\[({words})\]|({words}))(?![\w'])"
     quoted = re.sub(bare, lambda found: f"'{found[1] or found[2] or found[3]}'", text)
-    return "" if quoted == text else f"inside a formula outputs stand in single quotes: {quoted}"
+    return "" if quoted == text else f"inside a formula, write outputs in single quotes: {quoted}"

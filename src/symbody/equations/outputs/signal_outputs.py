@@ -186,7 +186,7 @@ def _algebraic_problem(signal: Signal, way: Path) -> Problem:
     return Problem(
         "signal.algebraic", f"signal {name}, output",
         f"{signal.output!r} needs accelerations or reactions, and a load reads it: {' -> '.join(way)}",
-        "accelerations and reactions follow from the loads, which would follow from them at the same instant",
+        "accelerations and reactions follow from the loads, which would depend on them at the same instant",
         f'put a first-order filter between: [[signal]] name = "{name}_filtered", '
-        f'rate = "({name} - {name}_filtered)/T", and let the load read {name}_filtered',
+        f'rate = "({name} - {name}_filtered)/T", and read {name}_filtered in the load',
     )  # fmt: skip

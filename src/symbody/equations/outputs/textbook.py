@@ -12,6 +12,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.agreement import check_dynamics, check_rewriting
 from symbody.equations.outputs.curve_names import curve_functions, name_curves
 from symbody.equations.outputs.frame_motion import frame_motion_entries
+from symbody.equations.outputs.friction_outputs import friction_equations
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.equations.outputs.output_roots import output_roots
 from symbody.equations.outputs.signal_outputs import named_signals, signal_equations
@@ -212,6 +213,14 @@ class Textbook:
         shown = self._rewrite("signals", (len(nodes),), nodes).nodes
         lefts = [self.formed.graph.symbol(symbol) for symbol, _ in equations]
         return list(zip(lefts, shown, strict=True))
+
+    @property
+    def friction_equations(self) -> list[tuple[int, int]]:
+        """The laws of dry friction, as nodes: the effort of each joint, and the reaction that it reads."""
+        equations = friction_equations(self.formed)
+        nodes = [right.index for _, right in equations]
+        shown = self._rewrite("friction", (len(nodes),), nodes, named_signals(self.formed)).nodes
+        return [(left.index, node) for (left, _), node in zip(equations, shown, strict=True)]
 
     @property
     def norms(self) -> tuple[SympyExpr, ...]:

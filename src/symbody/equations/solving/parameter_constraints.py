@@ -42,7 +42,7 @@ def check_parameter_constraints(formed: EquationsOfMotion, parameters: Mapping[s
         problems.append(
             Problem("equations.never_closed", f"constraint {row.element}",
                     f"its equation {row.name}, {to_text(graph, row.value.index)} = 0, has the left-hand "
-                    f"side {value:g} with {_list_values(known)}", "there is nothing in it that could move",
+                    f"side {value:g} with {_list_values(known)}", "nothing in it can move",
                     "give other values, or leave the constraint out")
         )  # fmt: skip
     if problems:
@@ -57,9 +57,9 @@ def _pivot_problems(formed: EquationsOfMotion, parameters: Mapping[str, float]) 
             listed = ", ".join(formed.coupled.combinations[coordinate])
             yield Problem(
                 "equations.vanishing_factor", f"coordinate {coordinate}",
-                f"its factor {to_text(formed.graph, factor.index)} in {listed} is 0 "
-                f"with {_list_values(known)}",
-                f"the coupling was solved for {coordinate}, which it does not give then",
+                f"its factor {to_text(formed.graph, factor.index)} in {listed} is 0 with "
+                f"{_list_values(known)}",
+                f"the coupling was solved for {coordinate}, but does not determine it with these values",
                 "give other values, or form the equations without substitute=True",
             )  # fmt: skip
 

@@ -39,8 +39,8 @@ def inverse_dynamics(formed: EquationsOfMotion) -> list[Expr]:
     if formed.friction:
         names = ", ".join(sorted({law.joint.name for law in formed.friction}))
         raise FormulationError(
-            Problem("equations.inverse_friction", "inverse_dynamics", f"there is friction in {names}",
-                    "it depends on the forces that are to be found",
+            Problem("equations.inverse_friction", "inverse_dynamics", f"{names} have friction",
+                    "friction depends on the forces to be found",
                     "use inverse_dynamics(eqs, motion, unknowns, times), which solves for both")
         )  # fmt: skip
     return formed.dynamics.inverse_dynamics(formed.expressions([u.derivative for u in formed.u]))

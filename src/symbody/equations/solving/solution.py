@@ -106,8 +106,8 @@ def _solve_saddle(
 def _massless(formed: EquationsOfMotion, k: int, reason: UndeterminedMotion | None) -> Problem:
     name = formed.u[k].label
     problem = Problem(
-        "equations.massless", f"speed {name}", f"no mass resists {name} while all outward of it is free",
-        "the mass matrix is singular everywhere, so this acceleration is not determined",
+        "equations.massless", f"speed {name}", f"{name} has no mass when everything outward of it is free",
+        "the mass matrix is singular everywhere, so this acceleration is undetermined",
         "give mass or inertia to the bodies that move with it, or weld its joint",
     )  # fmt: skip
     if reason is None:

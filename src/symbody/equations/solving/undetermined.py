@@ -113,16 +113,16 @@ def share_notes(formed: EquationsOfMotion, names: Sequence[str], where: str = ""
     if not names:
         return ()
     notes = [
-        f"redundant constraints leave undetermined{where}: {_list_outputs(names)}; "
-        "they get the share of least norm"
+        f"redundant constraints leave undetermined{where}: {_list_outputs(names)}; their values are those "
+        f"of the minimum-norm solution"
     ]
     forces = {f"reaction {law.joint.name} {entry}" for law in formed.friction for entry in _FORCES
               if law.reads_reaction}  # fmt: skip
     rubbing = dict.fromkeys(name.rpartition(" ")[0].partition(" ")[2] for name in names if name in forces)
     if rubbing:
         notes.append(
-            f"friction of {', '.join(rubbing)} follows from reactions that are undetermined: it is that of "
-            "their share of least norm"
+            f"friction of {', '.join(rubbing)} depends on undetermined reactions: it is computed from their "
+            f"minimum-norm solution"
         )
     return tuple(notes)
 

@@ -73,8 +73,8 @@ def condition_problem(source: Source, column: int) -> Problem:
     return source.problem(
         "expression.condition",
         column,
-        "a condition stands where a number is needed",
-        "comparisons, and, or, not are true or false, which means something only to if(...)",
+        "a condition was found where a number is needed",
+        "comparisons, and, or, not are true or false, which only if(...) can use",
         "write if(condition, 1, 0) for a number that is 1 where the condition holds",
     )
 
@@ -88,7 +88,7 @@ def _type_problem(source: Source, name: str, operands: list[Value]) -> Problem |
             return source.problem(
                 "expression.not_condition",
                 value.column,
-                f"a number stands where '{name}' needs a condition",
+                f"a number was found where '{name}' needs a condition",
                 "numbers are neither true nor false here",
                 "compare it: x != 0, or x > 0",
             )
@@ -97,7 +97,7 @@ def _type_problem(source: Source, name: str, operands: list[Value]) -> Problem |
                 "expression.chained_comparison",
                 value.column,
                 "the result of a comparison is compared again",
-                "comparisons do not chain",
+                "comparisons cannot be chained",
                 "write a < b and b < c for a < b < c",
             )
         return condition_problem(source, value.column)
@@ -123,7 +123,8 @@ def _exponent_problem(source: Source, exponent: Value) -> Problem | None:
         "expression.exponent",
         exponent.column,
         f"the exponent is {size}; whole exponents are limited to {MAX_EXPONENT}",
-        "higher powers of numbers grow without bounds, and those of lengths or angles are hardly meant",
+        "higher powers of numbers grow without bounds, and higher powers of lengths or angles are hardly "
+        "intended",
         "make the exponent a parameter, or write exp(n*log(x))",
     )
 
@@ -134,32 +135,34 @@ def _knot_problem(source: Source, knots: list[Value]) -> Problem | None:
             return source.problem(
                 "expression.knots",
                 high.column,
-                "the places do not increase",
+                "the points do not increase",
                 "interp1(x, x1, y1, x2, y2, ...) and smoothstep(x, x1, x2) need x1 < x2 < ...",
-                "put the places in increasing order, each once",
+                "put the points in increasing order, each only once",
             )
     return None
 
 
 def _undefined_problem(source: Source, name: str, column: int, fault: Exception) -> Problem:
     branches = (
-        "; a branch of if(...) counts unless its condition has numbers alone" if "if(" in source.text else ""
+        "; a branch of if(...) is checked unless its condition contains only numbers"
+        if "if(" in source.text
+        else ""
     )
     if isinstance(fault, ZeroDivisionError):
         return source.problem(
             "expression.division_by_zero",
             column,
             "a number is divided by 0",
-            "the divisor is zero as it is written" + branches,
-            "remove the division, or mend the divisor",
+            "the divisor is written as zero" + branches,
+            "remove the division, or correct the divisor",
         )
     if isinstance(fault, OverflowError):
         return source.problem(
             "expression.constant_range",
             column,
-            f"{_SIGNS.get(name, name)} is beyond 1.797e308, the largest that can be computed with",
+            f"{_SIGNS.get(name, name)} exceeds 1.797e308, the largest number that can be represented",
             "the numbers in it are too large",
-            "mend the numbers, or choose other units",
+            "correct the numbers, or choose other units",
         )
     return source.problem(
         "expression.undefined",
@@ -167,5 +170,5 @@ def _undefined_problem(source: Source, name: str, column: int, fault: Exception)
         f"{_SIGNS.get(name, name)} has no real value for the number given",
         "roots, logarithms and powers of negative numbers are not real, nor asin and acos beyond 1"
         + branches,
-        "mend the number, or the sign before it",
+        "correct the number, or the sign before it",
     )

@@ -12,14 +12,14 @@ _DATA: Final = "an expression is data, never code: only numbers, names, operator
 
 # Mark -> code, fact, cure.
 _MARKS: Final = {
-    "string": ("string", "text in quotes has no place in an expression", "write names without quotes"),
+    "string": ("string", "quoted text is not allowed in an expression", "write names without quotes"),
     "output": ("string", "an output of the mechanism cannot be read in this formula",
                "write names without quotes; a force reads an output by a signal, output = \"length S\", and "
                "its name here; results, plots, events and laws of inputs read outputs in quotes"),
     "prime": ("prime", "a prime is not a derivative here", "write x_dot for the rate of x"),
-    ".": ("attribute", "nothing has attributes here", "write names without dots"),
-    "[": ("subscript", "nothing can be indexed here", "give every quantity a name of its own, such as x_1"),
-    "]": ("subscript", "nothing can be indexed here", "give every quantity a name of its own, such as x_1"),
+    ".": ("attribute", "attributes are not supported here", "write names without dots"),
+    "[": ("subscript", "indexing is not supported here", "give every quantity its own name, such as x_1"),
+    "]": ("subscript", "indexing is not supported here", "give every quantity its own name, such as x_1"),
     "{": ("braces", "braces have no meaning here", "write ( and ), and x_1 for x_{1}"),
     "}": ("braces", "braces have no meaning here", "write ( and ), and x_1 for x_{1}"),
     ":=": ("assignment", "an expression cannot assign", "define the quantity as a parameter"),
@@ -38,7 +38,7 @@ _MARKS: Final = {
     "!": ("syntax", "'!' is not an operator (no factorial)", "write not for conditions"),
     "~": ("syntax", "'~' is not an operator", "write not"),
     "?": ("syntax", "'?' is not an operator", "write if(condition, a, b)"),
-    "#": ("syntax", "comments have no place in an expression", "write the comment beside it in the file"),
+    "#": ("syntax", "comments are not allowed in an expression", "write the comment next to it in the file"),
     ";": ("syntax", "';' has no meaning here", "write one expression"),
 }  # fmt: skip
 _OTHER_MARK: Final = ("syntax", "this is not an operator", "write + - * / ** and the listed functions")
@@ -50,8 +50,9 @@ _LOOKALIKES: Final = {
     **dict.fromkeys("‐‒–—―", "write - for minus"),
     **dict.fromkeys("‘’′“”″", "write names without quotes, and x_dot for the rate of x"),
     "≤": "write <=", "≥": "write >=", "≠": "write !=", "≈": "write abs(a - b) < tolerance", "¬": "write not",
-    "∧": "write and", "∨": "write or", "√": "write sqrt(x)", "∞": "leave the limit out: there is no infinity",
-    "°": 'write deg behind the number, as in "30 deg", where an angle is expected, or multiply by pi/180',
+    "∧": "write and", "∨": "write or", "√": "write sqrt(x)", "∞": "leave the limit out: infinity is not "
+        "supported",
+    "°": 'write deg after the number, as in "30 deg", where an angle is expected, or multiply by pi/180',
 }  # fmt: skip
 
 
@@ -71,9 +72,9 @@ def character_problem(source: Source, offset: int) -> Problem:
         return source.problem(
             "expression.control_character",
             offset + 1,
-            f"the character {label} shows nothing by itself",
-            "it came with pasted text, and can make a text look different from what it is",
-            "delete it and type the place anew",
+            f"the character {label} is invisible",
+            "it probably came with pasted text, and makes a text look different from what it is",
+            "delete it and type this part again",
         )
     return source.problem(
         "expression.character",

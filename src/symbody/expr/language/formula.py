@@ -231,7 +231,7 @@ def _numeral(value: object, where: str) -> str:
             return str(exact)
         what = f"the number has more than {MAX_DIGITS} digits"
         raise ExpressionError(
-            Problem("expression.number", where, what, "it is beyond what computers calculate with", fix)
+            Problem("expression.number", where, what, "it exceeds what computers can represent", fix)
         )
     if isinstance(value, Real) and not isinstance(value, bool):
         value = float(value)

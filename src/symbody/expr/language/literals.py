@@ -38,9 +38,9 @@ def read_number(text: str) -> Constant:
         return 0
     rounded = float(text)
     if math.isinf(rounded):
-        raise OverflowError("the number is beyond 1.797e308, the largest that can be computed with")
+        raise OverflowError("the number exceeds 1.797e308, the largest number that can be represented")
     if rounded == 0.0:
-        raise OverflowError("the number is below 4.9e-324, the smallest that can be computed with")
+        raise OverflowError("the number is below 4.9e-324, the smallest number that can be represented")
     if text.isdigit():
         return int(text)
     if len(digits) > EXACT_DIGITS:

@@ -59,7 +59,7 @@ def adjacent_problem(source: Source, previous: Token, token: Token, following: T
         return source.problem(
             "expression.syntax",
             column,
-            f"'{word}' cannot stand here: no operator joins it with what precedes it",
+            f"'{word}' is not allowed here: no operator connects it with what precedes it",
             "Python's lambda, comprehensions, 'in' and 'x if c else y' are not part of the language",
             "write a formula, with if(c, x, y) for a choice",
         )
@@ -76,7 +76,7 @@ def adjacent_problem(source: Source, previous: Token, token: Token, following: T
     elif token.text in ("deg", "degree", "degrees"):
         fix = f"write {previous.text}*pi/180: degrees follow a number, as in 30 deg"
     elif previous.kind == "number" and token.text in _UNITS:
-        fix = f"leave the unit out and give the value in SI units; with a symbol {token.text}, write "
+        fix = f"remove the unit and give the value in SI units; with a symbol {token.text}, write "
         fix += f"{printable(previous.text)}*{token.text}"
     else:
         fix = f"write {printable(previous.text)}*{printable(token.text)}"
@@ -100,8 +100,8 @@ def missing_problem(source: Source, token: Token, function: str) -> Problem:
             "expression.empty",
             column,
             "the expression is empty",
-            "nothing but blanks was given",
-            "write 0 for nothing",
+            "the text contains only spaces",
+            "write 0 if nothing is meant",
         )
     if token.kind == "end":
         what = "the expression ends where an operand is expected"
@@ -111,9 +111,7 @@ def missing_problem(source: Source, token: Token, function: str) -> Problem:
         "expression.missing_operand",
         column,
         what,
-        f"an argument of {function}(...) is left out"
-        if function
-        else "an operator or bracket has nothing to act on",
+        f"an argument of {function}(...) is missing" if function else "an operator or bracket has no operand",
         "write a number, a name, a function or a bracketed expression here",
     )
 
@@ -127,7 +125,7 @@ def unknown_function_problem(source: Source, token: Token) -> Problem:
         "expression.unknown_function",
         token.start + 1,
         f"'{printable(token.text)}' is not a function of the language",
-        "a function of another language or a typing slip, or a '*' is missing before the bracket",
+        "it is a function of another language, a typo, or a '*' is missing before the bracket",
         f"{cure} For a product write {printable(token.text)}*(...)",
     )
 
@@ -142,7 +140,7 @@ def arguments_problem(source: Source, name: str, column: int, count: int) -> Pro
         "expression.arguments",
         column,
         f"{name} is given {count} argument{'s' * (count != 1)}, not {number}",
-        "arguments are separated by commas; a decimal point is a point",
+        "separate arguments by commas, and use a decimal point",
         f"write {_FORMS.get(name, f'{name}(x)')}",
     )
 
@@ -172,15 +170,15 @@ def comma_problem(source: Source, previous: Token, comma: Token, following: Toke
         return source.problem(
             "expression.comma_decimal",
             comma.start + 1,
-            "a comma stands inside a number",
+            "there is a comma inside a number",
             "a decimal comma, or a comma between thousands",
             f"write {previous.text}.{following.text}",
         )
     return source.problem(
         "expression.comma",
         comma.start + 1,
-        "this comma separates no arguments",
-        "commas only stand between the arguments of a function",
+        "this comma does not separate arguments",
+        "commas are allowed only between the arguments of a function",
         "write one expression, or a function before the bracket",
     )
 
@@ -192,11 +190,11 @@ def _numeral_problem(source: Source, previous: Token, token: Token, following: T
         what, fix = "a number has two decimal points", "write one point, and no separator between thousands"
     elif token.text in ("e", "E") and following.text in ("+", "-", ""):
         what, fix = (
-            "the exponent of a number is not finished",
+            "the exponent of a number is incomplete",
             f"write {previous.text}e-3, or {previous.text}*e",
         )
     elif previous.text == "0" and token.text[0] in "xXbBoO":
-        what, fix = "only decimal numbers are understood", "write it as a decimal number"
+        what, fix = "only decimal numbers are supported", "write it as a decimal number"
     elif token.text[0] == "_" and token.text.replace("_", "").isdigit():
         what, fix = "a number has separators between its digits", f"write {text.replace('_', '')}"
     else:

@@ -57,8 +57,9 @@ def print_node(graph: Graph, node: int, notation: NotationFor, brackets: Bracket
         raise ExpressionError(
             Problem(
                 "expression.too_long", "", f"written out the formula has {_rough(size)} operations",
-                f"formulas for reading end at {EXPAND_LIMIT}, since parts used twice are written twice",
-                "ask for the form with definitions z1, z2, ..., or for generated code",
+                f"printed formulas are limited to {EXPAND_LIMIT}, because shared parts are written "
+                f"repeatedly",
+                "print the form with definitions z1, z2, ..., or generate code",
             )
         )  # fmt: skip
     return _write_pieces(node, {}, notation({}), brackets)
@@ -103,7 +104,7 @@ def no_formula() -> ExpressionError:
     return ExpressionError(
         Problem(
             "expression.no_formula", "", "an entry of solve_saddle has no formula",
-            "systems with loops are solved with pivots, by a kernel", "ask for generated code",
+            "systems with loops are solved numerically with pivoting", "generate code instead",
         )
     )  # fmt: skip
 

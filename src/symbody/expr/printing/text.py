@@ -98,7 +98,7 @@ def _leaf(graph: Graph, node: int) -> Layout:
             Problem(
                 "expression.unwritable_name", "", f"'{printable(label)}' cannot be written in an expression",
                 "names there have letters, digits and _, begin with no digit, and are not if, and, or, not",
-                "rename the quantity, or ask for LaTeX",
+                "rename the quantity, or print LaTeX",
             )
         )  # fmt: skip
     return Layout([label], ATOM)

@@ -60,14 +60,15 @@ def _read_answer(
     except subprocess.TimeoutExpired as error:
         raise FormulationError(
             Problem("positions.time", "positions", f"no closed form was found in {seconds:g} s",
-                    "the equations may have none, or one too long to be read",
-                    "give more seconds=, take other dependent coordinates, or assemble with numbers")
+                    "the equations may have none, or one too long to print",
+                    "allow more seconds=, choose other dependent coordinates, or solve with numbers by "
+                    "assemble()")
         ) from error  # fmt: skip
     if run.returncode:
         last = run.stderr.decode(errors="replace").strip().rpartition("\n")[2]
         raise FormulationError(
             Problem("positions.failed", "positions", "SymPy failed to solve the equations", last,
-                    "take other dependent coordinates, or assemble with numbers")
+                    "choose other dependent coordinates, or solve with numbers by assemble()")
         )  # fmt: skip
     answer: list[dict[sp.Symbol, sp.Expr]] = pickle.loads(run.stdout)
     return answer

@@ -165,11 +165,11 @@ class _SympyReader:
     def _derivative(self, item: sp.Derivative) -> int:
         function = item.expr
         if not isinstance(function, AppliedUndef) or not self._is_of_time(function):
-            raise _not_an_expression(item, "is a derivative of something composed", "call .doit() first")
+            raise _not_an_expression(item, "is a derivative of a compound expression", "call .doit() first")
         counts = [count for variable, count in item.variable_count if variable == self._time]
         if len(counts) < len(item.variable_count) or not all(isinstance(k, sp.Integer) for k in counts):
             raise _not_an_expression(
-                item, "is not a derivative by time", f"coordinates depend on {self._time} only"
+                item, "is not a time derivative", f"coordinates depend on {self._time} only"
             )
         symbol = self._of_time(function)
         order = symbol.order + sum(map(int, counts))
@@ -183,7 +183,7 @@ class _SympyReader:
                 return self._graph.node(op.PICK, solved, int(item.args[0]))
         raise _not_an_expression(
             item,
-            f"is a function of something else than time ({self._time})",
+            f"is a function of something other than time ({self._time})",
             "write coordinates as dynamicsymbols('x'), parameters as symbols('m')",
         )
 
@@ -248,8 +248,8 @@ def _fits(kernel: KernelNode, arguments: Sequence[sp.Basic]) -> bool:
 
 def _not_an_expression(
     item: object,
-    what: str = "cannot stand in an expression of a mechanism",
-    fix: str = "evaluate or replace it before: only real scalars, symbols, functions of time and the usual "
+    what: str = "cannot appear in an expression of a mechanism",
+    fix: str = "evaluate or replace it first: only real scalars, symbols, functions of time and the usual "
     "functions are known",
 ) -> ExpressionError:
     kind = type(item).__name__

@@ -178,7 +178,7 @@ class _SympyWriter:
                     Problem(
                         "sympy.one_name", symbol.label,
                         f"the {other.kind} and the {symbol.kind} '{symbol.label}' are one object to SymPy",
-                        "SymPy compares symbols by name and assumptions alone", "rename one of them",
+                        "SymPy compares symbols only by name and assumptions", "rename one of them",
                     )
                 )  # fmt: skip
 

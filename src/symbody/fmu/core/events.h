@@ -27,7 +27,7 @@ static int has_happened(const Motion *m, int k, double value)
 static double *start_of(Motion *m, int k)
 {
     double *W = m->pool + SB_WATCH;
-    return W + (int)W[SB_W_TABLE] + k * SB_W_EVENT_SIZE;
+    return W + (int)W[SB_W_EVENTS] + k * SB_EVENT_SIZE;
 }
 
 /* Note which events have happened since the side of each was looked at; return whether any has. */
@@ -41,7 +41,7 @@ static int note_events(Motion *m)
         int has_passed = (before > 0 && now <= 0) || (before < 0 && now >= 0);
         if (has_happened(m, k, value)) {
             m->pending[k] = any = 1;
-            if (SB_ACTIONS && k < SB_EVENTS) start_of(m, k)[SB_W_CAME] = -before;
+            if (SB_ACTIONS && k < SB_EVENTS) start_of(m, k)[SB_E_CAME] = -before;
         }
         if (now != 0 && (before != 0 || has_left(m, k, value))) m->side[k] = now;
         else if (has_passed && k < SB_EVENTS) m->side[k] = 0;
@@ -73,6 +73,7 @@ static int set_states(Motion *m, int *must_stop)
     *must_stop = 0;
     for (k = 0; k < SB_EVENTS; k++) *must_stop |= m->pending[k] && sb_stops[k];
     if (SB_ACTIONS && compute(m, &sb_functions[SB_ACTION], m->x, actions)) return -1;
+    note_before(m);
     for (j = 0; j < SB_ACTIONS; j++)
         if (m->pending[sb_action_events[j]]) {
             m->x[sb_action_states[j]] = actions[j];
@@ -92,7 +93,7 @@ static int set_states(Motion *m, int *must_stop)
         int acts = 0;
         for (j = 0; j < SB_ACTIONS; j++) acts |= m->pending[k] && sb_action_events[j] == k;
         if (!acts) continue;
-        if (m->largest[k] > start_of(m, k)[SB_W_LARGEST]) start_of(m, k)[SB_W_LARGEST] = m->largest[k];
+        if (m->largest[k] > start_of(m, k)[SB_E_LARGEST]) start_of(m, k)[SB_E_LARGEST] = m->largest[k];
         renew_arguments(m);
         if (symbody_end_action(SB_WATCHED_FUNCTION, mechanism_motion, m->pool + SB_WATCH, k, clock_of(m), m->x,
                 SB_STRAIGHT * SB_TIME_SCALE)) {

@@ -95,6 +95,14 @@ static void begin_motion(Motion *m)
 
 /* Closing: constraints hold with the values that were set; what was not set follows. */
 
+/* What closing has to know of the state before it changes. */
+static void note_before(Motion *m)
+{
+    if (!SB_IS_CLOSED) return;
+    renew_arguments(m);
+    symbody_note_followers(SB_ASSEMBLY_FUNCTION, m->pool + SB_ASSEMBLY, clock_of(m), m->x);
+}
+
 static int close_held(Motion *m, const int *is_held)
 {
     int i;
@@ -145,6 +153,10 @@ static int settle(Motion *m, const int *is_given)
     memcpy(x, m->x, sizeof x);
     memcpy(p, m->p, sizeof p);
     for (k = 0; k < 2; k++) {
+        memcpy(m->x, m->settled_x, sizeof x);
+        memcpy(m->p, m->settled_p, sizeof p);
+        m->has_arguments = 0;
+        note_before(m);
         for (i = 0; i < SB_X; i++) m->x[i] = is_given[i] ? x[i] : m->settled_x[i];
         if (try_assembly(m, x, p, is_given, parts[k])) {
             keep_settled(m);

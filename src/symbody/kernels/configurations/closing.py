@@ -3,32 +3,17 @@
 What is held keeps its value, or the state cannot be closed. Held rates and the constraints determine others;
 of all else the change has the least kinetic energy, and where no inertia resists it the least sum of squares
 of rates over their sizes. The function writes what `assembly` reads, then the mass matrix.
+
+Where coordinates are substituted that follow from several others, the function is that of the equations with
+these couplings as constraints, and writes last what follows: a state is closed with all coordinates in it.
 """
 
 from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.configurations.assembly import (
-    ASSEMBLED,
-    CLOSED,
-    COORDINATES,
-    HELD,
-    MATRICES,
-    NUMBERS,
-    OUT,
-    OUT_SIZE,
-    QUATERNION_PLACES,
-    QUATERNIONS,
-    RESIDUALS,
-    ROWS,
-    SCALES,
-    SIZES,
-    SPEEDS,
-    SPEEDS_FAIL,
-    WEIGHED,
-    assemble_positions,
-)
+from symbody.kernels.configurations.assembly import ASSEMBLED, CLOSED, SPEEDS_FAIL, assemble_positions
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.language import Function, Reals, part, sqrt
 from symbody.kernels.linear.row_space import add_row, dot, fulfil
 from symbody.kernels.runge_kutta import call
@@ -39,16 +24,16 @@ RANK: Final = 1e-6
 RESISTED: Final = 1e-12
 
 
-def add_conditions(A: Reals, first: int, v: Reals, row: Reals, basis: Reals) -> int:
+def add_conditions(problem: AssemblyProblem, first: int, v: Reals, row: Reals, basis: Reals) -> int:
     """Change v, speeds over their sizes, by what constraints ask of those that are not held.
 
     Their residuals lie in the output from `first` on, J behind them. Returns how many count.
     """
-    n = int(A[SPEEDS])
-    m = int(A[ROWS])
-    out = part(A, int(A[OUT]), int(A[OUT_SIZE]))
-    held = part(A, int(A[HELD]), n)
-    sizes = part(A, int(A[SIZES]), n)
+    n = problem.speeds
+    m = problem.rows
+    out = problem.out
+    held = problem.held
+    sizes = problem.sizes
     size = 0
     for k in range(m):
         whole = 0.0
@@ -68,10 +53,10 @@ def add_conditions(A: Reals, first: int, v: Reals, row: Reals, basis: Reals) -> 
     return size
 
 
-def add_free(A: Reals, size: int, row: Reals, basis: Reals) -> int:
+def add_free(problem: AssemblyProblem, size: int, row: Reals, basis: Reals) -> int:
     """Complete a basis of `size` rows by directions in which constraints let the others move; count all."""
-    n = int(A[SPEEDS])
-    held = part(A, int(A[HELD]), n)
+    n = problem.speeds
+    held = problem.held
     count = size
     for k in range(n):
         if count < n and held[k] == 0.0:
@@ -83,10 +68,10 @@ def add_free(A: Reals, size: int, row: Reals, basis: Reals) -> int:
     return count
 
 
-def weigh(A: Reals, mass: Reals, free: Reals, count: int, images: Reals) -> None:
+def weigh(problem: AssemblyProblem, mass: Reals, free: Reals, count: int, images: Reals) -> None:
     """Store the momenta of so many directions; those of speeds that follow from what is held are left out."""
-    n = int(A[SPEEDS])
-    sizes = part(A, int(A[SIZES]), n)
+    n = problem.speeds
+    sizes = problem.sizes
     for i in range(n):
         moves = 0.0
         for k in range(count):
@@ -126,32 +111,32 @@ def spread_change(n: int, v: Reals, free: Reals, count: int, images: Reals, scra
             v[i] = v[i] + share[k] * free[k * n + i]
 
 
-def close_speeds(h: Function, A: Reals, t: float, x: Reals) -> int:
+def close_speeds(h: Function, problem: AssemblyProblem, t: float, x: Reals) -> int:
     """Move the speeds of x = (u, q) onto the constraints, those that are held aside."""
-    n = int(A[SPEEDS])
-    m = int(A[ROWS])
-    count = int(A[RESIDUALS])
-    out = part(A, int(A[OUT]), int(A[OUT_SIZE]))
-    sizes = part(A, int(A[SIZES]), n)
-    numbers = part(A, int(A[NUMBERS]), 1)
-    place = int(A[MATRICES])
-    v = part(A, place, n)
-    row = part(A, place + n, n)
-    basis = part(A, place + 2 * n, n * n)
-    images = part(A, place + 2 * n + n * n, n * n)
-    first = count + count * int(A[COORDINATES])
+    n = problem.speeds
+    m = problem.rows
+    count = problem.residuals
+    out = problem.out
+    sizes = problem.sizes
+    numbers = problem.numbers
+    room = problem.matrices
+    v = part(room, 0, n)
+    row = part(room, n, n)
+    basis = part(room, 2 * n, n * n)
+    images = part(room, 2 * n + n * n, n * n)
+    first = count + count * problem.coordinates
     if call(h, n, numbers, t, x, out) != 0:
         return SPEEDS_FAIL
     for i in range(n):
         v[i] = 0.0
-    size = add_conditions(A, first, v, row, basis)
-    free = add_free(A, size, row, basis) - size
-    if free > 0 and A[WEIGHED] != 0.0 and dot(n, v, v) > 0.0:
+    size = add_conditions(problem, first, v, row, basis)
+    free = add_free(problem, size, row, basis) - size
+    if free > 0 and problem.weighed != 0.0 and dot(n, v, v) > 0.0:
         directions = part(basis, size * n, free * n)
-        weigh(A, part(out, first + m + m * n, n * n), directions, free, images)
-        spread_change(n, v, directions, free, images, part(A, place + 2 * n + 2 * n * n, 2 * n + n * n))
+        weigh(problem, part(out, first + m + m * n, n * n), directions, free, images)
+        spread_change(n, v, directions, free, images, part(room, 2 * n + 2 * n * n, 2 * n + n * n))
     for i in range(n):
-        if A[int(A[HELD]) + i] == 0.0:
+        if problem.held[i] == 0.0:
             x[i] = x[i] + v[i] * sizes[i]
     if call(h, n, numbers, t, x, out) != 0:
         return SPEEDS_FAIL
@@ -164,10 +149,10 @@ def close_speeds(h: Function, A: Reals, t: float, x: Reals) -> int:
     return ASSEMBLED
 
 
-def hold(A: Reals, count: int, places: Reals) -> None:
+def hold(problem: AssemblyProblem, count: int, places: Reals) -> None:
     """Hold the states at so many places, and no others."""
-    n = int(A[SPEEDS]) + int(A[COORDINATES])
-    held = part(A, int(A[HELD]), n)
+    n = problem.speeds + problem.coordinates - problem.followers
+    held = problem.asked
     for i in range(n):
         held[i] = 0.0
     for k in range(count):
@@ -175,46 +160,79 @@ def hold(A: Reals, count: int, places: Reals) -> None:
             held[int(places[k])] = 1.0
 
 
-def set_metric(A: Reals, row: Reals) -> int:
+def set_metric(problem: AssemblyProblem, row: Reals) -> int:
     """Take sizes of states and of constraints from a row; return how many these are."""
-    n = int(A[SPEEDS]) + int(A[COORDINATES])
-    count = int(A[RESIDUALS])
+    n = problem.speeds + problem.coordinates
+    count = problem.residuals
     for i in range(n):
-        A[int(A[SIZES]) + i] = row[i]
+        problem.sizes[i] = row[i]
     for k in range(count):
-        A[int(A[SCALES]) + k] = row[n + k]
+        problem.scales[k] = row[n + k]
     return n + count
 
 
-def closing_numbers(A: Reals) -> int:
-    """Return where the numbers of the function begin."""
-    return int(A[NUMBERS])
-
-
-def normalize_held(A: Reals, q: Reals) -> None:
+def normalize_held(problem: AssemblyProblem, q: Reals) -> None:
     """Divide quaternions that are held as a whole by their norm: what is held of them is the orientation."""
-    held = part(A, int(A[HELD]) + int(A[SPEEDS]), int(A[COORDINATES]))
-    for number in range(int(A[QUATERNIONS])):
+    held = part(problem.held, problem.speeds, problem.coordinates)
+    for number in range(problem.quaternion_count):
         total = 0.0
         is_held = 1
         for k in range(4):
-            place = int(A[int(A[QUATERNION_PLACES]) + 4 * number + k])
+            place = int(problem.quaternion_places[4 * number + k])
             total = total + q[place] * q[place]
             if held[place] == 0.0:
                 is_held = 0
         if is_held != 0 and total > 0.0:
             for k in range(4):
-                place = int(A[int(A[QUATERNION_PLACES]) + 4 * number + k])
+                place = int(problem.quaternion_places[4 * number + k])
                 q[place] = q[place] / sqrt(total)
 
 
-def close_state(h: Function, A: Reals, t: float, x: Reals) -> int:
-    """Move a state x = (u, q) onto the constraints, those that are held aside; return how that ended."""
-    normalize_held(A, part(x, int(A[SPEEDS]), int(A[COORDINATES])))
-    result = assemble_positions(h, A, t, x)
+def close_all(h: Function, problem: AssemblyProblem, t: float, x: Reals) -> int:
+    """Move a state x = (u, q) of the function onto the constraints; return how that ended."""
+    normalize_held(problem, part(x, problem.speeds, problem.coordinates))
+    result = assemble_positions(h, problem, t, x)
     if result != ASSEMBLED:
         return result
-    return close_speeds(h, A, t, x)
+    return close_speeds(h, problem, t, x)
+
+
+def enter_states(problem: AssemblyProblem, x: Reals) -> None:
+    """Copy states to their places among all."""
+    for i in range(problem.states):
+        problem.whole[int(problem.places[i])] = x[i]
+
+
+def note_followers(h: Function, problem: AssemblyProblem, t: float, x: Reals) -> None:
+    """Store the coordinates that are substituted, and their rates, as they are before states x change."""
+    count = problem.followers
+    if count == 0:
+        return
+    enter_states(problem, x)
+    out = problem.out
+    # The function may say that accelerations do not exist, which does not matter.
+    _status = call(h, problem.speeds, problem.numbers, t, problem.whole, out)
+    for k in range(count):
+        problem.whole[int(problem.follower_places[k])] = out[problem.out_size - count + k]
+
+
+def close_state(h: Function, problem: AssemblyProblem, t: float, x: Reals) -> int:
+    """Move a state x = (u, q) onto the constraints, those that are held aside; return how that ended.
+
+    Where coordinates are substituted `note_followers` has seen the state before it changed.
+    """
+    if problem.followers == 0:
+        return close_all(h, problem, t, x)
+    enter_states(problem, x)
+    for k in range(problem.followers):
+        problem.held[int(problem.follower_places[k])] = 0.0
+    count = problem.speeds + problem.coordinates - problem.followers
+    for i in range(count):
+        problem.held[int(problem.places[i])] = problem.asked[i]
+    result = close_all(h, problem, t, problem.whole)
+    for i in range(count):
+        x[i] = problem.whole[int(problem.places[i])]
+    return result
 
 
 def closing_size(n: int) -> int:

@@ -10,34 +10,12 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.configurations.assembly import (
-    ASSEMBLED,
-    COORDINATES,
-    MATRICES,
-    NUMBERS,
-    OUT,
-    OUT_SIZE,
-    QUATERNIONS,
-    RESIDUALS,
-    ROWS,
-    SIZES,
-    SPEEDS,
-    TINY,
-    assemble_positions,
-)
+from symbody.kernels.configurations.assembly import ASSEMBLED, TINY, assemble_positions
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.closing import add_free, spread_change, weigh
 from symbody.kernels.language import Function, Reals, part, sqrt
 from symbody.kernels.linear.row_space import add_row, dot, fulfil
 from symbody.kernels.runge_kutta import call
-
-# Behind the places of `assembly`: how many cosines of axes; how many chosen speeds, and of these such that
-# have to fit; rows of J that are zero; where chosen speeds and rows begin.
-COSINES: Final = 15
-CHOICES: Final = 16
-KEPT: Final = 17
-ZERO_ROWS: Final = 18
-CHOSEN: Final = 19
-ROW_PLACE: Final = 20
 
 # Other ends than those of `assembly`.
 OPPOSITE_AXES: Final = 3
@@ -65,14 +43,14 @@ def unit_row(n: int, slopes: Reals, sizes: Reals, row: Reals) -> float:
     return scale
 
 
-def add_constraints(A: Reals, rows: Reals, basis: Reals, lengths: Reals, right: Reals) -> int:
+def add_constraints(problem: AssemblyProblem, rows: Reals, basis: Reals, lengths: Reals, right: Reals) -> int:
     """Store the rows of the constraints on speeds; return their number, or -1 if some depend on others."""
-    n = int(A[SPEEDS])
-    m = int(A[ROWS])
-    count = int(A[RESIDUALS])
-    sizes = part(A, int(A[SIZES]), n)
-    out = part(A, int(A[OUT]), int(A[OUT_SIZE]))
-    first = count + count * int(A[COORDINATES])
+    n = problem.speeds
+    m = problem.rows
+    count = problem.residuals
+    sizes = problem.sizes
+    out = problem.out
+    first = count + count * problem.coordinates
     row = part(rows, n * n, n)
     size = 0
     for k in range(m):
@@ -90,75 +68,77 @@ def add_constraints(A: Reals, rows: Reals, basis: Reals, lengths: Reals, right: 
             if lengths[size] == 0.0:
                 return -1
             size = size + 1
-    A[ZERO_ROWS] = float(m - size)
+    problem.zero_rows = m - size
     return size
 
 
-def add_chosen(A: Reals, constraints: int, rows: Reals, basis: Reals, lengths: Reals, right: Reals) -> int:
+def add_chosen(
+    problem: AssemblyProblem, constraints: int, rows: Reals, basis: Reals, lengths: Reals, right: Reals
+) -> int:
     """Store rows of chosen speeds behind those of constraints; count all, or -1 if those to keep do not fit.
 
     Chosen speeds are pairs of a place in u and a value.
     """
-    n = int(A[SPEEDS])
-    chosen = part(A, int(A[CHOSEN]), 4 * n)
+    n = problem.speeds
+    chosen = problem.chosen
     size = constraints
-    for turn in range(int(A[CHOICES])):
+    for turn in range(problem.choices):
         length = 0.0
         if size < n:
             speed = int(chosen[2 * turn])
             for i in range(n):
                 rows[size * n + i] = 0.0
             rows[size * n + speed] = 1.0
-            right[size] = chosen[2 * turn + 1] / A[int(A[SIZES]) + speed]
+            right[size] = chosen[2 * turn + 1] / problem.sizes[speed]
             length = add_row(n, size, part(rows, size * n, n), basis, RANK)
         if length != 0.0:
             lengths[size] = length
             size = size + 1
-        elif turn < int(A[KEPT]):
+        elif turn < problem.kept:
             return -1
     return size
 
 
-def set_speeds(A: Reals, x: Reals) -> None:
+def set_speeds(problem: AssemblyProblem, x: Reals) -> None:
     """Set speeds to what was chosen for them, first choices first."""
-    chosen = part(A, int(A[CHOSEN]), 4 * int(A[SPEEDS]))
-    for turn in range(int(A[CHOICES]) - 1, -1, -1):
+    chosen = problem.chosen
+    for turn in range(problem.choices - 1, -1, -1):
         x[int(chosen[2 * turn])] = chosen[2 * turn + 1]
 
 
-def move_others(A: Reals, size: int, basis: Reals, v: Reals, row: Reals) -> None:
+def move_others(problem: AssemblyProblem, size: int, basis: Reals, v: Reals, row: Reals) -> None:
     """Change v, which fulfils the rows of a basis, so that speeds left open have the least kinetic energy."""
-    n = int(A[SPEEDS])
-    mass = part(A, int(A[OUT]) + int(A[OUT_SIZE]) - n * n, n * n)
-    free = add_free(A, size, row, basis) - size
-    images = part(A, int(A[MATRICES]), n * n)
+    n = problem.speeds
+    mass = part(problem.out, problem.out_size - n * n, n * n)
+    free = add_free(problem, size, row, basis) - size
+    images = problem.matrices
     directions = part(basis, size * n, n)
-    weigh(A, mass, directions, free, images)
-    spread_change(n, v, directions, free, images, part(A, int(A[MATRICES]) + n * n, n))
+    weigh(problem, mass, directions, free, images)
+    spread_change(n, v, directions, free, images, part(problem.matrices, n * n, n))
 
 
-def find_speeds(h: Function, A: Reals, t: float, x: Reals) -> int:
+def find_speeds(h: Function, problem: AssemblyProblem, t: float, x: Reals) -> int:
     """Set the speeds of x = (u, q) to what constraints and chosen values determine, the first of these first.
 
     The first `KEPT` have to fit. What is not determined has the least kinetic energy: see `closing`.
     """
-    n = int(A[SPEEDS])
-    place = int(A[ROW_PLACE])
-    rows = part(A, place, n * n + n)
-    basis = part(A, place + n * n + n, n * n)
-    lengths = part(A, place + 2 * n * n + n, n)
-    right = part(A, place + 2 * n * n + 2 * n, n)
-    v = part(A, place + 2 * n * n + 3 * n, n)
+    n = problem.speeds
+    room = problem.row_room
+    rows = part(room, 0, n * n + n)
+    basis = part(room, n * n + n, n * n)
+    lengths = part(room, 2 * n * n + n, n)
+    right = part(room, 2 * n * n + 2 * n, n)
+    v = part(room, 2 * n * n + 3 * n, n)
     for i in range(n):
         x[i] = 0.0
-    _status = call(h, n, part(A, int(A[NUMBERS]), 1), t, x, part(A, int(A[OUT]), int(A[OUT_SIZE])))
-    size = add_constraints(A, rows, basis, lengths, right)
+    _status = call(h, n, problem.numbers, t, x, problem.out)
+    size = add_constraints(problem, rows, basis, lengths, right)
     if size < 0:
         return DEPENDENT_ROWS
     if size == 0:
-        set_speeds(A, x)
+        set_speeds(problem, x)
         return ASSEMBLED
-    size = add_chosen(A, size, rows, basis, lengths, right)
+    size = add_chosen(problem, size, rows, basis, lengths, right)
     if size < 0:
         return DEPENDENT_ROWS
     for i in range(n):
@@ -167,21 +147,21 @@ def find_speeds(h: Function, A: Reals, t: float, x: Reals) -> int:
         for k in range(size):
             fulfil(n, k, part(rows, k * n, n), basis, lengths[k], right[k], v)
     if size < n and dot(n, v, v) > 0.0:
-        move_others(A, size, basis, v, part(rows, n * n, n))
+        move_others(problem, size, basis, v, part(rows, n * n, n))
     for i in range(n):
-        x[i] = v[i] * A[int(A[SIZES]) + i]
+        x[i] = v[i] * problem.sizes[i]
     return ASSEMBLED
 
 
-def check_accelerations(A: Reals, u: Reals) -> int:
+def check_accelerations(problem: AssemblyProblem, u: Reals) -> int:
     """Return whether accelerations fulfil the constraints beyond doubt: to rounding of their terms."""
-    n = int(A[SPEEDS])
-    m = int(A[ROWS])
-    count = int(A[RESIDUALS])
-    sizes = part(A, int(A[SIZES]), n)
-    out = part(A, int(A[OUT]), int(A[OUT_SIZE]))
-    first = count + count * int(A[COORDINATES]) + m
-    gamma = first + m * n + int(A[COSINES])
+    n = problem.speeds
+    m = problem.rows
+    count = problem.residuals
+    sizes = problem.sizes
+    out = problem.out
+    first = count + count * problem.coordinates + m
+    gamma = first + m * n + problem.cosines
     largest = 0.0
     fastest = 0.0
     for i in range(n):
@@ -202,26 +182,26 @@ def check_accelerations(A: Reals, u: Reals) -> int:
     return ASSEMBLED
 
 
-def first_state(h: Function, A: Reals, t: float, x: Reals) -> int:
+def first_state(h: Function, problem: AssemblyProblem, t: float, x: Reals) -> int:
     """Move x = (u, q) to a first state; return how that ended. The outputs at that state lie in the block."""
     result = ASSEMBLED
-    if int(A[RESIDUALS]) + int(A[QUATERNIONS]) > 0:
-        result = assemble_positions(h, A, t, x)
+    if problem.residuals + problem.quaternion_count > 0:
+        result = assemble_positions(h, problem, t, x)
     if result != ASSEMBLED:
         return result
-    result = find_speeds(h, A, t, x)
+    result = find_speeds(h, problem, t, x)
     if result != ASSEMBLED:
         return result
-    out = part(A, int(A[OUT]), int(A[OUT_SIZE]))
-    if call(h, int(A[SPEEDS]), part(A, int(A[NUMBERS]), 1), t, x, out) != 0:
+    out = problem.out
+    if call(h, problem.speeds, problem.numbers, t, x, out) != 0:
         return NO_ACCELERATIONS
-    m = int(A[ROWS])
-    count = int(A[RESIDUALS])
-    cosines = count + count * int(A[COORDINATES]) + m + m * int(A[SPEEDS])
-    for k in range(int(A[COSINES])):
+    m = problem.rows
+    count = problem.residuals
+    cosines = count + count * problem.coordinates + m + m * problem.speeds
+    for k in range(problem.cosines):
         if not out[cosines + k] > ALIGNED:
             return OPPOSITE_AXES
-    return check_accelerations(A, x)
+    return check_accelerations(problem, x)
 
 
 def speeds_size(n: int) -> int:

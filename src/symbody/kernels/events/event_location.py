@@ -1,7 +1,7 @@
 """Where values of events are zero: roots and extrema between samples of a motion.
 
-The motion is the dense output of its last steps, `breaks` and `pieces` as in `step_machine`; W is the block
-of `watch_block`, `e` the function of the values of all events.
+The motion is the dense output of its last steps, `breaks` and `pieces` as in `step_machine`; `e` is the
+function of the values of all events.
 """
 
 from __future__ import annotations
@@ -9,32 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.dense_output import interpolate
-from symbody.kernels.events.watch_block import (
-    CURRENT,
-    DIRECTION,
-    EVENT_SIZE,
-    EVENTS,
-    EXTREMUM_FIT,
-    EXTREMUM_NODES,
-    FAULT,
-    FIRST_STEP,
-    LARGEST,
-    LEVEL,
-    NUMBERS,
-    PENDING,
-    PENDING_COUNT,
-    PIECE_ROWS,
-    POLE,
-    POLE_TIME,
-    SCRATCH,
-    SPAN,
-    SPEEDS,
-    STATES,
-    TABLE,
-    VALUES,
-    ZERO_SIZE,
-    ZEROS_PER_EVENT,
-)
+from symbody.kernels.events.event_monitor import EXTREMUM_NODES, ZEROS_PER_EVENT, EventMonitor
 from symbody.kernels.language import NAN, Function, Reals, part
 from symbody.kernels.runge_kutta import call
 
@@ -57,13 +32,13 @@ def sign(x: float) -> float:
     return 0.0
 
 
-def state_at(W: Reals, breaks: Reals, pieces: Reals, t: float, x: Reals) -> None:
+def state_at(monitor: EventMonitor, breaks: Reals, pieces: Reals, t: float, x: Reals) -> None:
     """Set x to the state at a time of the smooth motion; times beyond its ends count as these."""
-    n = int(W[STATES])
-    rows = int(W[PIECE_ROWS])
-    direction = W[DIRECTION]
-    step = int(W[CURRENT])
-    first = int(W[FIRST_STEP])
+    n = monitor.states
+    rows = monitor.piece_rows
+    direction = monitor.direction
+    step = monitor.current
+    first = monitor.first_step
     while step > first and (t - breaks[step]) * direction < 0.0:
         step = step - 1
     start = breaks[step]
@@ -74,33 +49,33 @@ def state_at(W: Reals, breaks: Reals, pieces: Reals, t: float, x: Reals) -> None
     interpolate(n, rows, part(pieces, step * rows * n, rows * n), share, x)
 
 
-def compute_values(e: Function, W: Reals, t: float, x: Reals) -> None:
+def compute_values(e: Function, monitor: EventMonitor, t: float, x: Reals) -> None:
     """Set `VALUES` to those of all events at a time and state."""
-    out = part(W, int(W[VALUES]), int(W[EVENTS]))
-    status = call(e, int(W[SPEEDS]), part(W, int(W[NUMBERS]), 1), t, x, out)
+    out = monitor.values
+    status = call(e, monitor.speeds, monitor.numbers, t, x, out)
     if status != 0:
-        W[FAULT] = float(status)
-    for k in range(int(W[EVENTS])):
+        monitor.fault = status
+    for k in range(monitor.event_count):
         if status != 0:
             out[k] = NAN
-        out[k] = out[k] - W[int(W[TABLE]) + EVENT_SIZE * k + LEVEL]
+        out[k] = out[k] - monitor.events[k].level
 
 
-def compute_values_at(e: Function, W: Reals, breaks: Reals, pieces: Reals, t: float) -> None:
+def compute_values_at(e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, t: float) -> None:
     """Set `VALUES` to those of all events at a time of the smooth motion."""
-    x = part(W, int(W[SCRATCH]), int(W[STATES]))
-    state_at(W, breaks, pieces, t, x)
-    compute_values(e, W, t, x)
+    x = monitor.scratch
+    state_at(monitor, breaks, pieces, t, x)
+    compute_values(e, monitor, t, x)
 
 
-def value_at(e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, t: float) -> float:
+def value_at(e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, place: int, t: float) -> float:
     """Return the value of one event at a time of the smooth motion."""
-    compute_values_at(e, W, breaks, pieces, t)
-    return W[int(W[VALUES]) + place]
+    compute_values_at(e, monitor, breaks, pieces, t)
+    return monitor.values[place]
 
 
 def find_root(
-    e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, begin: float, end: float
+    e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, place: int, begin: float, end: float
 ) -> float:
     """Return the zero of a value between times at which its signs differ, else the time where it is smaller.
 
@@ -109,8 +84,8 @@ def find_root(
     """
     a = end
     b = begin
-    fa = value_at(e, W, breaks, pieces, place, a)
-    fb = value_at(e, W, breaks, pieces, place, b)
+    fa = value_at(e, monitor, breaks, pieces, place, a)
+    fb = value_at(e, monitor, breaks, pieces, place, b)
     if sign(fa) * sign(fb) >= 0.0:  # a sample that was zero up to rounding
         if abs(fb) <= abs(fa):
             return b
@@ -120,7 +95,7 @@ def find_root(
     best = a
     for _round in range(MOST_ROUNDS):
         x = a + share * (b - a)
-        fx = value_at(e, W, breaks, pieces, place, x)
+        fx = value_at(e, monitor, breaks, pieces, place, x)
         c = a
         fc = fa
         if sign(fx) != sign(fa):
@@ -158,15 +133,15 @@ def next_share(a: float, b: float, c: float, fa: float, fb: float, fc: float) ->
 
 
 def fit_slope(
-    e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, begin: float, end: float
+    e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, place: int, begin: float, end: float
 ) -> None:
     """Fit the slope of a value between times: its Chebyshev coefficients, over half of the interval."""
     count = EXTREMUM_NODES
-    fit = part(W, int(W[EXTREMUM_FIT]), count * (count + 3))
+    fit = monitor.extremum_fit
     samples = part(fit, count * (count + 1), count)
     slopes = part(fit, count * (count + 2), count)
     for k in range(count):
-        samples[k] = value_at(e, W, breaks, pieces, place, begin + (end - begin) * fit[k])
+        samples[k] = value_at(e, monitor, breaks, pieces, place, begin + (end - begin) * fit[k])
     later = 0.0
     last = 0.0
     for k in range(count - 1, 0, -1):
@@ -180,10 +155,10 @@ def fit_slope(
     slopes[0] = 0.5 * last
 
 
-def slope_at(W: Reals, share: float) -> float:
+def slope_at(monitor: EventMonitor, share: float) -> float:
     """Return the slope that was fitted at a share of its interval."""
     count = EXTREMUM_NODES
-    slopes = part(W, int(W[EXTREMUM_FIT]) + count * (count + 2), count)
+    slopes = part(monitor.extremum_fit, count * (count + 2), count)
     x = 2.0 * share - 1.0
     one = 0.0
     two = 0.0
@@ -194,14 +169,14 @@ def slope_at(W: Reals, share: float) -> float:
     return slopes[0] + x * one - two
 
 
-def find_flat_share(W: Reals, low: float, high: float) -> float:
+def find_flat_share(monitor: EventMonitor, low: float, high: float) -> float:
     """Return where the fitted slope is zero between shares at which its signs differ."""
     below = low
     above = high
-    rising = sign(slope_at(W, above))
+    rising = sign(slope_at(monitor, above))
     for _halving in range(HALVINGS):
         middle = 0.5 * (below + above)
-        if sign(slope_at(W, middle)) == rising:
+        if sign(slope_at(monitor, middle)) == rising:
             above = middle
         else:
             below = middle
@@ -209,13 +184,14 @@ def find_flat_share(W: Reals, low: float, high: float) -> float:
 
 
 def find_extremum(
-    e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, begin: float, end: float, side: float
-) -> float:
+    e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, place: int, begin: float, end: float,
+    side: float,
+) -> float:  # fmt: skip
     """Return when `side` times a value is least between times."""
-    fit_slope(e, W, breaks, pieces, place, begin, end)
+    fit_slope(e, monitor, breaks, pieces, place, begin, end)
     lowest = begin
-    least = side * value_at(e, W, breaks, pieces, place, begin)
-    value = side * value_at(e, W, breaks, pieces, place, end)
+    least = side * value_at(e, monitor, breaks, pieces, place, begin)
+    value = side * value_at(e, monitor, breaks, pieces, place, end)
     if value < least:
         lowest = end
         least = value
@@ -223,9 +199,9 @@ def find_extremum(
     for k in range(SCANNED):
         behind = (k + 1.0) / SCANNED
         # Only valleys can be lowest.
-        if side * slope_at(W, before) < 0.0 and side * slope_at(W, behind) >= 0.0:
-            t = begin + (end - begin) * find_flat_share(W, before, behind)
-            value = side * value_at(e, W, breaks, pieces, place, t)
+        if side * slope_at(monitor, before) < 0.0 and side * slope_at(monitor, behind) >= 0.0:
+            t = begin + (end - begin) * find_flat_share(monitor, before, behind)
+            value = side * value_at(e, monitor, breaks, pieces, place, t)
             if value < least:
                 lowest = t
                 least = value
@@ -233,52 +209,47 @@ def find_extremum(
     return lowest
 
 
-def add_zero(W: Reals, t: float, place: int, direction: float) -> None:
+def add_zero(monitor: EventMonitor, t: float, place: int, direction: float) -> None:
     """Add a zero to those that wait, unless as many lie where samples cannot be told apart."""
-    if int(W[PENDING_COUNT]) == ZEROS_PER_EVENT * int(W[EVENTS]):
+    if monitor.pending_count == ZEROS_PER_EVENT * monitor.event_count:
         return
-    zero = part(W, int(W[PENDING]) + ZERO_SIZE * int(W[PENDING_COUNT]), ZERO_SIZE)
-    zero[0] = t
-    zero[1] = float(place)
-    zero[2] = direction
-    W[PENDING_COUNT] = W[PENDING_COUNT] + 1.0
+    zero = monitor.pending[monitor.pending_count]
+    zero.time = t
+    zero.event = place
+    zero.direction = direction
+    monitor.pending_count = monitor.pending_count + 1
 
 
 def add_root(
-    e: Function,
-    W: Reals,
-    breaks: Reals,
-    pieces: Reals,
-    place: int,
-    begin: float,
-    end: float,
+    e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, place: int, begin: float, end: float,
     direction: float,
-) -> None:
+) -> None:  # fmt: skip
     """Add the zero between times at which the signs of a value differ, unless its sign changes at a pole."""
-    row = int(W[TABLE]) + EVENT_SIZE * place
-    t = find_root(e, W, breaks, pieces, place, begin, end)
-    value = abs(value_at(e, W, breaks, pieces, place, t))
-    before = abs(value_at(e, W, breaks, pieces, place, t - BESIDE * W[SPAN]))
-    behind = abs(value_at(e, W, breaks, pieces, place, t + BESIDE * W[SPAN]))
+    event = monitor.events[place]
+    t = find_root(e, monitor, breaks, pieces, place, begin, end)
+    value = abs(value_at(e, monitor, breaks, pieces, place, t))
+    before = abs(value_at(e, monitor, breaks, pieces, place, t - BESIDE * monitor.span))
+    behind = abs(value_at(e, monitor, breaks, pieces, place, t + BESIDE * monitor.span))
     if value <= STEEP * max(before, behind):
-        add_zero(W, t, place, direction)
-    elif W[row + POLE] == 0.0:
-        W[row + POLE] = 1.0
-        W[row + POLE_TIME] = t
+        add_zero(monitor, t, place, direction)
+    elif event.pole == 0.0:
+        event.pole = 1.0
+        event.pole_time = t
 
 
 def add_touch(
-    e: Function, W: Reals, breaks: Reals, pieces: Reals, place: int, begin: float, end: float, side: float
-) -> None:
+    e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, place: int, begin: float, end: float,
+    side: float,
+) -> None:  # fmt: skip
     """Add the zeros about an extremum between times at which a value has one sign, if there are any."""
-    largest = W[int(W[TABLE]) + EVENT_SIZE * place + LARGEST]
-    lowest = find_extremum(e, W, breaks, pieces, place, begin, end, side)
-    value = side * value_at(e, W, breaks, pieces, place, lowest)
+    largest = monitor.events[place].largest
+    lowest = find_extremum(e, monitor, breaks, pieces, place, begin, end, side)
+    value = side * value_at(e, monitor, breaks, pieces, place, lowest)
     if value < -TOUCHING * largest:
-        add_root(e, W, breaks, pieces, place, begin, lowest, -side)
-        add_root(e, W, breaks, pieces, place, lowest, end, side)
+        add_root(e, monitor, breaks, pieces, place, begin, lowest, -side)
+        add_root(e, monitor, breaks, pieces, place, lowest, end, side)
     elif abs(value) <= TOUCHING * largest:
-        beside = abs(value_at(e, W, breaks, pieces, place, begin))
-        beside = max(beside, abs(value_at(e, W, breaks, pieces, place, end)))
+        beside = abs(value_at(e, monitor, breaks, pieces, place, begin))
+        beside = max(beside, abs(value_at(e, monitor, breaks, pieces, place, end)))
         if abs(value) <= DEEP * beside:  # largest may be the value beside a pole
-            add_zero(W, lowest, place, 0.0)
+            add_zero(monitor, lowest, place, 0.0)

@@ -29,28 +29,17 @@ from symbody.kernels.block import (
     VERDICT_SIZE,
     N,
 )
-from symbody.kernels.configurations.closing import closing_numbers, set_metric
-from symbody.kernels.events.watch_block import (
-    ACTIONS,
-    CLOSING,
-    CULPRIT,
-    EVENT_SIZE,
-    EVENTS,
-    FIRST_LENGTH,
-    HAPPENED,
-    HAPPENED_ROOM,
-    NO_NUMBER,
-    NUMBERS,
-    TABLE,
-    UNTURNED,
-)
+from symbody.kernels.configurations.closing import set_metric
+from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.events.watched_motion import advance_watched
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.many_motions import conclude, prepare, set_numbers
+from symbody.kernels.record import exists
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.step_machine import begin
 
-# A row of `looks`, then six numbers of each event: `NO_NUMBER` and those behind it.
+# A row of `looks`, then six numbers of each event: whether and when its value was no number,
+# had a pole, or why and since when it waits.
 LOOK_HAPPENED: Final = 0
 LOOK_CULPRIT: Final = 1
 LOOK_UNTURNED: Final = 2
@@ -58,37 +47,43 @@ LOOK_EVENTS: Final = 3
 LOOK_SIZE: Final = 6
 
 
-def prepare_watch(B: Reals, W: Reals, size: int, fresh: Reals, row: Reals) -> None:
+def prepare_watch(B: Reals, monitor: EventMonitor, size: int, fresh: Reals, row: Reals) -> None:
     """Set a watch to the beginning of a case."""
-    happened = W[HAPPENED]
-    room = W[HAPPENED_ROOM]
-    copy(size, fresh, W)
-    W[HAPPENED] = happened
-    W[HAPPENED_ROOM] = room
-    B[FIRST_STEP] = W[FIRST_LENGTH]
-    place = set_numbers(part(W, int(W[NUMBERS]), 1), row)
-    if W[ACTIONS] != 0.0:
-        place = place + set_numbers(part(W, int(W[ACTIONS]), 1), part(row, place, 1))
-    if W[CLOSING] != 0.0:
-        A = part(W, int(W[CLOSING]), 1)
-        place = place + set_metric(A, part(row, place, 1))
-        place = place + set_numbers(part(A, closing_numbers(A), 1), part(row, place, 1))
+    happened = monitor.happened
+    room = monitor.happened_room
+    copy(size, fresh, monitor)
+    monitor.happened = happened
+    monitor.happened_room = room
+    B[FIRST_STEP] = monitor.first_length
+    place = set_numbers(monitor.numbers, row)
+    if exists(monitor.actions):
+        place = place + set_numbers(monitor.actions, part(row, place, 1))
+    if exists(monitor.closing):
+        place = place + set_metric(monitor.closing, part(row, place, 1))
+        place = place + set_numbers(monitor.closing.numbers, part(row, place, 1))
 
 
-def note_looks(W: Reals, look: Reals) -> None:
+def note_looks(monitor: EventMonitor, look: Reals) -> None:
     """Write down what the search has seen of a case."""
-    look[LOOK_HAPPENED] = W[HAPPENED]
-    look[LOOK_CULPRIT] = W[CULPRIT]
-    look[LOOK_UNTURNED] = W[UNTURNED]
-    for k in range(int(W[EVENTS])):
-        row = part(W, int(W[TABLE]) + EVENT_SIZE * k + NO_NUMBER, LOOK_SIZE)
-        copy(LOOK_SIZE, row, part(look, LOOK_EVENTS + LOOK_SIZE * k, LOOK_SIZE))
+    look[LOOK_HAPPENED] = monitor.happened
+    look[LOOK_CULPRIT] = monitor.culprit
+    look[LOOK_UNTURNED] = monitor.unturned
+    for k in range(monitor.event_count):
+        event = monitor.events[k]
+        seen = part(look, LOOK_EVENTS + LOOK_SIZE * k, LOOK_SIZE)
+        seen[0] = event.no_number
+        seen[1] = event.no_number_time
+        seen[2] = event.pole
+        seen[3] = event.pole_time
+        seen[4] = event.waits
+        seen[5] = event.waits_time
 
 
 def run_watched_cases(
-    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, W: Reals, watch_size: int,
-    fresh: Reals, count: int, size: int, first: int, cases: Reals, times: Reals, t: Reals, x: Reals,
-    samples: Reals, verdicts: Reals, breaks: Reals, pieces: Reals, H: Reals, looks: Reals, trials: int,
+    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, monitor: EventMonitor,
+    watch_size: int, fresh: Reals, count: int, size: int, first: int, cases: Reals, times: Reals, t: Reals,
+    x: Reals, samples: Reals, verdicts: Reals, breaks: Reals, pieces: Reals, H: Reals, looks: Reals,
+    trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps of the cases without a verdict; return a code of `block`.
 
@@ -98,7 +93,7 @@ def run_watched_cases(
     n = int(B[N])
     times_of_case = int(B[TIMES])
     left = trials
-    look_size = LOOK_EVENTS + LOOK_SIZE * int(W[EVENTS])
+    look_size = LOOK_EVENTS + LOOK_SIZE * monitor.event_count
     while int(B[CASE]) < count:
         k = int(B[CASE])
         verdict = part(verdicts, k * VERDICT_SIZE, VERDICT_SIZE)
@@ -107,12 +102,12 @@ def run_watched_cases(
             if B[CASE_BEGUN] == 0.0:
                 row = part(cases, k * size, size)
                 prepare(B, row)
-                prepare_watch(B, W, watch_size, fresh, part(row, first, 1))
+                prepare_watch(B, monitor, watch_size, fresh, part(row, first, 1))
                 B[CASE_BEGUN] = 1.0
                 code = begin(f, B, times, t, x, breaks)
             before = B[ACCEPTED] + B[REJECTED]
             if code == RUNNING:
-                code = advance_watched(f, g, e, a, c, B, W, times, t, x, breaks, pieces, H, left)
+                code = advance_watched(f, g, e, a, c, B, monitor, times, t, x, breaks, pieces, H, left)
             left = left - int(B[ACCEPTED] + B[REJECTED] - before)
             if code == FULL or code == NO_EVENT_ROOM:
                 return code
@@ -122,7 +117,7 @@ def run_watched_cases(
             copy(kept * n, x, part(samples, k * times_of_case * n, times_of_case * n))
             if code == RUNNING:
                 return RUNNING
-            note_looks(W, part(looks, k * look_size, look_size))
+            note_looks(monitor, part(looks, k * look_size, look_size))
         B[CASE] = float(k + 1)
         B[CASE_BEGUN] = 0.0
     return FINISHED

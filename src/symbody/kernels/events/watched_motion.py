@@ -33,22 +33,18 @@ from symbody.kernels.block import (
     N,
 )
 from symbody.kernels.dense_output import interpolate
-from symbody.kernels.events.event_watch import look
-from symbody.kernels.events.watch_block import (
-    AFTER,
-    BEFORE,
+from symbody.kernels.events.event_monitor import (
     CHATTERS,
-    CUT,
-    CUT_FIT,
     ENDS,
     FAILS,
     GOES_ON,
     MISSES,
     NO_ROOM,
     NOTHING_YET,
-    RESUMED,
     SPOILS,
+    EventMonitor,
 )
+from symbody.kernels.events.event_watch import look
 from symbody.kernels.events.zeros_in_order import steps_before
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import copy
@@ -69,15 +65,17 @@ def shorten(n: int, rows: int, fit: Reals, piece: Reals, share: float) -> None:
             piece[row * n + i] = total
 
 
-def cut_back(B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, goes_on: int) -> None:
+def cut_back(
+    B: Reals, monitor: EventMonitor, t: Reals, x: Reals, breaks: Reals, pieces: Reals, goes_on: int
+) -> None:
     """Forget what lies beyond the cut; its state is a sample if every step is one, or if it is the end."""
     n = int(B[N])
     rows = int(B[METHOD + DENSE_ROWS])
-    cut = W[CUT]
+    cut = monitor.cut
     end = steps_before(breaks, int(B[STEPS]), cut, B[DIRECTION])
     if end > 0 and breaks[end] != cut:
         share = (cut - breaks[end - 1]) / (breaks[end] - breaks[end - 1])
-        shorten(n, rows, part(W, int(W[CUT_FIT]), 1), part(pieces, (end - 1) * rows * n, rows * n), share)
+        shorten(n, rows, monitor.cut_fit, part(pieces, (end - 1) * rows * n, rows * n), share)
     breaks[end] = cut
     B[STEPS] = float(end)
     sample = int(B[SAMPLES])
@@ -87,17 +85,19 @@ def cut_back(B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Real
         sample = sample - 1
     if B[EVERY_STEP] != 0.0 or goes_on == 0:
         t[sample] = cut
-        copy(n, part(W, int(W[BEFORE]), n), part(x, sample * n, n))
+        copy(n, monitor.before, part(x, sample * n, n))
         sample = sample + 1
     B[SAMPLES] = float(sample)
     B[TIME] = cut
-    copy(n, part(W, int(W[BEFORE]), n), part(B, VECTORS + STATE_OLD * n, n))
+    copy(n, monitor.before, part(B, VECTORS + STATE_OLD * n, n))
 
 
-def go_on(f: Function, B: Reals, W: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
+def go_on(
+    f: Function, B: Reals, monitor: EventMonitor, times: Reals, t: Reals, x: Reals, breaks: Reals
+) -> int:
     """Begin anew from the state after a cut."""
     n = int(B[N])
-    after = part(W, int(W[AFTER]), n)
+    after = monitor.after
     copy(n, after, part(B, VECTORS + STATE_OLD * n, n))
     B[KERNEL] = 0.0
     B[AFTER_REJECTION] = 0.0
@@ -111,22 +111,22 @@ def go_on(f: Function, B: Reals, W: Reals, times: Reals, t: Reals, x: Reals, bre
     breaks[0] = first  # it belongs to the first stretch
     sample = int(B[SAMPLES])
     if code == FINISHED and B[SAMPLES] < B[TIMES]:
-        t[sample] = W[CUT]
+        t[sample] = monitor.cut
         copy(n, after, part(x, sample * n, n))
         B[SAMPLES] = B[SAMPLES] + 1.0
     return code
 
 
 def advance_watched(
-    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, W: Reals, times: Reals,
-    t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, trials: int,
+    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, monitor: EventMonitor,
+    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps, and let events happen; return one of the codes of `block`.
 
     The last functions are those of `event_watch.look`; `FULL` and `NO_EVENT_ROOM` want more room.
     """
-    code = int(W[RESUMED]) - 1
-    W[RESUMED] = 0.0
+    code = monitor.resumed - 1
+    monitor.resumed = 0
     for _trial in range(trials):
         if code < 0:
             code = FULL
@@ -135,26 +135,28 @@ def advance_watched(
         is_over = 1
         if code == RUNNING or code == FULL:
             is_over = 0
-        happened = look(e, a, c, W, breaks, pieces, H, int(B[STEPS]), is_over)
+        happened = look(e, a, c, monitor, breaks, pieces, H, int(B[STEPS]), is_over)
         if happened == NO_ROOM:
-            W[RESUMED] = float(code + 1)
+            monitor.resumed = code + 1
             return NO_EVENT_ROOM
         if happened == GOES_ON:
-            cut_back(B, W, t, x, breaks, pieces, 1)
-            code = go_on(f, B, W, times, t, x, breaks)
+            cut_back(B, monitor, t, x, breaks, pieces, 1)
+            code = go_on(f, B, monitor, times, t, x, breaks)
         elif happened != NOTHING_YET:
-            return end_at_event(B, W, t, x, breaks, pieces, happened)
+            return end_at_event(B, monitor, t, x, breaks, pieces, happened)
         if code != RUNNING:
             return code
         code = -1
     return RUNNING
 
 
-def end_at_event(B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, happened: int) -> int:
+def end_at_event(
+    B: Reals, monitor: EventMonitor, t: Reals, x: Reals, breaks: Reals, pieces: Reals, happened: int
+) -> int:
     """End a motion at an event, or at the fault of a function; return the code."""
     if happened == FAILS:
         return EVENT_FAULT
-    cut_back(B, W, t, x, breaks, pieces, 0)
+    cut_back(B, monitor, t, x, breaks, pieces, 0)
     if happened == CHATTERS:
         return CHATTERING
     if happened == SPOILS:
@@ -165,11 +167,11 @@ def end_at_event(B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals, pieces: 
 
 
 def break_off(
-    e: Function, a: Function, c: Function, B: Reals, W: Reals, t: Reals, x: Reals, breaks: Reals,
-    pieces: Reals, H: Reals,
+    e: Function, a: Function, c: Function, B: Reals, monitor: EventMonitor, t: Reals, x: Reals,
+    breaks: Reals, pieces: Reals, H: Reals,
 ) -> int:  # fmt: skip
     """End a motion that is interrupted at an event beyond which it was computed, if there is one."""
-    happened = look(e, a, c, W, breaks, pieces, H, int(B[STEPS]), 1)
+    happened = look(e, a, c, monitor, breaks, pieces, H, int(B[STEPS]), 1)
     if happened == GOES_ON or happened == ENDS or happened == CHATTERS:
-        cut_back(B, W, t, x, breaks, pieces, 0)
+        cut_back(B, monitor, t, x, breaks, pieces, 0)
     return happened

@@ -23,42 +23,26 @@ from symbody.kernels.block import (
     N,
 )
 from symbody.kernels.events.event_location import add_zero, compute_values, sign
+from symbody.kernels.events.event_monitor import GOES_ON, MOST_RECENT, NO_ROOM, NOTHING_YET, EventMonitor
 from symbody.kernels.events.event_watch import look, start_stretch
-from symbody.kernels.events.watch_block import (
-    ACTIONS,
-    EVENT_SIZE,
-    EVENTS,
-    GOES_ON,
-    GOES_THROUGH,
-    HAPPENED,
-    JUST_HAPPENED,
-    MOST_RECENT,
-    NO_ROOM,
-    NOTHING_YET,
-    NUMBERS,
-    RECENT,
-    RECENT_COUNT,
-    SIDE,
-    TABLE,
-    VALUES,
-)
 from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on
 from symbody.kernels.language import Function, Reals, part
+from symbody.kernels.record import exists
 from symbody.kernels.runge_kutta import evaluate
-from symbody.kernels.samples.sample_block import RECORDED, ROOM
+from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.kernels.samples.sampling import is_due, is_instant, piece_end, show_values, take_samples
 from symbody.kernels.step_bounds import behind_jump
 from symbody.kernels.step_machine import advance
 
 
-def sample(f: Function, h: Function, B: Reals, Z: Reals, Q: Reals, Y: Reals) -> int:
+def sample(f: Function, h: Function, B: Reals, held: SampleHold, Q: Reals, Y: Reals) -> int:
     """Take the samples that are due, and go on with the derivative behind them; return a code of `block`."""
-    if Z[RECORDED] == Z[ROOM]:
+    if held.recorded == held.room:
         return NO_SAMPLE_ROOM
     t = B[TIME]
-    if take_samples(h, Q, Z, Y, t, part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N]))) != 0:
+    if take_samples(h, Q, held, Y, t, part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N]))) != 0:
         return SAMPLE_FAULT
-    show_values(Z, part(B, int(B[FUNCTION]), 1))
+    show_values(held, part(B, int(B[FUNCTION]), 1))
     if t != B[T_END]:
         B[TIME] = behind_jump(B, t)
         evaluate(f, B, B[TIME], STATE_OLD, 0)
@@ -66,12 +50,12 @@ def sample(f: Function, h: Function, B: Reals, Z: Reals, Q: Reals, Y: Reals) -> 
 
 
 def advance_to_sample(
-    f: Function, g: Function, B: Reals, Z: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals,
+    f: Function, g: Function, B: Reals, held: SampleHold, times: Reals, t: Reals, x: Reals, breaks: Reals,
     pieces: Reals,
 ) -> int:  # fmt: skip
     """Try one step, which ends at the next sample; return one of the codes of `block`."""
     end = B[T_END]
-    stop = piece_end(B, Z, end)
+    stop = piece_end(B, held, end)
     planned = B[STEP]
     B[T_END] = stop
     code = advance(f, g, B, times, t, x, breaks, pieces, 1)
@@ -84,125 +68,126 @@ def advance_to_sample(
 
 
 def advance_sampled(
-    f: Function, g: Function, h: Function, B: Reals, Z: Reals, Q: Reals, times: Reals, t: Reals, x: Reals,
-    breaks: Reals, pieces: Reals, Y: Reals, trials: int,
+    f: Function, g: Function, h: Function, B: Reals, held: SampleHold, Q: Reals, times: Reals, t: Reals,
+    x: Reals, breaks: Reals, pieces: Reals, Y: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps and take the samples on the way; return one of the codes of `block`.
 
     `NO_SAMPLE_ROOM` wants more room for the record of held values.
     """
     for _trial in range(trials):
-        if is_due(Z, B[TIME]) != 0:
-            code = sample(f, h, B, Z, Q, Y)
+        if is_due(held, B[TIME]) != 0:
+            code = sample(f, h, B, held, Q, Y)
             if code != RUNNING:
                 return code
-        code = advance_to_sample(f, g, B, Z, times, t, x, breaks, pieces)
+        code = advance_to_sample(f, g, B, held, times, t, x, breaks, pieces)
         if code != RUNNING:
             return code
     return RUNNING
 
 
-def values_before(e: Function, B: Reals, W: Reals) -> None:
+def values_before(e: Function, B: Reals, monitor: EventMonitor) -> None:
     """Note on which side of zero the values of events are just before a sample; zero itself is none.
 
     Where a motion goes on, the sides are those on which it was interrupted.
     """
-    compute_values(e, W, B[TIME], part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])))
-    for k in range(int(W[EVENTS])):
-        side = sign(W[int(W[VALUES]) + k])
-        row = int(W[TABLE]) + EVENT_SIZE * k
-        if side != 0.0 and (B[STEPS] != 0.0 or W[row + SIDE] == 0.0):
-            W[row + SIDE] = side
+    compute_values(e, monitor, B[TIME], part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])))
+    for k in range(monitor.event_count):
+        side = sign(monitor.values[k])
+        event = monitor.events[k]
+        if side != 0.0 and (B[STEPS] != 0.0 or event.side == 0.0):
+            event.side = side
 
 
-def watch_sample(e: Function, B: Reals, W: Reals, Z: Reals) -> None:
+def watch_sample(e: Function, B: Reals, monitor: EventMonitor, held: SampleHold) -> None:
     """Watch the motion behind a sample: values that jump through zero there have a zero there."""
-    show_values(Z, part(W, int(W[NUMBERS]), 1))
-    if W[ACTIONS] != 0.0:
-        show_values(Z, part(W, int(W[ACTIONS]), 1))
+    show_values(held, monitor.numbers)
+    if exists(monitor.actions):
+        show_values(held, monitor.actions)
     t = B[TIME]
-    start_stretch(W, int(B[STEPS]))
-    compute_values(e, W, t, part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])))
-    for k in range(int(W[EVENTS])):
-        row = int(W[TABLE]) + EVENT_SIZE * k
-        if B[STEPS] != 0.0 or W[HAPPENED] != 0.0:
-            W[row + JUST_HAPPENED] = has_just_happened(W, Z, k, t)
-        side = sign(W[int(W[VALUES]) + k])
-        if W[row + SIDE] * side > 0.0 and W[row + JUST_HAPPENED] == 0.0:
-            W[row + GOES_THROUGH] = side
-        if W[row + SIDE] * side < 0.0 and W[row + JUST_HAPPENED] == 0.0:
-            add_zero(W, t, k, side)
+    start_stretch(monitor, int(B[STEPS]))
+    compute_values(e, monitor, t, part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])))
+    for k in range(monitor.event_count):
+        event = monitor.events[k]
+        if B[STEPS] != 0.0 or monitor.happened != 0:
+            event.just_happened = has_just_happened(monitor, held, k, t)
+        side = sign(monitor.values[k])
+        if event.side * side > 0.0 and event.just_happened == 0.0:
+            event.goes_through = side
+        if event.side * side < 0.0 and event.just_happened == 0.0:
+            add_zero(monitor, t, k, side)
 
 
-def has_just_happened(W: Reals, Z: Reals, place: int, t: float) -> float:
+def has_just_happened(monitor: EventMonitor, held: SampleHold, place: int, t: float) -> float:
     """Return 1 if an event has happened at a time, else 0."""
-    count = int(W[int(W[TABLE]) + EVENT_SIZE * place + RECENT_COUNT])
+    count = int(monitor.events[place].recent_count)
     if count == 0:
         return 0.0
-    return float(is_instant(Z, W[int(W[RECENT]) + MOST_RECENT * place + count - 1], t))
+    return float(is_instant(held, monitor.recent[MOST_RECENT * place + count - 1], t))
 
 
 def sample_watched(
-    f: Function, e: Function, a: Function, c: Function, h: Function, B: Reals, W: Reals, Z: Reals, Q: Reals,
-    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, Y: Reals,
+    f: Function, e: Function, a: Function, c: Function, h: Function, B: Reals, monitor: EventMonitor,
+    held: SampleHold, Q: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
+    Y: Reals,
 ) -> int:  # fmt: skip
     """Let all happen that comes before the samples that are due, and take these; return a code of `block`."""
     happened = NOTHING_YET
     if B[STEPS] != 0.0:
-        happened = look(e, a, c, W, breaks, pieces, H, int(B[STEPS]), 1)
+        happened = look(e, a, c, monitor, breaks, pieces, H, int(B[STEPS]), 1)
     if happened == NO_ROOM:
         return NO_EVENT_ROOM
     if happened == GOES_ON:
-        cut_back(B, W, t, x, breaks, pieces, 1)
-        code = go_on(f, B, W, times, t, x, breaks)
+        cut_back(B, monitor, t, x, breaks, pieces, 1)
+        code = go_on(f, B, monitor, times, t, x, breaks)
         if code == FINISHED:
             return RUNNING
         return code
     if happened != NOTHING_YET:
-        return end_at_event(B, W, t, x, breaks, pieces, happened)
-    values_before(e, B, W)
-    code = sample(f, h, B, Z, Q, Y)
+        return end_at_event(B, monitor, t, x, breaks, pieces, happened)
+    values_before(e, B, monitor)
+    code = sample(f, h, B, held, Q, Y)
     if code == RUNNING:
-        watch_sample(e, B, W, Z)
+        watch_sample(e, B, monitor, held)
     return code
 
 
 def step_watched(
-    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, W: Reals, Z: Reals,
-    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
+    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, monitor: EventMonitor,
+    held: SampleHold, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
 ) -> int:  # fmt: skip
     """Try one step, and let events happen unless samples are due at its end; return a code of `block`."""
     code = FULL
     if B[EVERY_STEP] == 0.0 or B[SAMPLES] + 2.0 <= B[SAMPLE_ROOM]:
-        code = advance_to_sample(f, g, B, Z, times, t, x, breaks, pieces)
-    if B[STEPS] == 0.0 or (code == RUNNING and is_due(Z, B[TIME]) != 0):
+        code = advance_to_sample(f, g, B, held, times, t, x, breaks, pieces)
+    if B[STEPS] == 0.0 or (code == RUNNING and is_due(held, B[TIME]) != 0):
         return code
     is_over = 1
     if code == RUNNING or code == FULL:
         is_over = 0
-    happened = look(e, a, c, W, breaks, pieces, H, int(B[STEPS]), is_over)
+    happened = look(e, a, c, monitor, breaks, pieces, H, int(B[STEPS]), is_over)
     if happened == NO_ROOM:
         return NO_EVENT_ROOM
     if happened == GOES_ON:
-        cut_back(B, W, t, x, breaks, pieces, 1)
-        return go_on(f, B, W, times, t, x, breaks)
+        cut_back(B, monitor, t, x, breaks, pieces, 1)
+        return go_on(f, B, monitor, times, t, x, breaks)
     if happened != NOTHING_YET:
-        return end_at_event(B, W, t, x, breaks, pieces, happened)
+        return end_at_event(B, monitor, t, x, breaks, pieces, happened)
     return code
 
 
 def advance_sampled_watched(
-    f: Function, g: Function, e: Function, a: Function, c: Function, h: Function, B: Reals, W: Reals,
-    Z: Reals, Q: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, Y: Reals,
-    trials: int,
+    f: Function, g: Function, e: Function, a: Function, c: Function, h: Function, B: Reals,
+    monitor: EventMonitor, held: SampleHold, Q: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals,
+    pieces: Reals, H: Reals, Y: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps, take samples and let events happen; return one of the codes of `block`."""
     for _trial in range(trials):
-        while is_due(Z, B[TIME]) != 0:
-            code = sample_watched(f, e, a, c, h, B, W, Z, Q, times, t, x, breaks, pieces, H, Y)
+        while is_due(held, B[TIME]) != 0:
+            code = sample_watched(f, e, a, c, h, B, monitor, held, Q, times, t, x, breaks, pieces, H, Y)
             if code != RUNNING:
                 return code
-        code = step_watched(f, g, e, a, c, B, W, Z, times, t, x, breaks, pieces, H)
+        code = step_watched(f, g, e, a, c, B, monitor, held, times, t, x, breaks, pieces, H)
         if code != RUNNING:
             return code
     return RUNNING

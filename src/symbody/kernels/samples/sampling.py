@@ -11,92 +11,78 @@ from typing import Final
 from symbody.kernels.block import R_PLACE, TIME
 from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.runge_kutta import call, copy
-from symbody.kernels.samples.sample_block import (
-    COUNT,
-    FAULT,
-    GROUP_OF,
-    GROUPS,
-    NEW,
-    NEXT,
-    RECORDED,
-    SLOTS,
-    SPEEDS,
-    START,
-    STEPS,
-    TAKEN,
-    VALUES,
-)
+from symbody.kernels.samples.sample_hold import SampleHold
 
 # Times that differ by less, over the larger one, are one instant: 3*0.1 and 0.3.
 ONE_INSTANT: Final = 8.0 * 2.220446049250313e-16
 
 
-def is_instant(Z: Reals, a: float, b: float) -> int:
+def is_instant(held: SampleHold, a: float, b: float) -> int:
     """Return 1 if two times are one instant, else 0."""
-    if abs(a - b) <= ONE_INSTANT * max(max(abs(a), abs(b)), abs(Z[START])):
+    if abs(a - b) <= ONE_INSTANT * max(max(abs(a), abs(b)), abs(held.start)):
         return 1
     return 0
 
 
-def instant_of(Z: Reals, group: int) -> float:
+def instant_of(held: SampleHold, group: int) -> float:
     """Return when the next sample of a group is due."""
-    return Z[START] + Z[int(Z[TAKEN]) + group] * Z[int(Z[STEPS]) + group]
+    return held.start + held.taken[group] * held.steps[group]
 
 
-def find_next(Z: Reals) -> None:
-    """Set `NEXT` to when the next sample of any group is due."""
+def find_next(held: SampleHold) -> None:
+    """Set `next` to when the next sample of any group is due."""
     t = INFINITY
-    for group in range(int(Z[GROUPS])):
-        t = min(t, instant_of(Z, group))
-    Z[NEXT] = t
+    for group in range(held.groups):
+        t = min(t, instant_of(held, group))
+    held.next = t
 
 
-def is_due(Z: Reals, t: float) -> int:
+def is_due(held: SampleHold, t: float) -> int:
     """Return 1 if a sample has to be taken at a time, else 0."""
-    if Z[NEXT] <= t:
+    if held.next <= t:
         return 1
-    return is_instant(Z, Z[NEXT], t)
+    return is_instant(held, held.next, t)
 
 
-def show_values(Z: Reals, numbers: Reals) -> None:
+def show_values(held: SampleHold, numbers: Reals) -> None:
     """Write the held values among the inputs of a function."""
-    for k in range(int(Z[COUNT])):
-        numbers[R_PLACE + int(Z[int(Z[SLOTS]) + k])] = Z[int(Z[VALUES]) + k]
+    for k in range(held.count):
+        numbers[R_PLACE + int(held.slots[k])] = held.values[k]
 
 
-def take_samples(h: Function, numbers: Reals, Z: Reals, Y: Reals, t: float, x: Reals) -> int:
+def take_samples(h: Function, numbers: Reals, held: SampleHold, Y: Reals, t: float, x: Reals) -> int:
     """Compute the values that are due at a time, and record all; return the status of the function.
 
     `numbers` are those of the function h of new values; Y has room for one more row. What jumps at the same
     instant has jumped: 3*0.29 is less than 0.87 by rounding alone.
     """
-    behind = t + ONE_INSTANT * max(abs(t), abs(Z[START]))
-    count = int(Z[COUNT])
-    new = part(Z, int(Z[NEW]), count)
-    show_values(Z, numbers)
+    behind = t + ONE_INSTANT * max(abs(t), abs(held.start))
+    count = held.count
+    new = held.new
+    show_values(held, numbers)
     for k in range(count):
-        when = instant_of(Z, int(Z[int(Z[GROUP_OF]) + k]))
-        if when <= t or is_instant(Z, when, t) != 0:
-            status = call(h, int(Z[SPEEDS]), numbers, behind, x, new)
+        when = instant_of(held, int(held.group_of[k]))
+        if when <= t or is_instant(held, when, t) != 0:
+            status = call(h, held.speeds, numbers, behind, x, new)
             if status != 0:
-                Z[FAULT] = float(status)
+                held.fault = status
                 return status
-            Z[int(Z[VALUES]) + k] = new[k]
-            numbers[R_PLACE + int(Z[int(Z[SLOTS]) + k])] = new[k]
-    for group in range(int(Z[GROUPS])):
-        when = instant_of(Z, group)
-        if when <= t or is_instant(Z, when, t) != 0:
-            Z[int(Z[TAKEN]) + group] = Z[int(Z[TAKEN]) + group] + 1.0
-    find_next(Z)
-    row = part(Y, (count + 1) * int(Z[RECORDED]), count + 1)
+            held.values[k] = new[k]
+            numbers[R_PLACE + int(held.slots[k])] = new[k]
+    for group in range(held.groups):
+        when = instant_of(held, group)
+        if when <= t or is_instant(held, when, t) != 0:
+            held.taken[group] = held.taken[group] + 1.0
+    find_next(held)
+    row = part(Y, (count + 1) * held.recorded, count + 1)
     row[0] = t
-    copy(count, part(Z, int(Z[VALUES]), count), part(row, 1, count))
-    Z[RECORDED] = Z[RECORDED] + 1.0
+    copy(count, held.values, part(row, 1, count))
+    held.recorded = held.recorded + 1
     return 0
 
 
-def piece_end(B: Reals, Z: Reals, end: float) -> float:
+def piece_end(B: Reals, held: SampleHold, end: float) -> float:
     """Return where the motion has to stop for the next sample, `end` if that comes first."""
-    if Z[NEXT] >= end or is_instant(Z, Z[NEXT], end) != 0:
+    if held.next >= end or is_instant(held, held.next, end) != 0:
         return end
-    return max(Z[NEXT], B[TIME])
+    return max(held.next, B[TIME])

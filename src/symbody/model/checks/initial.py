@@ -72,7 +72,7 @@ def _unknown_problem(name: str, known: Iterable[str]) -> Problem:
         "initial.unknown",
         f"model, initial.{name}",
         f"there is no coordinate, rate or speed {name!r}",
-        "initial values belong to coordinates, to their rates x_dot, and to speeds",
+        "initial values can be set for coordinates, their rates x_dot, and speeds",
         nearest(name, known),
     )
 
@@ -82,7 +82,7 @@ def _signal_problem(name: str, where: str) -> Problem:
         "signal.initial",
         f"model, initial.{name}",
         f"{name} is a signal ({where})",
-        "the value at the start of a signal with a rate stands with the signal",
+        "the initial value of a signal with a rate is part of the signal",
         f'write [[signal]] name = "{name}", rate = .., initial = ..',
     )
 
@@ -91,7 +91,7 @@ def _prescribed_problem(name: str, joint: Joint) -> Problem:
     return Problem(
         "initial.prescribed",
         f"model, initial.{name}",
-        f"the motion of joint {joint.name} says what {name} is",
-        "a prescribed coordinate is not an unknown, and begins where its motion does",
-        "leave the initial value out, or the motion",
+        f"the prescribed motion of joint {joint.name} determines {name}",
+        "a prescribed coordinate is not an unknown and starts where its motion starts",
+        "remove the initial value or the motion",
     )

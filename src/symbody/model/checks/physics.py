@@ -39,7 +39,7 @@ def check_body(check: NumericChecks, body: Body, label: str) -> None:
         judge = NumericChecks(check.parameters) if body.unphysical else check
         _check_inertia(judge, label, inertia, products)
         for problem in judge.problems if body.unphysical else ():
-            check.note(f"{label}: {problem.what}; it is taken as it is")
+            check.note(f"{label}: {problem.what}; it is used unchanged")
         if mass is not None and mass > 0 and max(inertia) > 0:
             _check_size(check, body, label, mass, inertia, products)
     check_frames(check, body.frames, f"{label}, frames")
@@ -75,7 +75,7 @@ def _check_matrix(check: NumericChecks, r: list[list[float]], where: str) -> Non
         check.refuse(
             "model.not_a_rotation",
             where,
-            f"the rows are off an orthonormal set by {defect:.3g}",
+            f"the rows deviate from an orthonormal set by {defect:.3g}",
             "rows of a rotation matrix have length 1 and are perpendicular",
             "give more digits, or use rotate instead",
         )
@@ -84,7 +84,7 @@ def _check_matrix(check: NumericChecks, r: list[list[float]], where: str) -> Non
             "model.not_a_rotation",
             where,
             "the determinant is -1: the axes are left-handed",
-            "two rows are exchanged, or one has the wrong sign",
+            "two rows are swapped, or one has the wrong sign",
             "use a right-handed set of axes",
         )
 
@@ -99,18 +99,18 @@ def _check_inertia(check: NumericChecks, label: str, inertia: list[float], produ
         check.refuse(
             "model.impossible_inertia",
             f"{label}, inertia",
-            f"no body has the moments {a:.12g}, {b:.12g}, {c:.12g}",
-            "each is positive and at most the sum of the other two",
+            f"no body can have the moments {a:.12g}, {b:.12g}, {c:.12g}",
+            "each moment must be positive and at most the sum of the other two",
             _inertia_cure(inertia),
         )
         return
     flipped = is_possible_inertia(inertia, [-product for product in products])
-    signs = "; with the opposite signs of the products there would be one" if flipped else ""
+    signs = "; with the opposite signs of the products a body would be possible" if flipped else ""
     listed = ", ".join(f"{product:g}" for product in products)
     check.refuse(
         "model.impossible_inertia",
         f"{label}, inertia",
-        f"no body has the moments {a:g}, {b:g}, {c:g} with the products {listed}{signs}",
+        f"no body can have the moments {a:g}, {b:g}, {c:g} with the products {listed}{signs}",
         "products are the entries xy, xz, yz of the tensor, as in URDF",
         "check values, signs, and that they refer to the centre of mass",
     )
@@ -118,7 +118,7 @@ def _check_inertia(check: NumericChecks, label: str, inertia: list[float], produ
 
 def _inertia_cure(inertia: list[float]) -> str:
     if min(inertia) < 0:
-        return "give moments that are not negative"
+        return "give nonnegative moments"
     largest = max(inertia)
     moments = (f"{value:.12g}" if value == largest else f"at least {largest / 2:.12g}" for value in inertia)
     return "for instance " + ", ".join(moments)

@@ -53,7 +53,7 @@ def loop_problem(ring: Iterable[str]) -> Problem:
     return Problem(
         "signal.loop",
         f"signal {names[0]}",
-        "signals depend on each other in a ring: " + " -> ".join(names),
-        "each is computed from the next at the same instant, and none is a state",
+        "signals depend on each other in a cycle: " + " -> ".join(names),
+        "each is computed from the next at the same instant, and none of them is a state",
         f'make one of them a state, for instance rate = "(.. - {names[0]})/T" with a short time T',
     )

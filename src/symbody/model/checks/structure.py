@@ -44,7 +44,7 @@ def joint_problems(joints: Mapping[str, Joint]) -> list[Problem]:
             "model.self_joint",
             f"{label}, between",
             f"both ends are on {joint.start.body}",
-            "a joint connects two bodies, or a body with ground",
+            "a joint connects two bodies, or a body and ground",
             "name another body at one end",
         )
         for label, joint in joints.items()
@@ -59,7 +59,7 @@ def frame_constraint_problems(contacts: Mapping[str, FrameConstraint]) -> list[P
             "model.self_constraint",
             f"{label}, between",
             f"both frames are on {contact.start.body}",
-            "what is fixed on one body does not move against itself",
+            "frames of one body do not move relative to each other",
             "name a frame of another body",
         )
         for label, contact in contacts.items()
@@ -84,7 +84,7 @@ def coupling_problems(couplings: Mapping[str, JointCoupling], joints: Iterable[J
                         "model.not_an_angle" if is_angle else "model.not_a_displacement",
                         f"{label}, coupled[{k}]",
                         f"{name} is not {article} {quantity}",
-                        "the other numbers of this constraint would have other units",
+                        "the other values of this constraint would have different units",
                         f'name the {quantity} of a joint, or write type = "equation"',
                     )
                 )
@@ -107,9 +107,9 @@ def floating_problems(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[P
         Problem(
             "model.no_ground",
             f"body {names[0]}",
-            f"no chain of joints leads from ground to {', '.join(names[:8])}{' ...' * (len(names) > 8)}",
-            "these bodies are joined only to each other",
-            f'add a joint with between = ["ground", "{names[0]}"]; a free joint if they float',
+            f"no chain of joints connects ground to {', '.join(names[:8])}{' ...' * (len(names) > 8)}",
+            "these bodies are connected only to each other",
+            f'add a joint with between = ["ground", "{names[0]}"]; use a free joint if they float',
         )
         for root, names in members.items()
         if root != GROUND and len(names) > 1
@@ -177,8 +177,9 @@ def _over_driven_problem(loop: Mapping[str, Joint]) -> Problem:
             for label, joint in loop.items()
         ),
         f"no joint of the loop {', '.join(joint.name for joint in loop.values())} is left free",
-        "a loop ties its coordinates to each other, so these motions contradict each other or repeat one",
-        "leave motion out of some of them: a loop can be driven in as many coordinates as it has freedoms",
+        "a loop relates its coordinates to each other, so these motions contradict or repeat each other",
+        "remove motion from some of them: a loop can be driven in as many coordinates as it has degrees of "
+        "freedom",
     )
 
 

@@ -143,8 +143,9 @@ def _shadow_problem(where: str, site: FormulaSite, name: str, meaning: Meaning) 
     return site.formula.problem(
         "names.shadowed",
         _column(site.formula, name),
-        f"{name!r} is this element's own, and a {meaning.word} of the model ({meaning.where})",
-        f"in this place {' and '.join(site.local_names)} are measured on the element",
+        f"{name!r} is a measured quantity of this element, and also a {meaning.word} of the model "
+        f"({meaning.where})",
+        f"here {' and '.join(site.local_names)} refer to quantities measured on the element",
         f"rename the {meaning.word}",
         where,
     )
@@ -154,7 +155,7 @@ def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -
     column = _column(site.formula, name)
     meaning = symbols.meanings.get(name)
     is_coordinate = site.scope is Scope.COORDINATE
-    takes = f"this place takes {site.scope.value}" + ("" if is_coordinate else ", and pi")
+    takes = f"allowed here: {site.scope.value}" + ("" if is_coordinate else ", and pi")
     if meaning is not None or name in RESERVED_SYMBOLS:
         kind = "" if meaning is None else f"{_ARTICLES.get(meaning.word, 'a')} {meaning.word}"
         word = kind or RESERVED_SYMBOLS[name]
@@ -164,7 +165,7 @@ def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -
             else _CURES.get(kind, "write the formula without it")
         )
         return site.formula.problem(
-            "names.not_here", column, f"{name!r} is {word}, which cannot stand here", takes, cure, where
+            "names.not_here", column, f"{name!r} is {word}, which is not allowed here", takes, cure, where
         )
     cure = nearest(name, [*site.local_names, *symbols.allowed_names(site.scope)])
     defined = f'[parameters] {name} = .. in a file, parameters={{"{name}": ..}} in Python'
@@ -183,10 +184,10 @@ _ARTICLES = {"input": "an", "acceleration": "an"}
 # What to do instead, for names whose place is elsewhere.
 _CURES: Final = MappingProxyType(
     {
-        "a signal": "write what it stands for, if that is made of the names this place takes: a signal may "
+        "a signal": "write its formula instead, if that uses only the names allowed here: a signal may "
         "depend on states",
-        "a block": "write the name of one of its outputs, which are numbered: name_1, name_2, ..",
-        "a signal rate": "write the formula of the rate, or a signal of it: value = ..",
+        "a block": "write the name of one of its numbered outputs: name_1, name_2, ..",
+        "a signal rate": "write the formula of the rate, or define a signal for it: value = ..",
     }
 )
 
@@ -204,12 +205,12 @@ def _duplicate(name: str, meanings: list[Meaning]) -> Problem:
     places = "; ".join(dict.fromkeys(meaning.where for meaning in meanings))
     listed = ", ".join(f"{meaning.word} ({meaning.where})" for meaning in meanings)
     derived = any(meaning.word in ("rate", "acceleration", "signal rate") for meaning in meanings)
-    made = "x_dot and x_ddot are made for every coordinate x, w_dot for every speed or state w"
+    made = "x_dot and x_ddot are defined for every coordinate x, w_dot for every speed or state w"
     why = made if derived else "every symbol has one meaning"
     return Problem(
         "names.duplicate",
         places,
-        f"the name {name!r} stands for {len(meanings)} things: {listed}",
+        f"the name {name!r} has {len(meanings)} meanings: {listed}",
         why,
         "rename all but one",
     )

@@ -129,8 +129,8 @@ def _law_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
             wrong = {"argument": table.argument.text != "t", "outside": table.outside != "hold"}
             problems += [
                 Problem("table.law", f"{label}, {key}",
-                        f"{key} = {str(getattr(table, key))!r} in the law of an input",
-                        "a table that bears the name of an input is its law: a function of the time that "
+                        f"{key} = {str(getattr(table, key))!r} in a table that defines an input",
+                        "a table with the name of an input defines this input as a function of time and "
                         "holds its first and last value", f"leave {key} out, or rename the table")
                 for key, is_wrong in wrong.items() if is_wrong
             ]  # fmt: skip
@@ -188,7 +188,7 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
             "model.not_an_angle",
             where,
             f"{formula} belongs to {name}, which is not an angle",
-            "deg is understood for angles alone",
+            "deg is allowed for angles only",
             "write the value in SI units",
         )
         for where, name, formula in values
@@ -225,7 +225,9 @@ def _assumptions(draft: Draft) -> list[str]:
         notes.append("gravity is zero")
     moving = [joint for joint in (*draft.joints, *draft.free_joints) if joint.coordinates]
     if moving and all(joint.motions.keys() >= set(joint.coordinates) for joint in moving):
-        notes.append("every coordinate is prescribed: only reactions and efforts remain to be computed")
+        notes.append(
+            "every coordinate is prescribed: only reactions and driving forces remain to be computed"
+        )
     return notes
 
 
@@ -245,5 +247,5 @@ def _check_shapes(check: NumericChecks, shapes: Sequence[BodyShape], where: str)
         if opacity is not None and not 0 <= opacity <= 1:
             check.refuse(
                 "model.opacity", f"{place}.opacity", f"the opacity is {opacity:g}",
-                "0 is invisible, 1 hides all behind it", "give a number from 0 to 1",
+                "0 is invisible, 1 is opaque", "give a number from 0 to 1",
             )  # fmt: skip

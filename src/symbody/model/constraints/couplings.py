@@ -57,7 +57,7 @@ class Gear(JointCoupling):
 
     coupled: Coupled = Coupled("The angles of two joints.")
     ratio: Quantity = Quantity(
-        "Turns of the first for one of the second; negative on the outside.", fits=refuse_zero_ratio
+        "Turns of the first gear per turn of the second; negative for external gears.", fits=refuse_zero_ratio
     )
     offset: AngleQuantity = AngleQuantity(
         "The first angle where the second is 0.", unit="rad", default=0, scope=Scope.PRESCRIBED
@@ -85,7 +85,7 @@ class RackPinion(JointCoupling):
 
     coupled: Coupled = Coupled("The displacement of a joint and the angle of another.")
     radius: Quantity = Quantity(
-        "Of the pinion; negative where a positive angle moves the rack back.",
+        "Radius of the pinion; negative if a positive angle moves the rack backward.",
         unit="m",
         fits=refuse_zero_ratio,
     )
@@ -109,14 +109,14 @@ class Belt(JointCoupling):
 
     rows: ClassVar[str] = "1"
     holds: ClassVar[str] = "`radius1 first = radius2 second + offset`; crossed: `- radius2 second`"
-    multiplier: ClassVar[str] = "the pull at the first rim, in the sense of its angle"
+    multiplier: ClassVar[str] = "the belt force at the first rim, in the direction of its angle"
     multiplier_unit: ClassVar[str] = "N"
 
     coupled: Coupled = Coupled("The angles of two joints.")
-    radii: Radii = Radii("Of the pulleys.", unit="m")
-    crossed: Flag = Flag("Whether the pulleys turn against each other.", default=False)
+    radii: Radii = Radii("Radii of the pulleys.", unit="m")
+    crossed: Flag = Flag("Whether the pulleys turn in opposite directions.", default=False)
     offset: Quantity = Quantity(
-        "Length of belt wound off the second where the first angle is 0.",
+        "Length of belt unwound from the second pulley where the first angle is 0.",
         unit="m",
         default=0,
         scope=Scope.PRESCRIBED,
@@ -158,18 +158,21 @@ class Differential(JointCoupling):
 class Constraint(ConstraintElement):
     """Equations in coordinates, or affine in speeds.
 
-    One with rates or speeds is a constraint on velocities, taken as it stands: nonholonomic, unless it is the
+    One with rates or speeds is a velocity constraint, used unchanged: nonholonomic, unless it is the
     rate of one on positions. The multiplier times the derivative of the equation by a coordinate, or by its
     rate, is the effort along that coordinate.
     """
 
     rows: ClassVar[str] = "their number"
-    holds: ClassVar[str] = "what they say vanishes"
-    multiplier: ClassVar[str] = "times the derivative by a coordinate, or by its rate: the effort along it"
+    holds: ClassVar[str] = "each left-hand side is 0"
+    multiplier: ClassVar[str] = (
+        "times the derivative with respect to a coordinate, or its rate: the force or torque along it"
+    )
     word: ClassVar[str] = "equation"
 
     equations: VanishingFormulas = VanishingFormulas(
-        "What vanishes, in coordinates, parameters and t; or also in rates and speeds, of first degree."
+        "Left-hand sides that are 0: formulas in coordinates, parameters and t; also in rates and speeds, "
+        "if linear in them."
     )
 
 

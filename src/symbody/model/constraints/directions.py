@@ -26,7 +26,7 @@ def _check_cosine(check: NumericChecks, angle: Formula, where: str) -> None:
             "model.flat_angle",
             where,
             f"{angle} is {value:g} rad: the directions are parallel",
-            "that takes two equations, and the one for the cosine has no slope there",
+            "this needs two equations, and the equation for the cosine has a zero derivative there",
             'write type = "parallel" instead',
         )
     check_angle(check, angle, where)
@@ -38,7 +38,7 @@ class Parallel(FrameConstraint):
     """Holds a direction of end parallel to one of start."""
 
     rows: ClassVar[str] = "2"
-    holds: ClassVar[str] = "the second axis has no part along two perpendiculars `n` of the first"
+    holds: ClassVar[str] = "the second axis has no component along two perpendiculars `n` of the first"
     multiplier: ClassVar[str] = "the moment on end about `second x n`"
     multiplier_unit: ClassVar[str] = "N m"
 
@@ -73,5 +73,5 @@ class Angle(FrameConstraint):
 
     axes: Directions = Directions(_BOTH)
     value: AngleQuantity = AngleQuantity(
-        "The angle in parameters and t.", unit="rad", scope=Scope.PRESCRIBED, fits=_check_cosine
+        "The angle, a formula in parameters and t.", unit="rad", scope=Scope.PRESCRIBED, fits=_check_cosine
     )

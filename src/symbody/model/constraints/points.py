@@ -21,14 +21,14 @@ class Distance(FrameConstraint):
 
     rows: ClassVar[str] = "1"
     holds: ClassVar[str] = "`sqrt(p . p) = value`"
-    multiplier: ClassVar[str] = "the force along the line, positive pushing the points apart"
+    multiplier: ClassVar[str] = "the force along the line, positive if it pushes the points apart"
     multiplier_unit: ClassVar[str] = "N"
 
     value: Quantity = Quantity(
-        "The distance in parameters and t.",
+        "The distance, a formula in parameters and t.",
         unit="m",
         scope=Scope.PRESCRIBED,
-        fits=positive_length("a point on another needs a spherical joint"),
+        fits=positive_length("two coincident points need a spherical joint"),
     )
     rope: Flag = Flag("Whether the points may come closer.", default=False)
 
@@ -39,7 +39,7 @@ class PointOnLine(FrameConstraint):
     """Holds the origin of end on a line through the origin of start."""
 
     rows: ClassVar[str] = "2"
-    holds: ClassVar[str] = "`p` has no part across the axis"
+    holds: ClassVar[str] = "`p` has no component across the axis"
     multiplier: ClassVar[str] = "the force on end along a direction of start across the axis"
     multiplier_unit: ClassVar[str] = "N"
 
@@ -71,12 +71,12 @@ class PointOnCurve(FrameConstraint):
     rows: ClassVar[str] = "3"
     holds: ClassVar[str] = "`p = curve(parameter, t)`; the parameter becomes a coordinate"
     multiplier: ClassVar[str] = (
-        "the force on end along x, y, z of start; together they have no part along the curve"
+        "the force on end along x, y, z of start; together they have no component along the curve"
     )
     multiplier_unit: ClassVar[str] = "N"
 
     curve: CurvePoint = CurvePoint(
-        "Position in the start frame, in the parameter, parameters and t.", unit="m"
+        "Position in the start frame, a formula in the curve parameter, parameters and t.", unit="m"
     )
     parameter: SymbolName = SymbolName("Name of the parameter, which becomes a coordinate.")
 
@@ -86,14 +86,15 @@ class PointOnCurve(FrameConstraint):
         return (self.parameter,)
 
     def check_numbers(self, check: NumericChecks, label: str) -> None:
-        """Refuse a curve that does not change with its parameter."""
+        """Reject a curve that does not change with its parameter."""
         if not any(self.parameter in formula.names for formula in self.curve):
             check.refuse(
                 "model.no_curve",
                 f"{label}, curve",
-                f"{self.parameter} does not occur in it",
-                "what does not change with its parameter is a point",
-                f"write the place as a function of {self.parameter}; a point needs a spherical joint",
+                f"{self.parameter} does not appear in it",
+                "a curve that does not depend on its parameter is a point",
+                f"write the position as a function of {self.parameter}; for a fixed point use a spherical "
+                f"joint",
             )
 
 
@@ -110,5 +111,7 @@ class PointOnSurface(FrameConstraint):
     multiplier: ClassVar[str] = "times the gradient of f: the force on end"
 
     equations: VanishingFormulas = VanishingFormulas(
-        "What vanishes, in x, y, z of the point in the start frame [m], parameters and t.", scope=Scope.POINT
+        "Left-hand side that is 0: a formula in x, y, z of the point in the start frame [m], parameters and "
+        "t.",
+        scope=Scope.POINT,
     )

@@ -19,7 +19,7 @@ class KnifeEdge(FrameConstraint):
     """
 
     rows: ClassVar[str] = "1"
-    holds: ClassVar[str] = "the velocity of end's origin over start has no part along the axis"
+    holds: ClassVar[str] = "the velocity of the end origin relative to start has no component along the axis"
     multiplier: ClassVar[str] = "the force on end along the axis"
     multiplier_unit: ClassVar[str] = "N"
 
@@ -44,9 +44,9 @@ class Rolling(FrameConstraint):
     multiplier_unit: ClassVar[str] = "N"
 
     radius: Quantity = Quantity(
-        "Of the disc or sphere.", unit="m", fits=positive_length("a point does not roll")
+        "Radius of the disc or sphere.", unit="m", fits=positive_length("a point cannot roll")
     )
-    normal: Direction = Direction("Of the plane, towards the wheel, in the start frame.", default="z")
+    normal: Direction = Direction("Normal of the plane, towards the wheel, in the start frame.", default="z")
     axis: OptionalDirection = OptionalDirection(
-        "Axle of a disc, in the end frame; left out: a sphere.", default=None
+        "Axle of a disc, in the end frame; leave it out for a sphere.", default=None
     )

@@ -80,7 +80,7 @@ class Arguments:
             return (ZERO, ZERO, ZERO)
         if all(map(_is_many, items)):
             self.add(
-                "model.not_three", path, "a matrix stands where three entries are needed", "",
+                "model.not_three", path, "three entries are needed, but a matrix was given", "",
                 "give its diagonal; entries xy, xz, yz of an inertia are products=",
             )  # fmt: skip
             return (ZERO, ZERO, ZERO)
@@ -108,7 +108,7 @@ class Arguments:
                 self.add(
                     "names.duplicate",
                     f"{path}.{key}" if path else key,
-                    f"the name {key!r} appears twice once characters are composed",
+                    f"the name {key!r} appears twice after Unicode normalization",
                 )
             entries[key] = read(value, f"{path}.{key}" if path else key)
         return FrozenMapping(entries)

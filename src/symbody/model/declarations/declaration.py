@@ -209,7 +209,8 @@ class Declared(Displayed):
             shown = "something"
         return Problem(
             "call.argument", f"{type(self).__name__}, argument {name}",
-            f"{shown}, of type {type(value).__name__}, does not fit", "", f"give {_IN_WORDS.get(fits, fits)}",
+            f"{shown}, of type {type(value).__name__}, is not valid here", "",
+            f"give {_IN_WORDS.get(fits, fits)}",
         )  # fmt: skip
 
 
@@ -291,5 +292,5 @@ def _documentation(kind: type[Declared]) -> str:
         optional = ", optional" if field.default is None else ""
         words = " ".join(filter(None, (field.description, field.explanation)))
         lines += [f"{name} : {field.takes}{optional}", textwrap.indent(textwrap.fill(words, _WIDTH), "    ")]
-    lines += ["", "Raises", "------", "ModelError", "    With everything that does not fit."]
+    lines += ["", "Raises", "------", "ModelError", "    With everything that is not valid."]
     return "\n".join(lines) + (f"\n\nExamples\n{examples}" if examples else "\n")

@@ -92,7 +92,7 @@ class VanishingFormulas(Field[Value | Iterable[Value], tuple[Formula, ...]]):
             return (arguments.formula(value, path),)
         items = arguments.items(value, path)
         if not items:
-            why = "a constraint says what vanishes"
+            why = "a constraint consists of left-hand sides that are 0"
             arguments.add("model.empty", path, "there is no equation", why, 'write equations = ["x - y"]')
         return tuple(arguments.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
 
@@ -113,12 +113,12 @@ class Coupled(Field[Iterable[str], tuple[str, ...]]):
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return as many different names."""
-        why = "each wheel, rack or shaft moves with one"
+        why = "each wheel, rack or shaft moves with one coordinate"
         items = read_list(arguments, value, path, self.count, "coordinates", why, "name one for each")
         names = tuple(_coupled_name(arguments, item, f"{path}[{k}]") for k, item in enumerate(items or ()))
         for name in sorted({name for name in names if names.count(name) > 1 and name != "?"}):
-            what = f"{name} stands {names.count(name)} times"
-            why = "a coordinate coupled to itself stands still"
+            what = f"{name} is listed {names.count(name)} times"
+            why = "a coordinate coupled to itself cannot move"
             arguments.add("model.coupled_twice", path, what, why, "name different coordinates")
         return names if items else ("?",) * self.count
 
@@ -132,7 +132,9 @@ def _coupled_name(arguments: Arguments, item: object, path: str) -> str:
     if item != "":
         return arguments.symbol_name(item, path)
     cure = "name the coordinate of a joint, such as theta"
-    arguments.add("model.not_coupled", path, "there is no coordinate", "an end of the coupling is free", cure)
+    arguments.add(
+        "model.not_coupled", path, "there is no coordinate", "an end of the coupling is not connected", cure
+    )
     return "?"
 
 
@@ -154,7 +156,7 @@ class Radii(Field[Iterable[Value], tuple[Formula, ...]]):
 
     def check_numbers(self, check: NumericChecks, owner: Any, value: tuple[Formula, ...], where: str) -> None:
         """Refuse radii that are not above zero."""
-        fits = positive_length("the senses of rotation are those of the angles, and of crossed")
+        fits = positive_length("the directions of rotation are given by the angles and by crossed")
         for k, radius in enumerate(value):
             fits(check, radius, f"{where}[{k}]")
 
@@ -186,8 +188,8 @@ def element(kind: type[E]) -> type[E]:
 class Connection(Element):
     """An element between two frames, `start` and `end`."""
 
-    start: AttachedFrame = AttachedFrame("The frame it starts from.", place="between[0]")
-    end: AttachedFrame = AttachedFrame("The frame it leads to.", place="between[1]")
+    start: AttachedFrame = AttachedFrame("The frame at its start.", place="between[0]")
+    end: AttachedFrame = AttachedFrame("The frame at its end.", place="between[1]")
 
     @property
     def directions(self) -> Mapping[str, Axis]:

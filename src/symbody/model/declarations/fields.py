@@ -113,8 +113,8 @@ class Quantity(Field[Value, Formula]):
         has_angles = "rad" in self.unit or not self.unit or self.scope is Scope.LOAD
         if formula.is_in_degrees and not has_angles:
             arguments.add(
-                "model.not_an_angle", path, f"{formula} is no value in {self.unit}",
-                "deg is understood for angles alone", "write the value in SI units",
+                "model.not_an_angle", path, f"{formula} is not a value in {self.unit}",
+                "deg is allowed for angles only", "write the value in SI units",
             )  # fmt: skip
         return formula
 
@@ -286,7 +286,9 @@ class WordChoice(Field[L, L], Generic[L]):
             if isinstance(value, str) and value == word:
                 return word
         choices = " or ".join(repr(word) for word in self.words)
-        arguments.add("model.curve_kind", path, f"{path} = {value!r} means nothing", "", f"write {choices}")
+        arguments.add(
+            "model.curve_kind", path, f"{path} = {value!r} is not a valid choice", "", f"write {choices}"
+        )
         return self.words[0]
 
 
@@ -307,7 +309,7 @@ class Numbers(Field[Iterable[Value], tuple[Formula, ...]]):
                     "model.curve_number",
                     f"{path}[{k}]",
                     f"{formula} is not a number",
-                    "a curve consists of numbers, so that its slopes can be found once",
+                    "a curve consists of numbers, so that its slopes can be computed once",
                     "write a number; scale a curve by a formula with interp1",
                 )
         return formulas

@@ -49,7 +49,7 @@ class TreeMembership(Field[TreeChoice, InTrees]):
         arguments.add(
             "model.bad_tree",
             path,
-            f"{value!r} is not a choice of trees",
+            f"{value!r} is not a valid choice of trees",
             "",
             "write true, false, or { rotation = true, translation = false }; leave it out for automatic",
         )
@@ -79,7 +79,7 @@ class Coordinates(Field[Iterable[str] | None, tuple[str, ...]]):
     role: ClassVar[str] = "coordinates"
     takes: ClassVar[str] = "list of str"
     annotation: ClassVar[str] = "Iterable[str] | None"
-    explanation: ClassVar[str] = "Without names they are called after the joint."
+    explanation: ClassVar[str] = "Without names they are named after the joint."
 
     _: KW_ONLY
     default: Any = None
@@ -229,8 +229,8 @@ class DryFriction(Field[Friction | None, Friction | None]):
             "model.friction_directions",
             path,
             f"the joint has {len(owner.coordinates)} free directions",
-            "friction is defined along one",
-            "build it from joints with one coordinate, with bodies without mass between them",
+            "friction is defined for one direction only",
+            "replace the joint by joints with one coordinate each, with massless bodies between them",
         )
         return None
 
@@ -261,7 +261,7 @@ class Letter(Field[str, str]):
             path,
             f"{value!r} is not an axis of the start frame",
             "the coordinates are along or about the other two axes",
-            'write "x", "y" or "z"; for another direction turn the frames that are joined',
+            'write "x", "y" or "z"; for another direction rotate the connected frames',
         )
         return "z"
 
@@ -301,11 +301,13 @@ class PerpendicularAxes(Directions):
 
 # Arguments that many joints share.
 TREE: Final = TreeMembership(
-    "Whether the joint is in the rotation and translation tree; left out: automatic."
+    "Whether the joint is in the rotation tree and the translation tree; leave it out for automatic."
 )
-MOTIONS: Final = PrescribedMotions("Prescribed coordinates in parameters and t [m, rad], by coordinate.")
+MOTIONS: Final = PrescribedMotions(
+    "Prescribed coordinates, as formulas in parameters and t [m, rad], by coordinate."
+)
 AS_CONSTRAINT: Final = Flag("Whether prescribed motions become constraints.", default=False)
-FRICTION: Final = DryFriction("What holds the joint back.")
+FRICTION: Final = DryFriction("Friction in the joint.")
 
 
 def read_names(arguments: Arguments, value: object, path: str, default: tuple[str, ...]) -> tuple[str, ...]:
@@ -318,7 +320,7 @@ def read_names(arguments: Arguments, value: object, path: str, default: tuple[st
             "model.wrong_number",
             path,
             f"{len(items)} names instead of {len(default)}",
-            f"left out, they are {', '.join(default)}",
+            f"the default names are {', '.join(default)}",
             f"give {len(default)} names, or none",
         )
         return default
@@ -349,7 +351,7 @@ def _read_by_coordinate(
         arguments.add(
             "model.not_by_coordinate",
             path,
-            f"{value!r} does not say which coordinate it belongs to",
+            f"{value!r} needs the coordinate that it belongs to",
             f"the joint has {len(names)} coordinates: {', '.join(names)}",
             f"write {{ {names[-1]} = .. }}, in Python {{{names[-1]!r}: ..}}",
         )

@@ -35,12 +35,12 @@ class Bearing(Joint):
     letters: ClassVar[tuple[str, ...]] = ("s", "a", "b", "c")
     law: ClassVar[str] = "d = s axis, R by the sequence"
 
-    axis: Direction = Direction("In the start frame.", default="z")
+    axis: Direction = Direction("Axis, in the start frame.", default="z")
     angles: ThreeAngles = THREE_ANGLES
     coordinates: Coordinates = Coordinates("Names of the displacement [m] and the angles [rad].")
     tree: TreeMembership = TREE
-    force: CoordinateDrives = CoordinateDrives("What acts along the displacement, by coordinate.")
-    torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
+    force: CoordinateDrives = CoordinateDrives("Drive along the displacement, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

@@ -37,7 +37,7 @@ class Cartesian(Joint):
 
     coordinates: Coordinates = Coordinates("Names of the displacements along x, y, z of start.", unit="m")
     tree: TreeMembership = TREE
-    force: CoordinateDrives = CoordinateDrives("What acts along the displacements, by coordinate.")
+    force: CoordinateDrives = CoordinateDrives("Drives along the displacements, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

@@ -46,7 +46,7 @@ class ConstantVelocity(Joint):
     axis: Letter = Letter("The axis of both shafts.", default="z")
     coordinates: Coordinates = Coordinates("Names of the bend and of its azimuth.", unit="rad")
     tree: TreeMembership = TREE
-    torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

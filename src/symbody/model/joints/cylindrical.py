@@ -28,7 +28,7 @@ from symbody.model.simple_rotation import shift_along, unit_axis
 class Cylindrical(Joint):
     """Turns about an axis and slides along it.
 
-    Friction is refused: it acts along one free direction, a sleeve has two.
+    Friction is an error: it acts along one free direction, and a sleeve has two.
 
     Examples
     --------
@@ -40,11 +40,11 @@ class Cylindrical(Joint):
     letters: ClassVar[tuple[str, ...]] = ("theta", "s")
     law: ClassVar[str] = "R = Rot(axis, theta), d = s axis"
 
-    axis: Direction = Direction("In the start frame.", default="z")
+    axis: Direction = Direction("Axis, in the start frame.", default="z")
     coordinates: Coordinates = Coordinates("Names of angle [rad] and displacement [m].")
     tree: TreeMembership = TREE
-    force: CoordinateDrives = CoordinateDrives("What acts along the displacement, by coordinate.")
-    torque: CoordinateDrives = CoordinateDrives("What acts about the axis, by coordinate.")
+    force: CoordinateDrives = CoordinateDrives("Drive along the displacement, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drive about the axis, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
     friction: DryFriction = FRICTION

@@ -60,8 +60,8 @@ class Free(Joint):
         "Names of the velocity [m/s], then of the angular velocity [rad/s].", default=None, kinds="vw"
     )
     tree: TreeMembership = TREE
-    force: CoordinateDrives = CoordinateDrives("What acts along the position, by coordinate.")
-    torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
+    force: CoordinateDrives = CoordinateDrives("Drives along the position, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

@@ -34,12 +34,12 @@ class Gimbal(Joint):
     """
 
     letters: ClassVar[tuple[str, ...]] = ("a", "b", "c")
-    law: ClassVar[str] = "R by the sequence, its rates are the speeds"
+    law: ClassVar[str] = "R by the sequence; the rates of the angles are the speeds"
 
     angles: ThreeAngles = THREE_ANGLES
     coordinates: Coordinates = Coordinates("Names of the angles.", unit="rad")
     tree: TreeMembership = TREE
-    torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

@@ -42,8 +42,8 @@ class AngleSequence(Field[str, str]):
         arguments.add(
             "model.angle_sequence",
             path,
-            f"{value!r} is not a sequence of turns",
-            "two turns in a row about one axis are a single turn" if is_known else "",
+            f"{value!r} is not a sequence of rotations",
+            "two successive rotations about one axis are a single rotation" if is_known else "",
             'write three axes such as "313" or "zxz", "space 313" for axes fixed in start, or "quaternion"',
         )
         return QUATERNION
@@ -97,7 +97,7 @@ class SpeedChoice(Field[str | None, str]):
             arguments.add(
                 "model.speeds",
                 path,
-                f"{value!r} does not say what the speeds are",
+                f"{value!r} is not a valid choice of speeds",
                 "",
                 f'write {words} or "{self.words[-1]}"',
             )
@@ -107,7 +107,7 @@ class SpeedChoice(Field[str | None, str]):
                 "model.quaternion_rates",
                 path,
                 "the rates of a quaternion cannot be the speeds",
-                "four rates stand for three freedoms",
+                "four rates describe three degrees of freedom",
                 'write speeds = "end" or "start", or choose angles, for instance angles = "313"',
             )
             return default
@@ -140,7 +140,7 @@ class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
             arguments.add(
                 "model.names_of_rates",
                 path,
-                "the speeds are rates of coordinates, which have names already",
+                "the speeds are rates of coordinates, which already have names",
                 f"they are called {owner.coordinates[-1]}_dot and so on",
                 'write speeds = "end" or "start", or leave speed_names out',
             )
@@ -151,10 +151,12 @@ class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
 
 
 THREE_ANGLES: Final = ThreeAngles(
-    'Successive turns about body axes such as "123", about fixed axes such as "space 123".', default="xyz"
+    'Successive rotations about body axes such as "123", or about fixed axes such as "space 123".',
+    default="xyz",
 )
 ORIENTATION: Final = AngleSequence(
-    'Successive turns about body axes such as "313", about fixed axes such as "space 313", or "quaternion" '
+    'Successive rotations about body axes such as "313", or about fixed axes such as "space 313", or '
+    '"quaternion" '
     "(Euler parameters, scalar first).",
     default=QUATERNION,
 )

@@ -40,8 +40,8 @@ class PinSlot(Joint):
     axes: PerpendicularAxes = PerpendicularAxes("Pin and slot, in start; perpendicular.", default=("z", "x"))
     coordinates: Coordinates = Coordinates("Names of angle [rad] and displacement [m].")
     tree: TreeMembership = TREE
-    force: CoordinateDrives = CoordinateDrives("What acts along the slot, by coordinate.")
-    torque: CoordinateDrives = CoordinateDrives("What acts about the pin, by coordinate.")
+    force: CoordinateDrives = CoordinateDrives("Drive along the slot, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drive about the pin, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

@@ -40,8 +40,8 @@ class Planar(Joint):
     axis: Letter = Letter("The normal; the displacements follow in cyclic order.", default="z")
     coordinates: Coordinates = Coordinates("Names of the two displacements [m] and of the angle [rad].")
     tree: TreeMembership = TREE
-    force: CoordinateDrives = CoordinateDrives("What acts along the displacements, by coordinate.")
-    torque: CoordinateDrives = CoordinateDrives("What acts about the normal, by coordinate.")
+    force: CoordinateDrives = CoordinateDrives("Drives along the displacements, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drive about the normal, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

@@ -36,12 +36,12 @@ class Prismatic(Joint):
     letters: ClassVar[tuple[str, ...]] = ("s",)
     law: ClassVar[str] = "d = s axis"
 
-    axis: Direction = Direction("In the start frame.", default="x")
+    axis: Direction = Direction("Axis, in the start frame.", default="x")
     coordinate: Coordinate = Coordinate("Name of the displacement.", unit="m")
     tree: TreeMembership = TREE
-    force: CoordinateDrive = CoordinateDrive("What acts along the axis.")
+    force: CoordinateDrive = CoordinateDrive("Drive along the axis.")
     motion: PrescribedDisplacement = PrescribedDisplacement(
-        "Prescribed displacement in parameters and t.", unit="m"
+        "Prescribed displacement, a formula in parameters and t.", unit="m"
     )
     as_constraint: Flag = AS_CONSTRAINT
     armature: Armature = Armature("Inertia of the drive's rotor.", unit="kg", default=0)

@@ -40,7 +40,7 @@ class Rectangular(Joint):
     axis: Letter = Letter("The normal; the displacements follow in cyclic order.", default="z")
     coordinates: Coordinates = Coordinates("Names of the two displacements.", unit="m")
     tree: TreeMembership = TREE
-    force: CoordinateDrives = CoordinateDrives("What acts along the displacements, by coordinate.")
+    force: CoordinateDrives = CoordinateDrives("Drives along the displacements, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

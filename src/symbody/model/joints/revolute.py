@@ -30,11 +30,11 @@ class Revolute(Joint):
     letters: ClassVar[tuple[str, ...]] = ("theta",)
     law: ClassVar[str] = "R = Rot(axis, theta)"
 
-    axis: Direction = Direction("In the start frame.", default="z")
+    axis: Direction = Direction("Axis, in the start frame.", default="z")
     coordinate: Coordinate = Coordinate("Name of the angle.", unit="rad")
     tree: TreeMembership = TREE
-    torque: CoordinateDrive = CoordinateDrive("What acts about the axis.")
-    motion: PrescribedAngle = PrescribedAngle("Prescribed angle in parameters and t.", unit="rad")
+    torque: CoordinateDrive = CoordinateDrive("Drive about the axis.")
+    motion: PrescribedAngle = PrescribedAngle("Prescribed angle, a formula in parameters and t.", unit="rad")
     as_constraint: Flag = AS_CONSTRAINT
     armature: Armature = Armature("Inertia of the drive's rotor.", unit="kg m^2", default=0)
     friction: DryFriction = FRICTION

@@ -40,15 +40,15 @@ class Screw(Joint):
     law: ClassVar[str] = "R = Rot(axis, theta), d = pitch theta / (2 pi) axis"
 
     pitch: Quantity = Quantity(
-        "Displacement of end along the axis in a full turn; negative for a left-hand thread.",
+        "Displacement of end along the axis per full turn; negative for a left-hand thread.",
         unit="m",
         fits=need_value,
     )
-    axis: Direction = Direction("In the start frame.", default="z")
+    axis: Direction = Direction("Axis, in the start frame.", default="z")
     coordinate: Coordinate = Coordinate("Name of the angle.", unit="rad")
     tree: TreeMembership = TREE
-    torque: CoordinateDrive = CoordinateDrive("What acts about the axis.")
-    motion: PrescribedAngle = PrescribedAngle("Prescribed angle in parameters and t.", unit="rad")
+    torque: CoordinateDrive = CoordinateDrive("Drive about the axis.")
+    motion: PrescribedAngle = PrescribedAngle("Prescribed angle, a formula in parameters and t.", unit="rad")
     as_constraint: Flag = AS_CONSTRAINT
     friction: DryFriction = FRICTION
 

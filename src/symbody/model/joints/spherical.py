@@ -53,7 +53,7 @@ class Spherical(Joint):
         "Names of the components x, y, z of the angular velocity.", unit="rad/s"
     )
     tree: TreeMembership = TREE
-    torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

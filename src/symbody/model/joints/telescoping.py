@@ -37,12 +37,12 @@ class Telescoping(Joint):
     law: ClassVar[str] = "R by the sequence, d = s R axis"
     shift_in: ClassVar[Literal["start", "end"]] = "end"
 
-    axis: Direction = Direction("In the end frame.", default="z")
+    axis: Direction = Direction("Axis, in the end frame.", default="z")
     angles: ThreeAngles = THREE_ANGLES
     coordinates: Coordinates = Coordinates("Names of the angles [rad] and the displacement [m].")
     tree: TreeMembership = TREE
-    force: CoordinateDrives = CoordinateDrives("What acts along the displacement, by coordinate.")
-    torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
+    force: CoordinateDrives = CoordinateDrives("Drive along the displacement, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

@@ -41,7 +41,7 @@ class Universal(Joint):
     )
     coordinates: Coordinates = Coordinates("Names of the two angles.", unit="rad")
     tree: TreeMembership = TREE
-    torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 

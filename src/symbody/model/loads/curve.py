@@ -28,13 +28,13 @@ class Curve(ElementPart):
     are (Fritsch & Butland 1984, the slopes of SciPy's ``PchipInterpolator``).
     """
 
-    x: Numbers = Numbers("Places, which increase; at least two.")
-    y: Numbers = Numbers("The values there.")
+    x: Numbers = Numbers("Increasing arguments; at least two.")
+    y: Numbers = Numbers("Values at these arguments.")
     kind: WordChoice[Literal["linear", "pchip"]] = WordChoice(
-        'Straight between points, "linear"; or cubics, "pchip".', words=KINDS, default="linear"
+        'Straight lines between points, "linear"; or cubics, "pchip".', words=KINDS, default="linear"
     )
     outside: WordChoice[Literal["hold", "slope"]] = WordChoice(
-        'Before the first and after the last place: the end value, "hold", or the end slope, "slope".',
+        'Before the first and after the last point: the end value, "hold", or the end slope, "slope".',
         words=OUTSIDE,
         default="hold",
     )
@@ -130,13 +130,13 @@ def read_law(arguments: Arguments, value: object, path: str) -> Law:
     words = set(map(str, value))
     wrong = words - {"x", "y", "kind", "outside"} or {"x", "y"} - words
     if wrong:
-        fault = "is missing" if wrong <= {"x", "y"} else "means nothing"
+        fault = "is missing" if wrong <= {"x", "y"} else "is not a valid choice"
         arguments.add(
             "model.curve_words",
             path,
             f"{', '.join(sorted(wrong))} {fault} in a curve",
             "",
-            "write { x = [..], y = [..] }, with kind and outside if need be",
+            "write { x = [..], y = [..] }, with kind and outside if needed",
         )
         return ZERO
     inner = Arguments("curve")
@@ -160,8 +160,8 @@ def _check_points(arguments: Arguments, x: Sequence[float], y: Sequence[float]) 
         arguments.add(
             "model.curve_length",
             "",
-            f"there are {len(x)} places and {len(y)} values",
-            "every place has one value, and a line needs two",
+            f"there are {len(x)} arguments and {len(y)} values",
+            "every argument needs one value, and a line needs two points",
             "give two lists of the same length, with two points or more",
         )
         return
@@ -171,8 +171,8 @@ def _check_points(arguments: Arguments, x: Sequence[float], y: Sequence[float]) 
                 "model.curve_order",
                 f"x[{k + 1}]",
                 f"{right:g} follows {left:g}",
-                "places increase; a jump needs two that differ a little",
-                "sort the points, each place only once",
+                "arguments must increase; for a jump use two that differ slightly",
+                "sort the points, with each argument only once",
             )
             return
 

@@ -23,8 +23,8 @@ class Drive(ElementPart):
     """What acts along a joint coordinate: ``applied + law - stiffness*(x - free) - damping*x_dot``."""
 
     equation: ClassVar[str] = "applied + law - stiffness (x - free) - damping x'"
-    sign: ClassVar[str] = "positive drives end along the positive coordinate"
-    outputs: ClassVar[str] = "`effort J`, `effort J x` where several"
+    sign: ClassVar[str] = "positive drives the end along the positive coordinate"
+    outputs: ClassVar[str] = "`effort J`, or `effort J x` for several coordinates"
 
     applied: Quantity = Quantity(
         "Applied force or torque on the end body.", unit="N, N m", default=0, scope=Scope.LOAD
@@ -32,10 +32,10 @@ class Drive(ElementPart):
     stiffness: Quantity = Quantity(unit="N/m, N m/rad", default=0, scope=Scope.LOAD, fits=note_negative)
     damping: Quantity = Quantity(unit="N s/m, N m s/rad", default=0, scope=Scope.LOAD, fits=note_negative)
     free: AngleQuantity = AngleQuantity(
-        "Coordinate at which the spring is relaxed.", unit="m, rad", default=0, scope=Scope.LOAD
+        "Value of the coordinate at which the spring is relaxed.", unit="m, rad", default=0, scope=Scope.LOAD
     )
     law: SpringLaw = SpringLaw(
-        "Further force or torque; a curve is one over the coordinate.", unit="N, N m", default=0
+        "Additional force or torque; a curve is a function of the coordinate.", unit="N, N m", default=0
     )
 
     @property
@@ -63,15 +63,17 @@ def read_drive(arguments: Arguments, value: object, path: str) -> Drive | None:
 class Force(Element):
     """A force in a point, and its reaction, which acts in the same point."""
 
-    equation: ClassVar[str] = "vector in the point `on`, axes of `resolved_in`"
-    sign: ClassVar[str] = "the opposite force acts on `reaction_on` in the same point"
+    equation: ClassVar[str] = "vector at the point `on`, in the axes of `resolved_in`"
+    sign: ClassVar[str] = "the opposite force acts on `reaction_on` at the same point"
     outputs: ClassVar[str] = ""
     kind: ClassVar[str] = "force"
 
-    on: AttachedFrame = AttachedFrame("The point.")
+    on: AttachedFrame = AttachedFrame("The point where the force acts.")
     vector: VectorQuantity = VectorQuantity("Components.", unit="N", scope=Scope.LOAD)
-    resolved_in: AttachedFrame = AttachedFrame("The axes of the components.", default="ground")
-    reaction_on: AttachedFrame = AttachedFrame("The body that gets the opposite force.", default="ground")
+    resolved_in: AttachedFrame = AttachedFrame(
+        "The frame in whose axes the components are given.", default="ground"
+    )
+    reaction_on: AttachedFrame = AttachedFrame("The body on which the opposite force acts.", default="ground")
 
 
 @final
@@ -84,10 +86,14 @@ class Torque(Element):
     outputs: ClassVar[str] = ""
     kind: ClassVar[str] = "torque"
 
-    on: AttachedFrame = AttachedFrame("The body.")
+    on: AttachedFrame = AttachedFrame("The body on which the torque acts.")
     vector: VectorQuantity = VectorQuantity("Components.", unit="N m", scope=Scope.LOAD)
-    resolved_in: AttachedFrame = AttachedFrame("The axes of the components.", default="ground")
-    reaction_on: AttachedFrame = AttachedFrame("The body that gets the opposite torque.", default="ground")
+    resolved_in: AttachedFrame = AttachedFrame(
+        "The frame in whose axes the components are given.", default="ground"
+    )
+    reaction_on: AttachedFrame = AttachedFrame(
+        "The body on which the opposite torque acts.", default="ground"
+    )
 
 
 @final
@@ -113,16 +119,17 @@ class SpringDamper(Connection):
     damping: Quantity = Quantity(unit="N s/m", default=0, scope=Scope.LOAD, fits=note_negative)
     free: Quantity = Quantity("Length at which it is relaxed.", unit="m", default=0, scope=Scope.LOAD)
     applied: Quantity = Quantity(
-        "Further force, pushing the ends apart.", unit="N", default=0, scope=Scope.LOAD
+        "Additional force that pushes the ends apart.", unit="N", default=0, scope=Scope.LOAD
     )
     law: SpringLaw = SpringLaw(
-        "Further force, pushing the ends apart, in length and length_rate; a curve is one over the length.",
+        "Additional force that pushes the ends apart, a formula in length and length_rate; a curve is a "
+        "function of the length.",
         unit="N",
         default=0,
         own=LENGTH,
     )
     isotropic: Flag = Flag(
-        "Whether spring and damper act in all directions alike, not on the line alone.",
+        "Whether spring and damper act equally in all directions, not only along the line.",
         default=False,
     )
 
@@ -135,6 +142,6 @@ class SpringDamper(Connection):
         for name in lost:
             arguments.add(
                 "model.isotropic", name, f"an isotropic spring has no {name}",
-                "its force is -stiffness r - damping v, whatever the direction of r",
-                f"leave {name} out, or isotropic, or put a second spring beside it",
+                "its force is -stiffness r - damping v for any direction of r",
+                f"remove {name} or isotropic, or add a second spring in parallel",
             )  # fmt: skip

@@ -28,20 +28,22 @@ class Friction(ElementPart):
     """
 
     mu: Quantity = Quantity(
-        "Coefficient on the joint's own reaction while it slides.", default=0, scope=Scope.LOAD
+        "Coefficient of the joint's reaction while it slides.", default=0, scope=Scope.LOAD
     )
     mu_static: OptionalQuantity = OptionalQuantity(
-        "Coefficient up to which it sticks; left out: mu.", scope=Scope.LOAD
+        "Coefficient up to which it sticks; default: mu.", scope=Scope.LOAD
     )
-    radius: OptionalQuantity = OptionalQuantity("Of the bearing; a revolute joint needs it.", unit="m")
+    radius: OptionalQuantity = OptionalQuantity(
+        "Radius of the bearing; required for a revolute joint.", unit="m"
+    )
     v0: OptionalQuantity = OptionalQuantity(
-        "Speed of a smooth law; left out, the joint sticks and slips by events.", unit="m/s, rad/s"
+        "Speed scale of a smooth law; without it the joint sticks and slips by events.", unit="m/s, rad/s"
     )
     force: OptionalQuantity = OptionalQuantity(
-        "Strength whatever the reaction.", unit="N, N m", scope=Scope.LOAD
+        "Friction force or torque, independent of the reaction.", unit="N, N m", scope=Scope.LOAD
     )
     static: OptionalQuantity = OptionalQuantity(
-        "Strength up to which it sticks.", unit="N, N m", scope=Scope.LOAD
+        "Force or torque up to which it sticks.", unit="N, N m", scope=Scope.LOAD
     )
 
     def check(self, arguments: Arguments) -> None:
@@ -93,7 +95,7 @@ def check_friction(check: NumericChecks, friction: Friction, where: str, turns: 
         if value is not None and value <= 0:
             check.refuse(
                 "model.friction_scale", f"{where}.{name}", f"{name} is {value:g}",
-                "it is a scale or a lever",
+                "it is a scale or a lever arm",
                 f"give a positive number, or leave {name} out",
             )  # fmt: skip
     for moving, resting in (("mu", "mu_static"), ("force", "static")):
@@ -102,13 +104,13 @@ def check_friction(check: NumericChecks, friction: Friction, where: str, turns: 
             check.refuse(
                 "model.static_friction", f"{where}.{resting}",
                 f"{resting} = {high:g} is less than {moving} = {low:g}",
-                "what sticks would slip, and stick again at once",
+                "a sticking joint would slip and immediately stick again",
                 f"give a value of at least {low:g}, or leave {resting} out",
             )  # fmt: skip
     if turns and friction.reads_reaction and not friction.is_none and friction.radius is None:
         check.refuse(
             "model.friction_radius", f"{where}.radius", "the radius of the bearing is missing",
-            "friction in a joint that turns is a torque: mu * radius * reaction", "give radius = .. in m",
+            "friction in a rotating joint is a torque: mu * radius * reaction", "give radius = .. in m",
         )  # fmt: skip
 
 
@@ -131,7 +133,7 @@ def _check_laws(friction: Friction, arguments: Arguments) -> None:
 
 def _refuse_mixture(arguments: Arguments, word: str, partner: str) -> None:
     arguments.add(
-        "model.mixed_friction", word, f"{word} goes with {partner}, which is not what is given",
-        "the strength of friction follows from the reaction, or it is given",
+        "model.mixed_friction", word, f"{word} requires {partner}, which is missing",
+        "the friction force is proportional to the reaction, or it is given directly",
         "write mu, mu_static, radius; or force, static",
     )  # fmt: skip

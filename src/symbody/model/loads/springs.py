@@ -32,7 +32,7 @@ class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficient
     role: ClassVar[str] = "six"
     takes: ClassVar[str] = "(6,) or (6, 6) number or formula"
     annotation: ClassVar[str] = "Iterable[Value] | Iterable[Iterable[Value]]"
-    explanation: ClassVar[str] = "Along x, y, z and about x, y, z; six rows of six couple them."
+    explanation: ClassVar[str] = "Values along x, y, z and about x, y, z; a 6 x 6 matrix couples them."
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Coefficients:
         """Return six formulas, or rows of them."""
@@ -82,7 +82,7 @@ class TorsionSpring(Connection):
     equation: ClassVar[str] = (
         "applied + law - stiffness (angle - free) - damping angle_rate about `axis`, fixed in start"
     )
-    sign: ClassVar[str] = "positive turns end forward about the axis"
+    sign: ClassVar[str] = "positive turns the end in the positive direction about the axis"
     outputs: ClassVar[str] = "`angle S`, `effort S`"
     kind: ClassVar[str] = "torsion_spring"
 
@@ -93,10 +93,11 @@ class TorsionSpring(Connection):
         "Angle at which it is relaxed.", unit="rad", default=0, scope=Scope.LOAD
     )
     applied: Quantity = Quantity(
-        "Further torque on end along the axis.", unit="N m", default=0, scope=Scope.LOAD
+        "Additional torque on the end along the axis.", unit="N m", default=0, scope=Scope.LOAD
     )
     law: SpringLaw = SpringLaw(
-        "Further torque on end, in angle and angle_rate; a curve is one over the angle.",
+        "Additional torque on the end, a formula in angle and angle_rate; a curve is a function of the "
+        "angle.",
         unit="N m",
         default=0,
         own=ANGLE,
@@ -115,25 +116,25 @@ class Bushing(Connection):
     """
 
     equation: ClassVar[str] = (
-        "-stiffness (x - free) - damping x' in six coordinates; six values or six rows of six"
+        "-stiffness (x - free) - damping x' in six coordinates; six values or a 6 x 6 matrix"
     )
-    sign: ClassVar[str] = "efforts on end along the coordinates"
+    sign: ClassVar[str] = "forces and torques on the end along the coordinates"
     outputs: ClassVar[str] = "`length B x` `y` `z`, `angle B rx` `ry` `rz`, `effort B x` .. `rz`"
     kind: ClassVar[str] = "joint"
 
     stiffness: SixOrMatrix = SixOrMatrix(unit="N/m, N m/rad", default=_NONE)
     damping: SixOrMatrix = SixOrMatrix(unit="N s/m, N m s/rad", default=_NONE)
-    free: Six = Six("Where it is relaxed: position [m] and angles [rad].", default=_NONE)
+    free: Six = Six("Position [m] and angles [rad] at which it is relaxed.", default=_NONE)
 
     def check_numbers(self, check: NumericChecks, label: str) -> None:
-        """Refuse a bushing of a body on itself; remark on negative coefficients of its own directions."""
+        """Reject a bushing of a body on itself; remark on negative coefficients of its own directions."""
         if self.start.body == self.end.body:
             check.refuse(
                 "model.self_joint",
                 f"{label}, between",
                 f"both ends are on {self.start.body}",
-                "a bushing gives way between two bodies",
-                "let one end be a frame of another body, or ground",
+                "a bushing connects two bodies",
+                "put one end on another body, or on ground",
             )
         for word, rows in (("stiffness", self.stiffness_rows), ("damping", self.damping_rows)):
             for k, row in enumerate(rows):
@@ -170,8 +171,8 @@ def _refuse_length(arguments: Arguments, path: str, length: int) -> None:
         "model.not_six",
         path,
         f"{length} entries instead of six",
-        "a bushing gives way along x, y, z and about x, y, z",
-        "give six entries, or six rows of six",
+        "a bushing is elastic along x, y, z and about x, y, z",
+        "give six entries, or a 6 x 6 matrix",
     )
 
 

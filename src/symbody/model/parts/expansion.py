@@ -84,10 +84,10 @@ def _free_bodies(draft: Draft, placed: Iterable[tuple[Include, AbstractSet[str]]
     joined = {end.body for end in ends if isinstance(end, FrameRef)}
     return [
         Problem("include.free", f"include {include.prefix}, at",
-                f"{name} has no joint: its coordinates would begin at the ground of the whole",
-                f"the ground of the part stands at {include.at.full_name}",
+                f"{name} has no joint: its coordinates would start at the ground of the whole model",
+                f"the ground of the part is at {include.at.full_name}",
                 'give the body a joint in the part, [[joint]] type = "free", between = ["ground", ..], '
-                "or one in the whole")
+                "or a joint in the whole model")
         for include, names in placed for name in sorted(names - joined)
     ]  # fmt: skip
 
@@ -135,8 +135,8 @@ def part_content(
             frames[renaming.element_name(name)] = place_frame(base, rename_part(frame, renaming))
         shapes = [place_shape(base, rename_part(shape, renaming)) for shape in part.ground_shapes]
     except NotImplementedError as error:
-        what = f"the ground of the part stands at {at.full_name}, which is turned by {error}"
-        fix = "turn this frame about x, y and z, one after the other"
+        what = f"the ground of the part is at {at.full_name}, which is rotated by {error}"
+        fix = "rotate this frame about x, y and z, one after the other"
         problems.append(Problem("include.ground", f"{label}, at", what, "", fix))
         return None
     signals = [
@@ -188,8 +188,8 @@ def _clashes(draft: Draft, content: PartContent, include: Include) -> list[Probl
     symbols += [name for name in content.inputs if name in draft.inputs and name not in shared]
     return [
         Problem("include.collision", f"include {include.prefix}",
-                f"{name!r} is a name of the part {include.part.name!r}, and one of the model",
-                "names of a part are made of its prefix and the names in its file", "choose another prefix")
+                f"{name!r} is a name in the part {include.part.name!r} and also in the model",
+                "names of a part consist of its prefix and the names in its file", "choose another prefix")
         for name in (*names, *symbols)
     ]  # fmt: skip
 

@@ -97,7 +97,7 @@ class Include:
         kinds = (
             ("connect", self.connect, self.ports, "port", "inputs and signals of a part are its ports"),
             ("parameters", self.parameters, tuple(self.part.parameters), "parameter", ""),
-            ("share", self.share, shared, "parameter or input", "what is shared are parameters and inputs"),
+            ("share", self.share, shared, "parameter or input", "only parameters and inputs can be shared"),
         )
         for key, names, known, word, why in kinds:
             for name in names:
@@ -107,11 +107,11 @@ class Include:
         for name, formula in self.connect.items():
             if name not in self.part.inputs and formula.names != (formula.text,):
                 what = f"the signal {name} cannot become {formula.text!r}"
-                why = "a signal of the part goes out: what is connected is the name that it gets in the whole"
+                why = "a signal of the part is an output: connect it by giving it a name in the whole model"
                 arguments.add(
                     "include.connect", f"connect.{name}", what, why, f'write {name} = "another_name"'
                 )
         for name in self.share:
             if name in self.connect or name in self.parameters:
-                what = f"{name} is shared and has a value of its own"
-                arguments.add("include.share", "share", what, "", "leave one of them out")
+                what = f"{name} is shared and also has its own value"
+                arguments.add("include.share", "share", what, "", "remove one of them")

@@ -38,18 +38,20 @@ class Mesh(BodyShape):
     """Triangles of a file: STL, OBJ, glTF or GLB, DAE."""
 
     path: FilePath = FilePath(
-        "Of the file, from the directory of the model file that names it, or from `folder`."
+        "Path of the file, relative to the directory of the model file, or to `folder`."
     )
-    scale: ScaleFactors = ScaleFactors("Metres for one unit of the file; one number or three.", default=1)
+    scale: ScaleFactors = ScaleFactors("Metres per unit of the file; one number or three.", default=1)
     at: VectorQuantity = VectorQuantity(
-        "Origin of the file's axes, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
+        "Origin of the file's axes, relative to the centre of mass, in the body's axes.",
+        unit="m",
+        default=(0, 0, 0),
     )
     rotate: Turns = ROTATE
     matrix: RotationMatrix = MATRIX
     color: Color = COLOR
     opacity: Quantity = OPACITY
     folder: Text = Text(
-        'Where the path starts: that of the model file that names it; "" is the working directory.',
+        'Directory that the path is relative to: that of the model file; "" is the working directory.',
         default="",
         is_content=False,
     )

@@ -28,10 +28,10 @@ class Color(Field[str, str]):
 
 # The last arguments of every shape.
 CENTRE: Final = VectorQuantity(
-    "Centre, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
+    "Centre, relative to the centre of mass, in the body's axes.", unit="m", default=(0, 0, 0)
 )
-ROTATE: Final = Turns("Successive turns from the body's axes to its own: axis and angle.", default=())
-MATRIX: Final = RotationMatrix("Rotation matrix instead of turns.", default=None)
+ROTATE: Final = Turns("Successive rotations from the body's axes to its own: axis and angle.", default=())
+MATRIX: Final = RotationMatrix("Rotation matrix instead of successive rotations.", default=None)
 COLOR: Final = Color('"#rrggbb", a CSS name, or "" for the colour of the body.', default="")
 OPACITY: Final = Quantity("From 0 to 1.", default=1)
 

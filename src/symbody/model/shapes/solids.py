@@ -57,7 +57,7 @@ class Cylinder(RoundShape):
 class Capsule(RoundShape):
     """A cylinder about its z axis with half a sphere on each end."""
 
-    length: Quantity = Quantity("Without the caps.", unit="m")
+    length: Quantity = Quantity("Length without the caps.", unit="m")
 
 
 @final
@@ -65,8 +65,8 @@ class Capsule(RoundShape):
 class Cone(RoundShape):
     """A cone about its z axis, to which it points; it stands half way up its axis."""
 
-    radius: Quantity = Quantity("Of its base.", unit="m")
-    length: Quantity = Quantity("From base to tip.", unit="m")
+    radius: Quantity = Quantity("Radius of its base.", unit="m")
+    length: Quantity = Quantity("Height from base to tip.", unit="m")
 
 
 @final

@@ -66,7 +66,7 @@ class OutputLimits(Field[Iterable[Value] | None, tuple[Formula, ...] | None]):
         """Return two formulas, or None for None."""
         if value is None:
             return None
-        why = "the first is the lowest value, the second the highest"
+        why = "the first is the lower limit, the second the upper"
         items = read_list(arguments, value, path, 2, "limits", why, 'write limits = ["-Tmax", "Tmax"]')
         return tuple(arguments.formula(item, f"{path}[{k}]") for k, item in enumerate(items or (0, 0)))
 

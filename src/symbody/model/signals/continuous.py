@@ -38,12 +38,12 @@ def _continuous(element: Element, problems: list[Problem]) -> Element:
     if isinstance(element, Signal) and element.is_held:
         if element.value is None or element.name not in element.value.names:
             return Signal(element.name, element.value, output=element.output)
-        problems.append(_no_equivalent(element, "its new value follows from the old one"))
+        problems.append(_no_equivalent(element, "its new value depends on the old one"))
     elif isinstance(element, SignalBlock) and element.signals[0].is_held:
         made = element.continuous
         if made is not None:
             return made
-        problems.append(_no_equivalent(element, "no continuous block does what it does"))
+        problems.append(_no_equivalent(element, "no continuous block is equivalent to it"))
     return element
 
 

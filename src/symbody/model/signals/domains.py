@@ -58,15 +58,15 @@ class Demand(NamedTuple):
     domain: Domain
 
 
-FINITE: Final = Domain("block.domain", "{formula} is {value}", "it is no number", "give other values")
+FINITE: Final = Domain("block.domain", "{formula} is {value}", "it is not a number", "give other values")
 SAMPLE_TIME: Final = Domain(
     "signal.sample", "the time between samples, {formula}, is {value} s",
     "samples are taken at the start and after every such time", "give seconds, such as sample = 0.01",
     0.0, above=True,
 )  # fmt: skip
 TIME: Final = Domain(
-    "block.domain", "{formula} is {value} s", "a state follows in this time, which divides its rate",
-    "give seconds above 0, short beside the motion", 0.0, above=True,
+    "block.domain", "{formula} is {value} s", "this is the time constant of a state, which divides its rate",
+    "give seconds above 0, short compared with the motion", 0.0, above=True,
 )  # fmt: skip
 NOT_NEGATIVE: Final = Domain("block.domain", "{formula} is {value}", "a sign is wrong", "give 0 or more", 0.0)
 

@@ -32,16 +32,16 @@ class Signal(Element):
     kind: ClassVar[str] = "signal"
 
     name: SymbolElementName = SymbolElementName("Unique among the symbols of the model.")
-    value: OptionalQuantity = OptionalQuantity("Formula that the name stands for.", scope=Scope.LOAD)
-    output: OptionalText = OptionalText("Output of the mechanism that the name stands for.")
+    value: OptionalQuantity = OptionalQuantity("Formula that defines the signal.", scope=Scope.LOAD)
+    output: OptionalText = OptionalText("Output of the mechanism that defines the signal.")
     rate: OptionalQuantity = OptionalQuantity(
-        "Derivative in time; it makes the signal a state.", scope=Scope.LOAD
+        "Time derivative; it makes the signal a state.", scope=Scope.LOAD
     )
     initial: Quantity = Quantity(
-        "Value at the start, of a state; of a held value that before the first sample.", default=0
+        "Initial value of a state, or of a sampled value before the first sample.", default=0
     )
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; the value or output is held from each to the next.", unit="s",
+        "Time between samples; the value or output is held constant from one sample to the next.", unit="s",
         fits=SAMPLE_TIME,
     )  # fmt: skip
 
@@ -66,21 +66,21 @@ class Signal(Element):
         given = [word for word, argument in forms.items() if argument is not None]
         if len(given) != 1:
             what = f"{' and '.join(given)} are given" if given else "neither value, output nor rate is given"
-            why = "a signal is a name for one formula, for one output, or a state with one rate"
+            why = "a signal is a name for a formula or an output, or a state with a rate"
             arguments.add("signal.one_of", "", what, why, "give exactly one of value, output and rate")
         check = NumericChecks({})
         self.check_numbers(check, "signal")
         for problem in check.problems:
             arguments.add(problem.code, "sample", problem.what, problem.why, problem.fix)
         if self.sample is not None and self.rate is not None:
-            why = "a rate is integrated from instant to instant, a held value stays the same between samples"
+            why = "a rate is integrated continuously, but a sampled value stays constant between samples"
             cure = f"write the value after one sample: value = {self._next_value!r}, or leave sample out"
             arguments.add("signal.sampled_rate", "sample", "a state with a rate is not sampled", why, cure)
         if (given == ["value"] or given == ["output"]) and self.sample is None:
             if self.initial.constant() != 0:
-                why = "what it is follows from its formula at every time"
-                cure = "leave initial out, or give a rate, or a sample time"
-                what = "only states and held values have an initial value"
+                why = "its formula determines its value at all times"
+                cure = "remove initial, or give a rate or a sample time"
+                what = "only states and sampled values have an initial value"
                 arguments.add("signal.initial", "initial", what, why, cure)
 
     @property

@@ -100,14 +100,16 @@ def order_problems(points: Sequence[Point], places: Sequence[str]) -> list[Probl
     for k, ((x, _), (following, _)) in enumerate(pairwise(points), 1):
         if following < x:
             what = f"{following:g} follows {x:g}"
-            return [Problem("table.order", places[k], what, "the first column increases", "sort the rows")]
+            return [
+                Problem("table.order", places[k], what, "the first column must increase", "sort the rows")
+            ]
         if k > 1 and following == x == points[k - 2][0]:
-            what = f"{x:g} stands there three times"
-            fix = "give it once, or twice for a jump: the later value holds from there on"
+            what = f"{x:g} is listed three times"
+            fix = "give it once, or twice for a jump: the second value applies from there on"
             return [Problem("table.order", places[k], what, "", fix)]
     if points and points[0][0] == points[-1][0] and len(points) > 1:
-        what = f"all points lie at {points[0][0]:g}"
-        return [Problem("table.order", places[0], what, "", "give two different places")]
+        what = f"all points have the argument {points[0][0]:g}"
+        return [Problem("table.order", places[0], what, "", "give two different arguments")]
     return []
 
 
@@ -117,7 +119,9 @@ def _rows(place: str, where: str) -> Iterator[tuple[int, list[str]]]:
         with open(place, encoding="utf-8-sig", newline="") as file:
             if file.seek(0, 2) > MAX_BYTES:
                 what = f"the file is larger than {MAX_BYTES // 1_000_000} MB"
-                raise ModelError(Problem("table.too_large", where, what, "", "thin it out, or split it"))
+                raise ModelError(
+                    Problem("table.too_large", where, what, "", "use fewer rows, or split the file")
+                )
             file.seek(0)
             separator = _separator(file)
             file.seek(0)
@@ -164,12 +168,12 @@ def _places(first: list[str], columns: Sequence[Column], where: str) -> tuple[li
         elif first.count(column) == 1:
             places.append(first.index(column))
         elif column in first:
-            what = f"the column {column!r} stands there {first.count(column)} times"
+            what = f"the column {column!r} appears {first.count(column)} times"
             raise ModelError(Problem("table.column", where, what, "", "give its number, counted from 1"))
         else:
             what = f"there is no column {column!r}"
             fix = f"{nearest(column, first)} Or give its number, counted from 1."
-            raise ModelError(Problem("table.column", where, what, "names stand in the first row", fix))
+            raise ModelError(Problem("table.column", where, what, "column names are in the first row", fix))
     by_name = any(isinstance(column, str) for column in columns)
     return places, by_name or not any(_is_number(first[k]) for k in places)
 
@@ -190,7 +194,7 @@ def _number(row: list[str], column: int, where: str, problems: list[Problem]) ->
         value = math.nan
     if not math.isfinite(value):
         what = f"{cell!r} is not a finite number" if cell else f"column {column + 1} is empty"
-        why = "numbers have a point, not a comma" if "," in cell else ""
-        fix = "write the comma as a point" if "," in cell else "mend the value, or leave the row out"
+        why = "use a decimal point, not a comma" if "," in cell else ""
+        fix = "replace the comma by a point" if "," in cell else "correct the value, or remove the row"
         problems.append(Problem("table.value", where, what, why, fix))
     return value

@@ -10,7 +10,9 @@ from typing import Final
 from symbody.errors import ModelError, Problem, nearest
 
 _DRIVE: Final = re.compile(r"[A-Za-z]:")
-_WHY: Final = "a model file names files of its own folder alone, so that it can be copied and sent with them"
+_WHY: Final = (
+    "a model file may only refer to files in its own folder, so that it can be copied and shared with them"
+)
 
 
 def inner_path(path: str, folder: str, where: str) -> str:
@@ -37,10 +39,12 @@ def inner_path(path: str, folder: str, where: str) -> str:
         what = f"{path!r} is a link that leaves the folder of the model file"
         raise _refusal("file.outside", where, what, _WHY, "copy the file into the folder")
     if not os.path.exists(place):
-        why = "paths begin in the folder of the model file"
+        why = "paths are relative to the folder of the model file"
         raise _refusal("file.missing", where, f"there is no file {path!r}", why, _similar(place, root))
     if not os.path.isfile(place):
-        raise _refusal("file.not_a_file", where, f"{path!r} is not a regular file", "", "name a regular file")
+        raise _refusal(
+            "file.not_a_file", where, f"{path!r} is not a regular file", "", "choose a regular file"
+        )
     return place
 
 
@@ -49,8 +53,8 @@ def _check_words(path: str, where: str) -> None:
         fix = 'write for instance "data/road.csv", with slashes'
         raise _refusal("file.bad_path", where, f"{path!r} is not the path of a file", "", fix)
     if os.path.isabs(path) or path.startswith(("/", "~")) or _DRIVE.match(path) or "://" in path:
-        fix = f"put the file beside the model and write {os.path.basename(path)!r}"
-        what = f"{path!r} does not begin in the folder of the model file"
+        fix = f"put the file next to the model file and write {os.path.basename(path)!r}"
+        what = f"{path!r} is not relative to the folder of the model file"
         raise _refusal("file.outside", where, what, _WHY, fix)
     if ".." in PurePosixPath(path).parts:
         fix = "put the file into the folder of the model file or one below it"

@@ -125,11 +125,12 @@ class Lookup(Element):
         "CSV file in the folder of the model file or below it, by its relative path.", default=""
     )
     columns: ColumnChoice = ColumnChoice(
-        "Those of the argument and of the value: names of the first row, or numbers from 1.", default=(1, 2)
+        "Columns of the argument and of the value: names from the first row, or numbers from 1.",
+        default=(1, 2),
     )
     units: UnitPair = UnitPair('Units of the columns, such as "mm"; "" is SI.', default=("", ""))
     interpolation: WordChoice[Literal["linear", "pchip"]] = WordChoice(
-        'Straight between points, "linear"; or cubics with continuous slope, "pchip".',
+        'Straight lines between points, "linear"; or cubics with continuous slope, "pchip".',
         words=KINDS, default="linear",
     )  # fmt: skip
     outside: WordChoice[Literal["hold", "slope"]] = WordChoice(
@@ -137,18 +138,19 @@ class Lookup(Element):
         words=OUTSIDE, default="hold",
     )  # fmt: skip
     argument: Quantity = Quantity(
-        "What it is a function of, in SI units: the time, or a formula.", default="t", scope=Scope.ARGUMENT
+        "Argument of the function, in SI units: the time, or a formula.", default="t", scope=Scope.ARGUMENT
     )
     folder: Text = Text(
-        'Where the path starts: that of the model file; "" is the working directory.', default="",
+        'Directory that the path is relative to: that of the model file; "" is the working '
+        'directory.', default="",
         is_content=False,
     )  # fmt: skip
-    points: TablePoints = TablePoints("Places and values [[x, y], ..], in place of a file.", default=None)
+    points: TablePoints = TablePoints("Arguments and values [[x, y], ..], instead of a file.", default=None)
 
     def check(self, arguments: Arguments) -> None:
         """Note a table without points and without a file."""
         if not self.file and not self.points and not arguments.problems:
-            why = "a table is a function by points"
+            why = "a table is a function defined by points"
             arguments.add("table.one_of", "", "neither file nor points are given", why,
                           'write file = "road.csv", or points = [[0, 0], [1, 0.1]]')  # fmt: skip
 

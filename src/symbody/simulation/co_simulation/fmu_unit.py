@@ -177,7 +177,7 @@ class FmuUnit:
             raise UsageError(
                 Problem("fmu_input.no_state", self._where, f"{self._law.path} cannot save its state",
                         "its description lacks canSerializeFMUState",
-                        "let the stepper go on from its start by reset(), or export the FMU with states")
+                        "restart the stepper with reset(), or export the FMU with states")
             )  # fmt: skip
 
     def end(self) -> None:
@@ -217,7 +217,7 @@ def _fmpy(where: str) -> Any:
         return importlib.import_module("fmpy")
     except ImportError as error:
         raise UsageError(
-            Problem("fmu_input.no_fmpy", where, "the package FMPy that runs FMUs is not installed", "",
+            Problem("fmu_input.no_fmpy", where, "the package FMPy, which runs FMUs, is not installed", "",
                     'pip install "symbody[fmu]"')
         ) from error  # fmt: skip
 
@@ -235,23 +235,23 @@ def _read_description(fmpy: Any, law: FmuInput, where: str) -> Any:
         ) from error  # fmt: skip
     except Exception as error:  # FMPy's own words for a description against the schema
         raise UsageError(
-            Problem("fmu_input.description", where, f"the description in {law.path} is not an FMU's",
-                    str(error).split("\n")[0], "export it anew; `fmpy validate` lists the faults")
+            Problem("fmu_input.description", where, f"{law.path} has no valid model description",
+                    str(error).split("\n")[0], "export it again; `fmpy validate` lists the faults")
         ) from error  # fmt: skip
     if description.coSimulation is None or not description.fmiVersion.startswith(("2.", "3.")):
         kinds = "model exchange" if description.modelExchange is not None else "another kind"
         raise UsageError(
             Problem("fmu_input.kind", where,
                     f"{law.path} is an FMU of FMI {description.fmiVersion} for {kinds}",
-                    "here an FMU takes its own steps",
+                    "an FMU used as an input must take its own steps",
                     "export it for co-simulation, FMI 2.0 or 3.0")
         )  # fmt: skip
     if not {fmpy.platform, fmpy.platform_tuple} & {*platforms}:
         there = ", ".join(platforms) or "none"
         raise UsageError(
             Problem("fmu_input.platform", where, f"{law.path} has no library for {fmpy.platform_tuple}",
-                    f"what it has: {there}",
-                    "export it for this platform, or build its sources, if it has any, by `fmpy compile`")
+                    f"available: {there}",
+                    "export it for this platform, or build its sources, if included, with `fmpy compile`")
         )  # fmt: skip
     return description
 
@@ -289,7 +289,7 @@ def variable_places(description: Any, law: FmuInput, outputs: Sequence[str], whe
 def _hint(law: FmuInput, name: str, reals: set[str]) -> str:
     """Return what is wrong where names were given the wrong way round."""
     if law.reads.get(name) in reals:
-        return "reads= names the FMU's variable first: {VARIABLE: OUTPUT OF THE MECHANISM}"
+        return "in reads=, the FMU's variable comes first: {VARIABLE: OUTPUT OF THE MECHANISM}"
     return f"it is not among the variables of {law.path}"
 
 
@@ -321,5 +321,5 @@ def _instance(description: Any, folder: str) -> Any:
 def _failure(where: str, t: float, what: str) -> SimulationError:
     return SimulationError(
         Problem("fmu_input.failed", where, f"at t = {t:.9g} s {what}", "",
-                "check what it reads, its parameters and its step in the tool that made it")
+                "check its inputs, its parameters and its step in the tool that exported it")
     )  # fmt: skip

@@ -64,8 +64,8 @@ def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Tra
     if end < start:
         raise UsageError(
             Problem("fmu_input.backwards", ", ".join(f"input {name}" for name in inputs),
-                    f"the motion runs from t = {start:g} s back to {end:g} s", "FMUs step forwards",
-                    "give a t_end behind the start")
+                    f"the motion runs from t = {start:g} s back to {end:g} s", "FMUs can only step forward",
+                    "give a t_end after the start")
         )  # fmt: skip
     groups = by_instance(inputs)
     problem = plan.integration.problem
@@ -175,7 +175,7 @@ class _Run:
         if integration.times is not None:
             run = replace(run, t=np.asarray(integration.times)[: run.t.size].copy())
         if len(run.notes) > _MOST_NOTES:
-            more = f"{len(run.notes) - _MOST_NOTES} more notes on what was between samples"
+            more = f"{len(run.notes) - _MOST_NOTES} more notes on values between samples"
             run = replace(run, notes=(*run.notes[:_MOST_NOTES], more))
         return run
 

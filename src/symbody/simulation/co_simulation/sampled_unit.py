@@ -102,7 +102,7 @@ def make_reader(problem: SimulationProblem, inputs: Mapping[str, FmuInput]) -> C
     function = problem.compile_outputs(tuple(law.reads.values()), quick=True)
     problems = [
         Problem("fmu_input.no_number", f"input {name}, reads", f"{output.name} has shape {output.shape}",
-                "a variable of an FMU is one number", "name one component, such as 'reaction A Fx'")
+                "a variable of an FMU is a single number", "name one component, such as 'reaction A Fx'")
         for output in function.outputs if output.shape
     ]  # fmt: skip
     if problems:
@@ -130,7 +130,7 @@ def read_values(
     faults = list(_not_finite(reader, values))
     if faults:
         what = f"at t = {t:.9g} s {', '.join(faults)}"
-        fix = "let the FMU read what has a value throughout the motion"
+        fix = "connect the FMU to outputs that are defined throughout the motion"
         raise SimulationError(Problem("fmu_input.not_finite", "reads", what, "", fix))
     return values
 

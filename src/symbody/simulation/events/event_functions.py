@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,12 +17,12 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Sequence as Operations
-from symbody.kernels.events import watch_block as at
+from symbody.kernels.events.event_monitor import RECORDS, SETS, STOPS, EventMonitor
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.closing import CLOSING, POSED, closing_block, metric, state_shape
+from symbody.simulation.native.closing import closing_block, closing_of, metric
 from symbody.simulation.native.description import RightHandSide
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -63,8 +64,11 @@ class EventFunctions:
         outputs = action_outputs(self.events)
         self._actions = problem.compile_outputs(outputs) if outputs else None
         check_action_shapes(self.events, self._actions)
-        changes = problem.is_closed and any(event.action != "record" for event in self.events)
-        self._closing = problem.compile_outputs(CLOSING if outputs else POSED) if changes else None
+        changes = any(event.action != "record" for event in self.events)
+        close = closing_of(problem.eqs, holds=bool(outputs)) if changes else None
+        self._closing = None
+        if close is not None and close.is_needed:
+            self._closing = replace(problem, eqs=close.eqs).compile_outputs(close.outputs)
         functions = [function for function in (self._values, self._actions) if function is not None]
         self._callbacks = [
             CallbackFunction(function, problem.laws) for function in functions if problem.laws.need_python
@@ -84,7 +88,7 @@ class EventFunctions:
     def make_block(self, span: float) -> Floats:
         """Return the block of a watch over a run of some length [s]."""
         block = self._first_block.copy()
-        block[at.SPAN] = span
+        EventMonitor(block).span = span
         return block
 
     @cached_property
@@ -101,9 +105,10 @@ class EventFunctions:
 
     def _close_by(self, function: CompiledFunction) -> Floats:
         """Return the block of what closes states with a function."""
-        eqs, sizes = self._problem.eqs, [len(output.values) for output in function.outputs]
-        own = metric(eqs, self._problem.scales)
-        return closing_block(state_shape(eqs), own, sizes, self._numbers(function), self._share)
+        sizes = [len(output.values) for output in function.outputs]
+        close = closing_of(self._problem.eqs, holds=self._actions is not None)
+        own = metric(close.eqs, self._problem.scales)
+        return closing_block(close.shape, own, sizes, self._numbers(function), self._share)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
@@ -120,7 +125,7 @@ class EventFunctions:
 
     def _numbers(self, function: CompiledFunction) -> Floats:
         laws, none = self._problem.laws, np.zeros(0)
-        inputs, n_u = np.zeros(len(laws.callbacks)), len(self._problem.eqs.speed_names)
+        inputs, n_u = np.zeros(len(laws.callbacks)), len(function.signature.u)
         return function_numbers(
             RightHandSide(
                 0, n_u, inputs, none, function.constants(), function.work_size, laws.table_numbers()
@@ -144,7 +149,7 @@ def check_value_shapes(events: Sequence[Event], values: CompiledFunction) -> Non
     """
     problems = [
         Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
-                "an event watches one number", "name one component, such as 'reaction J Fx'")
+                "an event needs a single number", "name one component, such as 'reaction J Fx'")
         for event, output in zip(events, values.outputs, strict=True) if output.shape
     ]  # fmt: skip
     if problems:
@@ -164,7 +169,7 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
     problems = [
         Problem("simulation.event_shape", f"event {label!r}",
                 f"the new value of {name} has shape {output.shape}",
-                "a coordinate or speed is one number", "name one component, such as 'reaction J Fx'")
+                "a coordinate or speed is a single number", "name one component, such as 'reaction J Fx'")
         for (label, name), output in zip(named, outputs, strict=True) if output.shape
     ]  # fmt: skip
     if problems:
@@ -173,7 +178,7 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
 
 def event_numbers(eqs: EquationSet, event: Event, of_time: bool) -> WatchedEvent:
     """Return an event as numbers; `of_time` if its value reads no state."""
-    action = at.STOPS if event.action == "stop" else at.SETS if event.mapping else at.RECORDS
+    action = STOPS if event.action == "stop" else SETS if event.mapping else RECORDS
     wraps = _reads_measured_angle(eqs, str(event.expression))
     targets = tuple(eqs.state_names.index(name) for name in event.mapping)
     level = event.level if isinstance(event, LevelEvent) else 0.0

@@ -9,10 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.kernels import block as run_at
-from symbody.kernels.events import watch_block as at
+from symbody.kernels.events.event_monitor import (
+    CHATTERS,
+    FAILS,
+    GOES_ON,
+    MISSES,
+    NO_ROOM,
+    NOTHING_YET,
+    RESTS,
+    SPOILS,
+    ZEROS_PER_EVENT,
+    EventMonitor,
+)
+from symbody.kernels.record import exists
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import Event, EventSide, Occurrence
-from symbody.simulation.events.watch_arrays import event_rows, with_cut_fit
+from symbody.simulation.events.watch_arrays import with_cut_fit
 from symbody.simulation.native.description import LoopCall, Record
 from symbody.simulation.native.machine import address, watched_motion
 from symbody.simulation.native.segments import Cut, HeldValues
@@ -26,9 +38,9 @@ _ACTING_STEPS: Final = 64
 _RECORDING_STEPS: Final = 1024
 _FIRST_ROOM: Final = 64  # for what happens
 _ENDINGS: Final = {
-    at.CHATTERS: Status.CHATTERING,
-    at.SPOILS: Status.NOT_FINITE,
-    at.MISSES: Status.UNMET_ACTION,
+    CHATTERS: Status.CHATTERING,
+    SPOILS: Status.NOT_FINITE,
+    MISSES: Status.UNMET_ACTION,
 }
 
 
@@ -55,21 +67,25 @@ class EventWatch:
         self.ending = ""
         self._functions = functions
         self._block = functions.make_block(span)
-        for row, given in zip(event_rows(self._block), sides, strict=False):
-            row[[at.GOES_THROUGH, at.SIDE]] = given.side
-            row[[at.JUST_HAPPENED, at.LARGEST]] = given.has_happened, given.largest
-            row[[at.WAS, at.DONE]] = given.was, given.done
-        self._happened = np.zeros((_FIRST_ROOM + at.ZEROS_PER_EVENT * len(functions.events), self._row))
+        for event, given in zip(self._monitor.events, sides, strict=False):
+            event.goes_through = event.side = given.side
+            event.just_happened, event.largest = given.has_happened, given.largest
+            event.was, event.done = given.was, given.done
+        self._happened = np.zeros((_FIRST_ROOM + ZEROS_PER_EVENT * len(functions.events), self._row))
+
+    @property
+    def _monitor(self) -> EventMonitor:
+        return EventMonitor(self._block)
 
     @property
     def _row(self) -> int:
-        return int(self._block[at.STATES]) + 2
+        return self._monitor.states + 2
 
     @property
     def occurrences(self) -> tuple[Occurrence, ...]:
         """What has happened, in the order of the motion."""
         names = self._functions.state_names
-        rows = self._happened[: int(self._block[at.HAPPENED])]
+        rows = self._happened[: self._monitor.happened]
         labels = [event.label for event in self._functions.events]
         return tuple(
             Occurrence(labels[int(row[0])], row[1], dict(zip(names, row[2:], strict=False)))
@@ -80,23 +96,34 @@ class EventWatch:
     def notes(self) -> tuple[str, ...]:
         """Where values were not numbers, or passed a pole: nothing happened there."""
         labels = [event.label for event in self._functions.events]
-        return value_notes(labels, event_rows(self._block)[:, at.NO_NUMBER : at.WAITS_TIME + 1])
+        seen = [
+            (
+                event.no_number,
+                event.no_number_time,
+                event.pole,
+                event.pole_time,
+                event.waits,
+                event.waits_time,
+            )
+            for event in self._monitor.events
+        ]
+        return value_notes(labels, np.array(seen))
 
     def sides_at(self, t: float) -> tuple[EventSide, ...]:
         """Return where the values stand at the end of the run [s]: those of the last samples."""
-        own = self._block
-        seen = own.item(at.SEEN) != 0.0 and own.item(at.T_LAST) == t
-        rows = self._happened[: int(own[at.HAPPENED]), :2].tolist()
+        own = self._monitor
+        seen = own.seen != 0 and own.t_last == t
+        rows = self._happened[: own.happened, :2].tolist()
         now = {int(place) for place, when in rows if when == t}
         sides = []
-        for place, row in enumerate(event_rows(own).tolist()):
-            is_left = seen and row[at.AT_ZERO] == 0.0
-            has_happened = place in now or (not is_left and row[at.JUST_HAPPENED] != 0.0)
+        for place, event in enumerate(own.events):
+            is_left = seen and event.at_zero == 0.0
+            has_happened = place in now or (not is_left and event.just_happened != 0.0)
             stands = is_left and not has_happened
-            value = row[at.G_LAST] if stands else 0.0
+            value = event.g_last if stands else 0.0
             side = float((value > 0.0) - (value < 0.0))
-            was, done = (side, 0.0) if side else (row[at.WAS], row[at.DONE])
-            sides.append(EventSide(side, float(has_happened), row[at.LARGEST], was, done))
+            was, done = (side, 0.0) if side else (event.was, event.done)
+            sides.append(EventSide(side, float(has_happened), event.largest, was, done))
         return tuple(sides)
 
     @property
@@ -107,7 +134,7 @@ class EventWatch:
 
     def forget_last(self) -> None:
         """Forget the last occurrence."""
-        self._block[at.HAPPENED] -= 1.0
+        self._monitor.happened -= 1
 
     def look(self, breaks: Floats, pieces: Floats, steps: int, is_over: bool) -> Cut | None:
         """Return where a run has to be cut, if anywhere in its first `steps` steps.
@@ -120,25 +147,24 @@ class EventWatch:
         """
         if steps == 0:
             return None
-        block = self._block
-        block[at.DIRECTION] = 1.0 if breaks[steps] >= breaks[0] else -1.0
-        block[at.PIECE_ROWS] = pieces.shape[1]
-        code = at.NO_ROOM
-        while code == at.NO_ROOM:
-            block[at.HAPPENED_ROOM] = len(self._happened)
-            arrays = map(address, (block, breaks, pieces, self._happened))
+        monitor = self._monitor
+        monitor.direction = 1.0 if breaks[steps] >= breaks[0] else -1.0
+        monitor.piece_rows = pieces.shape[1]
+        code = NO_ROOM
+        while code == NO_ROOM:
+            monitor.happened_room = len(self._happened)
+            arrays = map(address, (self._block, breaks, pieces, self._happened))
             code = watched_motion().look(*self._functions.addresses, *arrays, steps, int(is_over))
-            if code == at.NO_ROOM:
+            if code == NO_ROOM:
                 self._make_room()
-        if code == at.NOTHING_YET:
+        if code == NOTHING_YET:
             return None
-        if code == at.FAILS:
-            self._functions.raise_fault(int(block[at.FAULT]))
-        n = self._row - 2
-        before, after = (block[int(block[place]) :][:n].copy() for place in (at.BEFORE, at.AFTER))
+        if code == FAILS:
+            self._functions.raise_fault(monitor.fault)
+        before, after = (np.array(state) for state in (monitor.before, monitor.after))
         self._note_ending()
         status = _ENDINGS.get(code, Status.STOPPED)
-        return Cut(float(block[at.CUT]), before, after if code == at.GOES_ON else None, status)
+        return Cut(monitor.cut, before, after if code == GOES_ON else None, status)
 
     def advance(self, call: LoopCall, held: HeldValues | None = None) -> int:
         """Try up to so many steps of the compiled loop, and let events happen; return the loop's code."""
@@ -146,7 +172,7 @@ class EventWatch:
         functions = self._functions.addresses
         code = run_at.NO_EVENT_ROOM
         while code == run_at.NO_EVENT_ROOM:
-            self._block[at.HAPPENED_ROOM] = len(self._happened)
+            self._monitor.happened_room = len(self._happened)
             if held is not None:
                 code = held.advance_watched(call, functions, self._block, self._happened)
             else:
@@ -157,7 +183,7 @@ class EventWatch:
             if code == run_at.NO_EVENT_ROOM:
                 self._make_room()
         if code == run_at.EVENT_FAULT:
-            self._functions.raise_fault(int(self._block[at.FAULT]))
+            self._functions.raise_fault(self._monitor.fault)
         self._note_ending()
         return code
 
@@ -170,24 +196,25 @@ class EventWatch:
 
     def _prepare(self, block: Floats) -> None:
         """Fit the block to a run of the compiled loop."""
-        own, rows = self._block, int(block[run_at.METHOD + run_at.DENSE_ROWS])
-        if own[at.CUT_FIT] == 0.0:
-            own = self._block = with_cut_fit(own, rows)
-        own[at.DIRECTION], own[at.PIECE_ROWS] = block[run_at.DIRECTION], rows
+        rows = int(block[run_at.METHOD + run_at.DENSE_ROWS])
+        if not exists(self._monitor.cut_fit):
+            self._block = with_cut_fit(self._block, rows)
+        monitor = self._monitor
+        monitor.direction, monitor.piece_rows = block[run_at.DIRECTION], rows
 
     def _note_ending(self) -> None:
-        block, culprit = self._block, int(self._block[at.CULPRIT])
-        if not culprit:
+        monitor = self._monitor
+        if not monitor.culprit:
             return
-        event, place = self._functions.events[culprit - 1], int(block[at.BAD_PLACE])
-        if block[at.UNMET]:
+        event, place = self._functions.events[monitor.culprit - 1], monitor.bad_place
+        if monitor.unmet:
             names = self._functions.state_names
-            values = block[int(block[at.AFTER]) :][: len(names)]
-            self.ending = unmet_note(event, {name: values.item(names.index(name)) for name in event.mapping})
+            values = {name: float(monitor.after[names.index(name)]) for name in event.mapping}
+            self.ending = unmet_note(event, values)
         elif place:
-            self.ending = spoiled_note(event, place - 1, float(block[at.BAD_VALUE]))
+            self.ending = spoiled_note(event, place - 1, monitor.bad_value)
         else:
-            self.ending = chattering_note(event.label, block[at.UNTURNED] != 0.0)
+            self.ending = chattering_note(event.label, monitor.unturned != 0.0)
 
     def _make_room(self) -> None:
         self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
@@ -197,8 +224,9 @@ def unmet_note(event: Event, values: Mapping[str, float]) -> str:
     """Return what to say about an action that sets what the constraints do not admit."""
     listed = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
     return (
-        f"the action of event {event.label!r} sets {listed}: the constraints admit no such state near "
-        "the one before; set fewer values, and the others follow, or values that fit each other"
+        f"the action of event {event.label!r} sets {listed}: no state near the previous one satisfies the "
+        f"constraints with these values; set fewer values, so that the others can adjust, or set consistent "
+        f"values"
     )
 
 
@@ -206,8 +234,8 @@ def spoiled_note(event: Event, place: int, value: float) -> str:
     """Return what to say about an action that sets a state to what is not finite."""
     name, formula = list(event.mapping.items())[place]
     return (
-        f"the action of event {event.label!r} sets {name} to {value:g}: {str(formula)!r} has no finite value "
-        "in the state before; give a formula that has one wherever the event happens"
+        f"the action of event {event.label!r} sets {name} to {value:g}: {str(formula)!r} is not finite in "
+        f"the state before the event; use a formula that is finite wherever the event happens"
     )
 
 
@@ -215,9 +243,9 @@ def chattering_note(label: str, goes_on: bool) -> str:
     """Return what to say about an event that chatters; `goes_on` if its action at a start turned nothing."""
     if goes_on:
         return (
-            f"event {label!r} happens at a start where its value is zero, and after its action the value is "
-            "zero again and goes the same way; let the action turn the value back or move it off zero, or "
-            "begin beside zero"
+            f"event {label!r} happens at the start, where its value is zero, and after its action the value "
+            f"is zero again and moves in the same direction; let the action reverse the value or move it "
+            f"away from zero, or start away from zero"
         )
     return f"event {label!r} happens again and again"
 
@@ -236,13 +264,13 @@ def value_notes(labels: Sequence[str], seen: Floats) -> tuple[str, ...]:
     for label, (is_none, since, has_pole, t, why, when) in zip(labels, seen.tolist(), strict=True):
         if is_none:
             notes.append(
-                f"event {label!r}: its value is not a number at t = {since:.6g} s, so it cannot happen "
-                "there; give it a formula that has a value everywhere"
+                f"event {label!r}: its value is not a number at t = {since:.6g} s, so the event cannot "
+                f"happen there; use a formula that is defined everywhere"
             )
         if has_pole:
             notes.append(
-                f"event {label!r}: its value has a pole at t = {t:.6g} s, where its sign changes, but no "
-                "zero; give it a formula without poles, such as the denominator"
+                f"event {label!r}: its value changes sign at t = {t:.6g} s at a pole, not at a zero; use a "
+                f"formula without poles, such as the denominator"
             )
         if why:
             waiting.setdefault((why, when), []).append(repr(label))
@@ -253,12 +281,14 @@ def _waiting_note(labels: Sequence[str], why: float, t: float) -> str:
     name = (
         f"event {labels[0]}: its value is" if len(labels) == 1 else f"events {', '.join(labels)}: values are"
     )
-    if why == at.RESTS:
+    if why == RESTS:
         return (
-            f"{name} zero at t = {t:.6g} s with first and second rates of zero: nothing happens there before "
-            "another action, sample or jump changes these rates, or zero has been left"
+            f"{name} zero at t = {t:.6g} s with zero first and second derivatives: the event does not "
+            f"happen there until another action, sample or jump changes these derivatives, or the value "
+            f"leaves zero"
         )
     return (
-        f"{name} zero at t = {t:.6g} s without a sign before, and direction = 0 does not say from which "
-        "side zero is passed: nothing happens there before zero has been left; give direction = 1 or -1"
+        f"{name} zero at t = {t:.6g} s with no sign before it, and direction = 0 does not say from which "
+        f"side it passes zero: the event does not happen until the value leaves zero; give direction = 1 or "
+        f"-1"
     )

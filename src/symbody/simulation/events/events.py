@@ -65,10 +65,10 @@ class EventSide(NamedTuple):
 class Event:
     """A moment when an expression passes zero.
 
-    An event that sets values also happens where its value is zero at a start, or where a motion goes on after
-    an action, a sample or a jump, and leaves zero in the event's direction: the first rate that is not zero
-    decides, of the first and second. So balls that touch hit each other. If the value is zero again after
-    that action and goes the same way, as that of a ball that lies on its floor, the motion ends as
+    An event that sets values also happens where its value is zero at a start, or where a motion continues
+    after an action, a sample or a jump, and leaves zero in the event's direction: the first rate that is not
+    zero decides, of the first and second. So balls that touch hit each other. If the value is zero
+    again after that action and goes the same way, as for a ball that lies on its floor, the motion ends as
     `Status.CHATTERING`. An event that records or stops, and one of direction 0 whose value had no sign yet,
     happens once its value has left zero.
 
@@ -80,7 +80,7 @@ class Event:
     expression : str or number
         In t, coordinates, speeds, inputs and parameters, or any output's name.
     direction : int
-        1 for values that rise through zero as the motion goes on, -1 for those that fall, 0 for both.
+        1 for values that rise through zero as the motion continues, -1 for those that fall, 0 for both.
     action : "record", "stop" or mapping of name to formula
         What follows: a note in ``run.events``; the end of the motion, which becomes its last sample; or new
         values of coordinates and speeds, all computed from the state before, for instance
@@ -94,7 +94,7 @@ class Event:
     Raises
     ------
     UsageError
-        If the direction or the action means nothing.
+        If the direction or the action is not valid.
     """
 
     expression: Value
@@ -156,7 +156,7 @@ def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Eve
     labels = [event.label for event in checked]
     problems = [
         Problem("simulation.event_name", f"event {label!r}", "another event has this name", "",
-                "give each event a name of its own: sb.Event(..., name=...)")
+                "give each event its own name: sb.Event(..., name=...)")
         for k, label in enumerate(labels) if label in labels[:k]
     ]  # fmt: skip
     problems += [
@@ -187,4 +187,6 @@ def _in_states(eqs: EquationSet, event: Event) -> Event:
 
 
 def _wrong(event: Event, what: str, fix: str) -> UsageError:
-    return UsageError(Problem("simulation.event", f"event {event.label!r}", f"{what} means nothing", fix=fix))
+    return UsageError(
+        Problem("simulation.event", f"event {event.label!r}", f"{what} is not a valid choice", fix=fix)
+    )

@@ -1,4 +1,4 @@
-"""The block of a watch for events; see `symbody.kernels.events.watch_block`."""
+"""The arrays of an `EventMonitor`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.kernels.events import watch_block as at
+from symbody.kernels.events.event_monitor import (
+    EXTREMUM_NODES,
+    RECORDS,
+    STEP_NODES,
+    EventMonitor,
+    MonitoredEvent,
+)
+from symbody.kernels.pack import pack
 from symbody.simulation.inputs.chebyshev import DEGREE, chebyshev_nodes, to_coefficients
 from symbody.simulation.native.dense_output import cut_matrix
 
@@ -24,7 +31,7 @@ def _fit(degree: int, room: int) -> Floats:
     return np.concatenate([chebyshev_nodes(degree), to_coefficients(degree).ravel(), np.zeros(room)])
 
 
-_EXTREMUM_FIT: Final = _fit(at.EXTREMUM_NODES - 1, 2 * at.EXTREMUM_NODES)
+_EXTREMUM_FIT: Final = _fit(EXTREMUM_NODES - 1, 2 * EXTREMUM_NODES)
 _STEP_FIT: Final = _fit(DEGREE, 0)
 
 
@@ -76,59 +83,37 @@ class WatchNumbers(NamedTuple):
 
 
 def make_watch_block(events: Sequence[WatchedEvent], numbers: WatchNumbers) -> Floats:
-    """Return the block of a watch that has not begun; the length of its run is still to be set."""
-    m, n = len(events), numbers.states
-    targets = np.array([place for event in events for place in event.targets], dtype=np.float64)
-    parts = {
-        at.EXTREMUM_FIT: _EXTREMUM_FIT,
-        at.STEP_FIT: _STEP_FIT,
-        at.TABLE: _event_table(events).ravel(),
-        at.TARGETS: targets,
-        at.PENDING: np.zeros(at.ZERO_SIZE * at.ZEROS_PER_EVENT * m),
-        at.LEAF: np.zeros(at.STEP_NODES * (m + 1)),
-        at.STACK: np.zeros(2 * (at.DEEPEST + 2)),
-        at.RECENT: np.zeros(at.MOST_RECENT * m),
-        at.NUMBERS: numbers.values,
-        at.VALUES: np.zeros(m),
-        at.ACTIONS: numbers.actions,
-        at.ACTED: np.zeros(targets.size + n),
-        at.CLOSING: numbers.closing,
-        at.BEFORE: np.zeros(n),
-        at.AFTER: np.zeros(n),
-        at.SCRATCH: np.zeros(3 * n),
-        at.RATE: np.zeros(n),
-    }
-    block = np.concatenate([np.zeros(at.HEADER), *parts.values()])
-    places = at.HEADER + np.cumsum([0, *(part.size for part in parts.values())])
-    block[list(parts)] = places[:-1]
-    block[[at.ACTIONS, at.CLOSING]] *= [numbers.actions.size > 0, numbers.closing.size > 0]
-    block[[at.STATES, at.SPEEDS, at.EVENTS]] = n, numbers.speeds, m
-    block[[at.ACTION_VALUES, at.NODE]] = targets.size + n, at.STEP_NODES
-    return block
+    """Return the array of an `EventMonitor` that has seen nothing; its span is still to be set."""
+    m, targets = len(events), [float(place) for event in events for place in event.targets]
+    return pack(
+        EventMonitor,
+        states=numbers.states, speeds=numbers.speeds, event_count=m,
+        action_values=len(targets) + numbers.states, node=STEP_NODES,
+        extremum_fit=_EXTREMUM_FIT, step_fit=_STEP_FIT, events=_event_table(events), targets=targets,
+        leaf=np.zeros(STEP_NODES * (m + 1)),
+        numbers=numbers.values, actions=numbers.actions, closing=numbers.closing,
+    )  # fmt: skip
 
 
 def with_cut_fit(block: Floats, rows: int) -> Floats:
-    """Return a block that can cut steps whose polynomials have so many rows."""
+    """Return the array of a monitor that can cut steps whose polynomials have so many rows."""
     nodes, inverse = cut_matrix(rows)
-    fit = [nodes, inverse.ravel(), np.zeros(rows * int(block[at.STATES]))]
+    monitor = EventMonitor(block)
+    fit = [nodes, inverse.ravel(), np.zeros(rows * monitor.states)]
     result = np.concatenate([block, *fit])
-    result[at.CUT_FIT] = block.size
+    result[EventMonitor.fields["cut_fit"].place] = block.size
     return result
 
 
-def event_rows(block: Floats) -> Floats:
-    """Return the table of the events, a view (m, EVENT_SIZE)."""
-    first, m = int(block[at.TABLE]), int(block[at.EVENTS])
-    return block[first : first + m * at.EVENT_SIZE].reshape(m, at.EVENT_SIZE)
-
-
 def _event_table(events: Sequence[WatchedEvent]) -> Floats:
-    table = np.zeros((len(events), at.EVENT_SIZE))
-    first = 0
-    for row, event in zip(table, events, strict=True):
-        row[[at.WAY, at.ACTION, at.WRAPS]] = event.direction, event.action, event.wraps
-        row[at.OF_TIME] = event.of_time
-        row[[at.SET_COUNT, at.SET_FIRST, at.LEVEL]] = len(event.targets), first, event.level
-        row[at.MOST] = _MOST_RECORDED if event.action == at.RECORDS else _MOST_ACTING
+    rows, first = list[Floats](), 0
+    for event in events:
+        rows.append(
+            pack(
+                MonitoredEvent, way=event.direction, action=event.action, wraps=event.wraps,
+                of_time=event.of_time, set_count=len(event.targets), set_first=first, level=event.level,
+                most=_MOST_RECORDED if event.action == RECORDS else _MOST_ACTING,
+            )
+        )  # fmt: skip
         first += len(event.targets)
-    return table
+    return np.array(rows)

@@ -155,7 +155,8 @@ def _dense(parts: Sequence[DenseOutput | None]) -> DenseOutput | None:
 def changing_shape(name: str) -> UsageError:
     """Return the error for an output whose number of values changes with the equations."""
     return UsageError(
-        Problem("trajectory.changing_shape", repr(name), f"{name} does not keep its number of values",
-                "joints that stick and ropes that are taut are held by further constraints",
+        Problem("trajectory.changing_shape", repr(name), f"the number of values of {name} changes during "
+            f"the motion",
+                "joints that stick and ropes that are taut add constraints",
                 "read single values, or a reaction")
     )  # fmt: skip

@@ -54,7 +54,7 @@ class RopeImpact:
     def note(self) -> str:
         """The shock in words."""
         each = " and ".join(f"{name} by {impulse:.6g} N s" for name, impulse in self.impulses.items())
-        return f"at t = {self.t:.9g} s ropes go taut with a shock: {each}; {self.lost:.6g} J are lost"
+        return f"at t = {self.t:.9g} s ropes go taut with an impact: {each}; {self.lost:.6g} J are lost"
 
 
 def rope_impact(ropes: RopeElements, state: HybridState) -> RopeImpact | None:

@@ -266,8 +266,8 @@ def remove_turns(changes: Floats, is_angle: Flags) -> Floats:
 def _jump_problem(name: str, t: float) -> Problem:
     return Problem(
         "simulation.torn_motion", f"motion {name}", f"the prescribed position jumps at t = {t:.9g} s",
-        "nothing moves by a distance in no time",
-        "let it pass from one value to the other, as smoothstep(t, t1, t2) does",
+        "a position cannot change instantly",
+        "use a transition from one value to the other, such as smoothstep(t, t1, t2)",
     )  # fmt: skip
 
 
@@ -339,7 +339,7 @@ def _speed_change(problem: SimulationProblem, x: Floats, before: float, behind: 
     if not solution.ok:
         raise SimulationError(
             Problem("simulation.impulse", "motion",
-                    f"no speeds fit the rates prescribed from t = {behind:.9g} s on",
+                    f"no speeds satisfy the prescribed rates after t = {behind:.9g} s",
                     "the constraints do not allow them, or the mass matrix is singular",
                     "prescribe a motion without corners")
         )  # fmt: skip

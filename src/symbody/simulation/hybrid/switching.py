@@ -38,7 +38,9 @@ Floats = NDArray[np.float64]
 # So many changes at one instant are one too many.
 _MOST_CHANGES: Final = 50
 _MOST_NOTES: Final = 20  # of impacts
-_UNDETERMINED: Final = "no way of sticking and slipping fits the friction of the joints at rest"
+_UNDETERMINED: Final = (
+    "no combination of sticking and slipping is consistent with the friction of the joints at rest"
+)
 
 
 def switches(formed: EquationsOfMotion) -> bool:
@@ -71,7 +73,7 @@ def run_switching(plan: MotionPlan) -> Trajectory:
     while True:
         impact = rope_impact(rope_elements(problem), state) if has_ropes else None
         if impact is not None and not impact.impulses:
-            return history.end(Status.SINGULAR, state, "no speeds were found at which the ropes are taut")
+            return history.end(Status.SINGULAR, state, "no speeds were found that keep the ropes taut")
         if impact is not None:
             state = history.note_impact(impact, state)
         modes = find_modes(mechanism, state)
@@ -200,7 +202,7 @@ class _History:
         if others:
             lost = sum(impact.lost for impact in others)
             notes.append(
-                f"{len(others)} more shocks of ropes until t = {others[-1].t:.9g} s; {lost:.6g} J are lost"
+                f"{len(others)} more impacts of ropes until t = {others[-1].t:.9g} s; {lost:.6g} J are lost"
             )
         return replace(run, notes=(*run.notes, *notes))
 
@@ -257,9 +259,9 @@ def _check_motions(problem: SimulationProblem, x: Floats, span: tuple[float, flo
     if times:
         raise UsageError(
             Problem("simulation.struck_friction", "motion", f"prescribed rates jump at t = {times[0]:.9g} s",
-                    "joints that stick and slip, and ropes, would be struck as well",
-                    "prescribe a motion without corners, as by smoothstep; or give friction a v0, and "
-                    "replace ropes by springs that only pull")
+                    "joints that stick and slip, and ropes, would be hit by the jump as well",
+                    "prescribe a motion without corners, for instance with smoothstep; or give friction a "
+                    "v0, and replace ropes by springs that only pull")
         )  # fmt: skip
 
 
@@ -274,13 +276,13 @@ def _check(span: tuple[float, float], events: tuple[Event, ...]) -> None:
     cure = "give friction a v0, and replace ropes by springs that only pull: their laws are smooth then"
     problems = [
         Problem("simulation.stick_slip_event", f"event {event.label!r}", "it sets new values",
-                "joints that stick and slip, and ropes, would have to be looked at anew", cure)
+                "joints that stick and slip, and ropes, would have to be reinitialized", cure)
         for event in events if event.mapping
     ]  # fmt: skip
     if span[1] < span[0]:
         problems.append(
             Problem("simulation.stick_slip_backwards", "t_end", "the motion runs backwards",
-                    "how long a joint sticks, or a rope is taut, depends on what came before", cure)
+                    "how long a joint sticks, or a rope is taut, depends on the motion before", cure)
         )  # fmt: skip
     if problems:
         raise UsageError(*problems)

@@ -88,13 +88,13 @@ class Breakpoints:
             k = int(np.argmin(self.longest))
             at = self.times[min(max(k - 1, 0), self.times.size - 1)]
             notes.append(
-                f"what depends on time alone changes within {shortest:.3g} s near t = {at:.6g} s: steps of "
-                f"{step:.3g} s may miss it; give a shorter one"
+                f"formulas of time change within {shortest:.3g} s near t = {at:.6g} s: steps of {step:.3g} "
+                f"s may miss the change; use a shorter step"
             )
         if not self.is_complete:
             notes.append(
-                "what depends on time alone changes too often to be looked at before the motion: where short "
-                "pulses lie between long rests, give the integrator a max_step="
+                "formulas of time change too often to be searched in advance: for short pulses between long "
+                "pauses, give the integrator a max_step="
             )
         return tuple(notes)
 

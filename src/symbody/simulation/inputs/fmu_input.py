@@ -58,7 +58,7 @@ class FmuInput:
             given = "no step is given" if self.step is None else f"step = {self.step!r}"
             raise UsageError(
                 Problem("fmu_input.step", f"FmuInput({self.path!r})", f"{given}",
-                        "an FMU computes an input once a sample, and holds it",
+                        "an FMU computes an input once per sample and holds it constant in between",
                         "give the seconds between samples: step=0.01")
             )  # fmt: skip
 
@@ -104,7 +104,7 @@ def refuse_fmu_inputs(inputs: Mapping[str, object]) -> None:
     if names:
         raise UsageError(
             Problem("fmu_input.elsewhere", ", ".join(f"input {name}" for name in names),
-                    "an FMU computes inputs in simulate and Stepper alone",
-                    "it has a state of its own, which goes on from sample to sample",
-                    "call simulate for each case, or step a Stepper")
+                    "FMUs compute inputs in simulate and Stepper only",
+                    "an FMU has its own state, which continues from sample to sample",
+                    "call simulate for each case, or use a Stepper")
         )  # fmt: skip

@@ -177,9 +177,9 @@ def input_laws(
         else:
             callbacks[name] = table
             notes.append(
-                f"input {name} is a Python function, called at every evaluation: slow; implicit methods take "
-                "its slopes from differences; where it is short, as a pulse after a rest, a step may pass "
-                "over it: give the integrator a max_step="
+                f"input {name} is a Python function, which is slow because every evaluation calls it; "
+                f"implicit methods approximate its derivatives by differences; a step may miss a short "
+                f"pulse: give the integrator a max_step="
             )
     kept = {name: value for name, value in formulas.items() if name not in callbacks}
     in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
@@ -266,7 +266,7 @@ def _call_law(name: str, law: Callback, t: float, q: Floats, u: Floats) -> float
         given = np.asarray(law(t, q, u))
     except Exception as error:
         what = f"at t = {t:.9g} s the function raised {type(error).__name__}: {error}"
-        raise _law_fault(name, what, "mend the function; it is called as f(t, q, u)") from error
+        raise _law_fault(name, what, "correct the function; it is called as f(t, q, u)") from error
     if given.shape != () or given.dtype.kind not in "fiu":
         what = f"at t = {t:.9g} s the function returned {_describe(given)}"
         raise _law_fault(name, what, "return one number")

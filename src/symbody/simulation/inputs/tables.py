@@ -42,7 +42,7 @@ class Table:
     Raises
     ------
     UsageError
-        If a time stands there three times, times fall, shapes differ, or numbers are not finite.
+        If a time is listed three times, times fall, shapes differ, or numbers are not finite.
     """
 
     t: ArrayLike
@@ -60,10 +60,10 @@ class Table:
             what = f"times have shape {times.shape}, values {values.shape}"
             raise _wrong(what, "give two lists of the same length, with two points or more")
         if not (np.isfinite(times).all() and np.isfinite(values).all()):
-            raise _wrong("a time or value is not finite", "leave such points out")
+            raise _wrong("a time or value is not finite", "remove such points")
         _check_order(times)
         if self.kind not in ("linear", "pchip", "cubic") or self.outside not in ("hold", "error"):
-            what = f"kind = {self.kind!r}, outside = {self.outside!r} mean nothing"
+            what = f"kind = {self.kind!r}, outside = {self.outside!r}: not a valid choice"
             raise _wrong(what, "kind is 'linear', 'pchip' or 'cubic', outside is 'hold' or 'error'")
         object.__setattr__(self, "t", times)
         object.__setattr__(self, "values", values)
@@ -125,7 +125,7 @@ class Table:
         return np.size(self.t) <= MOST_IN_FORMULAS
 
     def check_span(self, name: str, start: float, end: float) -> None:
-        """Refuse a run that leaves a table which must not be left.
+        """Reject a run that leaves a table with outside='error'.
 
         Raises
         ------
@@ -137,7 +137,7 @@ class Table:
             raise UsageError(
                 Problem("simulation.table_range", f"input {name}",
                         f"the table covers {first:g} to {last:g} s, the motion {start:g} to {end:g} s",
-                        "outside='error' refuses to guess",
+                        "with outside='error' the table must cover the motion",
                         "extend the table, shorten the motion, or write outside='hold'")
             )  # fmt: skip
 
@@ -256,10 +256,10 @@ def _check_order(times: Floats) -> None:
     thrice = (steps[:-1] == 0.0) & (steps[1:] == 0.0)
     if thrice.any():
         k = int(np.argmax(thrice))
-        fix = "give it once, or twice for a jump: the later value holds from that instant on"
-        raise _wrong(f"time {times[k]:g} stands there three times", fix)
+        fix = "give it once, or twice for a jump: the second value applies from that instant on"
+        raise _wrong(f"time {times[k]:g} is listed three times", fix)
     if times[0] == times[-1]:
-        raise _wrong(f"all points lie at time {times[0]:g}", "give two different times")
+        raise _wrong(f"all points have the time {times[0]:g}", "give two different times")
 
 
 def _piece(x: str, start: float, coefficients: Floats) -> str:

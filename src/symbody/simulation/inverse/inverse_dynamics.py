@@ -55,11 +55,11 @@ def inverse_dynamics(
     Parameters
     ----------
     motion : mapping of coordinate to expression, table or callable
-        As many coordinates as the mechanism has freedoms, those of cut joints too: expressions in t and
+        One coordinate per degree of freedom, including those of cut joints: expressions in t and
         parameters, ``{"theta": "pi*t**2"}``; (times, values) or a cubic `Table`, splined; a function of
         time that returns the coordinate, its rate and its acceleration.
     unknowns : str or sequence of str
-        Inputs to find; more than freedoms get the values of least norm, with a note.
+        Inputs to find; if there are more than degrees of freedom, the minimum-norm solution, with a note.
     times : (N,) array
         Rising times [s]; positions are followed from each to the next. One number gives one sample.
     parameters, inputs : mapping
@@ -79,7 +79,7 @@ def inverse_dynamics(
     Raises
     ------
     UsageError
-        If names make no sense, an unknown enters in higher degree, or the motion leaves freedoms.
+        If names make no sense, an unknown does not enter linearly, or degrees of freedom are left.
     AssemblyError
         If the loops do not close at the first time.
     SimulationError
@@ -162,13 +162,13 @@ def _times(times: ArrayLike) -> Floats:
     if rising.ndim != 1 or not rising.size or not np.isfinite(rising).all():
         raise _wrong_times(f"they have shape {rising.shape}, or are not finite")
     if (np.diff(rising) <= 0.0).any():
-        raise _wrong_times("they do not rise")
+        raise _wrong_times("they do not increase")
     return rising
 
 
 def _wrong_times(what: str) -> UsageError:
     return UsageError(
-        Problem("inverse.times", "times", what, "", "give rising numbers, such as linspace(0, 1, 101)")
+        Problem("inverse.times", "times", what, "", "give increasing numbers, such as linspace(0, 1, 101)")
     )
 
 
@@ -188,23 +188,23 @@ def _check_questions(
             problems.append(_no_input(eqs, name))
         elif name in inputs:
             problems.append(
-                Problem("inverse.known_unknown", f"unknown {name}", f"{name} is given in inputs, too", "",
-                        "leave it out of one of them")
+                Problem("inverse.known_unknown", f"unknown {name}", f"{name} is also in inputs=", "",
+                        "remove it from one of them")
             )  # fmt: skip
     if len(set(unknowns)) < len(unknowns):
         problems.append(
-            Problem("inverse.repeated", "unknowns", "a name stands there twice", "", "name each once")
+            Problem("inverse.repeated", "unknowns", "a name is listed twice", "", "name each once")
         )
     if not motion and eqs.speed_names:
         problems.append(
             Problem("inverse.no_motion", "motion", "no motion is given",
-                    "nothing says how the mechanism moves",
+                    "inverse dynamics needs a prescribed motion",
                     f'write motion={{"{eqs.coordinate_names[0]}": "sin(t)"}}')
         )  # fmt: skip
     problems += [
         Problem("inverse.rope", f"constraint {name}",
-                "whether a rope is slack or taut does not follow from a motion",
-                "", "use a Distance that is not a rope where it is taut, or leave it out where it is slack")
+                "a prescribed motion does not determine whether a rope is slack or taut",
+                "", "use a Distance without rope=True where it is taut, or leave it out where it is slack")
         for name in ropes(eqs.formed)
     ]  # fmt: skip
     if eqs.signal_state_names:
@@ -215,8 +215,8 @@ def _check_questions(
         problems.append(
             Problem("inverse.dependent_speeds", "eqs",
                     f"the speeds {', '.join(eqs.formed.dependent_names)} are eliminated from these equations",
-                    "what is given is held by rows in all speeds",
-                    "form the equations without dependent_speeds: motion and efforts are the same")
+                    "prescribed motions are constraints on all speeds",
+                    "form the equations without dependent_speeds: motion, forces and torques are the same")
         )  # fmt: skip
     if problems:
         raise UsageError(*problems)
@@ -227,10 +227,10 @@ def _moving_light(eqs: EquationSet) -> Problem:
     names = [speed.label for speed in eqs.formed.light_balances]
     return Problem(
         "inverse.first_order", f"speed {names[0]}",
-        f"no mass resists {', '.join(names)}: dampers say how fast it moves, and its place depends on all "
-        "that was before",
-        "it follows from forces, and is not a motion that can be given",
-        "give mass to what moves there, or simulate with the input given",
+        f"{', '.join(names)} has no mass: dampers determine how fast it moves, and its position depends on "
+        f"its history",
+        "forces determine it, so it cannot be prescribed",
+        "give mass to what moves there, or simulate with known inputs",
     )  # fmt: skip
 
 
@@ -238,9 +238,9 @@ def _moving_signals(eqs: EquationSet) -> Problem:
     listed = ", ".join(eqs.signal_state_names)
     return Problem(
         "inverse.signals", f"signal {eqs.signal_state_names[0]}",
-        f"the states of signals {listed} do not follow from the motion of the mechanism",
-        "they have rates of their own, which the unknown inputs may drive",
-        "find the effort with an input in the place of the signals, or simulate with them",
+        f"the motion of the mechanism does not determine the states of signals {listed}",
+        "they have their own rates, which may depend on the unknown inputs",
+        "replace the signals by an input and solve for it, or simulate with the signals",
     )  # fmt: skip
 
 
@@ -248,12 +248,12 @@ def _no_input(eqs: EquationSet, name: str) -> Problem:
     if name in eqs.multiplier_names or name.startswith(("reaction ", "effort ")):
         return Problem(
             "inverse.always_known", f"unknown {name}", f"{name} is not an input of the model",
-            "multipliers, reactions and efforts are always solved for",
+            "multipliers, reactions and drive forces are always computed",
             f"leave it out here and read run[{name!r}] from the result",
         )  # fmt: skip
     return Problem(
         "inverse.unknown_input", f"unknown {name}", f"the model has no input {name!r}",
-        'an unknown is an input of the model, as of sb.Drive(applied="T") at a joint',
+        'an unknown is an input of the model, such as T in sb.Drive(applied="T") at a joint',
         nearest(name, eqs.input_names),
     )  # fmt: skip
 
@@ -265,8 +265,8 @@ def _notes(
     notes = [silent_input_note(eqs.units, name) for name in silent]
     if redundant:
         notes.append(
-            f"{', '.join(unknowns)} are more than the motion determines: of all values that give it, "
-            "these have the least sum of squares"
+            f"{', '.join(unknowns)} are more unknowns than the motion determines: the result is the "
+            f"minimum-norm solution (least sum of squares)"
         )
     return [*notes, *laws.notes]
 
@@ -276,7 +276,7 @@ def _single_time(times: ArrayLike) -> tuple[str, ...]:
     if np.ndim(times):
         return ()
     end = float(np.asarray(times, dtype=np.float64))
-    return (f"times={end:g} is one time; np.linspace(0, {end:g}, 101) gives the motion up to it",)
+    return (f"times={end:g} is a single time; use np.linspace(0, {end:g}, 101) for the motion up to it",)
 
 
 def _integral(t: Floats, power: Floats) -> Floats:

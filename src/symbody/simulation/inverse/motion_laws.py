@@ -67,14 +67,14 @@ def _table_problems(name: str, table: Table, span: tuple[float, float]) -> list[
     if table.kind != "cubic":
         problems.append(
             Problem("inverse.table_corners", where, "a table of straight lines has infinite accelerations",
-                    "its rate jumps at every point", 'write sb.Table(..., kind="cubic")')
+                    "its slope jumps at every point", 'write sb.Table(..., kind="cubic")')
         )  # fmt: skip
     if span[0] < times[0] or span[1] > times[-1]:
         problems.append(
             Problem("inverse.table_span", where,
-                    f"the table reaches from {times[0]:g} s to {times[-1]:g} s, the times from "
-                    f"{span[0]:g} s to {span[1]:g} s", "",
-                    "extend the table, or ask for times within it")
+                    f"the table covers {times[0]:g} s to {times[-1]:g} s, the times {span[0]:g} s to "
+                    f"{span[1]:g} s", "",
+                    "extend the table, or choose times within it")
         )  # fmt: skip
     return problems
 
@@ -106,6 +106,6 @@ def _wrap_function(name: str, function: Callable[[float], tuple[float, float, fl
 def _function_problem(name: str, what: str) -> UsageError:
     return UsageError(
         Problem("inverse.motion_function", f"motion {name}", what,
-                "accelerations need the motion and two derivatives",
+                "accelerations need the motion and its first two derivatives",
                 "return three finite numbers: the coordinate, its rate and its acceleration")
     )  # fmt: skip

@@ -16,7 +16,7 @@ from symbody.analysis.redundancy import redundancy
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import AssemblyError, Problem, SimulationError, SymbodyError, UsageError
+from symbody.errors import AssemblyError, Problem, SimulationError, SymbodyError, UsageError, number_in_words
 
 Floats = NDArray[np.float64]
 
@@ -96,10 +96,11 @@ class PrescribedMotion:
         driven = ", ".join(self.continuation.driven)
         raise SimulationError(
             Problem("inverse.motion_conflict", f"motion {driven}",
-                    f"at t = {t:.9g} s no {what} of the mechanism have the prescribed motion; it misses by "
-                    f"{error:.3g} of the mechanism's size",
-                    "the driven coordinates depend on each other, or the mechanism stands in a singular "
-                    "position", "drive fewer coordinates, or motions that fit the constraints")
+                    f"at t = {t:.9g} s no {what} of the mechanism satisfy the prescribed motion; the error "
+                    f"is {error:.3g} of the mechanism's size",
+                    "the driven coordinates depend on each other, or the mechanism is in a singular "
+                    "position", "drive fewer coordinates, or prescribe motions consistent with the "
+                                "constraints")
         )  # fmt: skip
 
     def _freedoms_left(self, t: float, q: Floats, basis: Floats) -> Problem:
@@ -116,12 +117,17 @@ class PrescribedMotion:
         near = dict(zip(self.eqs.coordinate_names, q, strict=True))
         generic = redundancy(self.eqs, self.parameters, near, scales=self.scales.sizes)
         if len(self.continuation.driven) >= generic.degrees_of_freedom:
-            why = "the mechanism stands in a singular position, at which the driven coordinates do not tell"
-            fix = "ask for times beside it, or drive another coordinate"
+            why = (
+                "the mechanism is in a singular position, in which the driven coordinates do not determine "
+                "the motion"
+            )
+            fix = "choose times near it, or drive another coordinate"
         else:
-            why = f"it has {generic.degrees_of_freedom} freedoms, and driven are {driven}"
-            fix = "give motions of further coordinates, or sb.simulate with the inputs"
-        word = "freedom is" if count == 1 else "freedoms are"
+            why = (
+                f"it has {number_in_words(generic.degrees_of_freedom, 'degree of freedom')}; driven: {driven}"
+            )
+            fix = "prescribe motions of further coordinates, or use sb.simulate with the inputs"
+        word = "degree of freedom is" if count == 1 else "degrees of freedom are"
         return Problem("inverse.freedoms_left", "motion",
                        f"at t = {t:.9g} s {count} {word} left: {', '.join(speeds)}", why, fix)  # fmt: skip
 
@@ -131,17 +137,17 @@ class PrescribedMotion:
         coordinates = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
         try:
             assemble(self.eqs, self.continuation.driven_values(t), coordinates, self.parameters, None, t)
-            why = "at the next time the mechanism closes again, but no motion leads there"
+            why = "the mechanism can be assembled at the next time, but no motion connects the two positions"
         except AssemblyError as error:
             why = f"at t = {t:.9g} s {error.problems[0].what}"
         except SymbodyError:
-            why = "no position farther on has these coordinates"
+            why = "no position at later times has these coordinates"
         asked = ", ".join(
             f"{name} = {value:.6g}" for name, value in self.continuation.driven_values(reached).items()
         )
         return Problem("inverse.out_of_reach", element_of(self.eqs, joint),
-                       f"at t = {reached:.9g} s the motion cannot go on; there {asked}", why,
-                       "end the motion before this time, or ask for one within reach; "
+                       f"at t = {reached:.9g} s the motion cannot continue; there {asked}", why,
+                       "end the motion before this time, or prescribe one within reach; "
                        "sb.trace_positions finds the limits")  # fmt: skip
 
 

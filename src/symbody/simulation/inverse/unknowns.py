@@ -190,13 +190,14 @@ class InputSolver:
             if np.abs(reach[:, j]).max(initial=0.0) <= BEARING * max(np.abs(slopes).max(initial=0.0), TINY)
         ]  # fmt: skip
         listed = ", ".join(self.names) or "there are none"
-        why = f"of {basis.shape[1]} freedoms the unknowns ({listed}) drive {rank}"
+        why = f"the unknowns ({listed}) drive {rank} of {basis.shape[1]} degrees of freedom"
         if weak:
             why += f"; {', '.join(weak)} cannot influence any motion here"
         return Problem("inverse.underactuated", f"motion {', '.join(idle)}",
-                       f"at t = {t:.9g} s no values of the unknowns make {', '.join(idle)} as given", why,
-                       "name further inputs as unknowns, give the model a drive there, "
-                       "or drive a coordinate that the unknowns move")  # fmt: skip
+                       f"at t = {t:.9g} s no values of the unknowns produce the prescribed "
+                       f"{', '.join(idle)}", why,
+                       "name further inputs as unknowns, add a drive to the model there, or prescribe a "
+                       "coordinate that the unknowns move")  # fmt: skip
 
 
 def _least_inputs(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
@@ -233,9 +234,10 @@ def _influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, 
                 symbols_of(graph, [x]))]  # fmt: skip
             problems.append(
                 Problem("inverse.not_affine", f"unknown {name}",
-                        f"{name} enters the equation of {', '.join(places)} in higher degree",
+                        f"the equation of {', '.join(places)} is not linear in {name}",
                         f"its coefficient depends on {', '.join(sorted(left))}",
-                        "take the force or torque itself as the input, and find afterwards what makes it")
+                        "use the force or torque itself as the input, and compute afterwards what produces "
+                        "it")
             )  # fmt: skip
     if problems:
         raise UsageError(*problems)

@@ -61,7 +61,8 @@ def judge_pivots(run: Integration, events: tuple[Event, ...]) -> Integration:
     return _blame(
         run,
         Status.DEPENDENT_SPEEDS,
-        f"at t = {last.t:.9g} s the dependent speeds {names} hardly follow from the others any more; {CURE}",
+        f"at t = {last.t:.9g} s the dependent speeds {names} are hardly determined by the others any "
+        f"longer; {CURE}",
     )
 
 
@@ -83,8 +84,8 @@ def judge_friction(problem: SimulationProblem, run: Integration) -> Integration:
     k = int(margins.argmin() if margins.min() <= _LEAST_MARGIN else residuals.argmax())
     joint = friction[k].joint.name
     note = (
-        f"at t = {raw.reached:.9g} s friction in joint {joint} loads it as much as it holds it back: "
-        f"its reaction is not determined (margin {margins[k]:.3g})"
+        f"at t = {raw.reached:.9g} s friction in joint {joint} increases its own normal force without "
+        f"bound: the reaction is undetermined (margin {margins[k]:.3g})"
     )
     return _blame(run, Status.FRICTION, note)
 

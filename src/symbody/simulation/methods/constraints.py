@@ -183,8 +183,9 @@ def _check_one_pair(named: tuple[str, ...]) -> None:
     mixed = len(own) < len(named)
     raise UsageError(
         Problem("simulation.baumgarte", "Baumgarte",
-                f"{' and '.join(named)} are given together" if mixed else f"{own[0]} is given alone",
-                "alpha is zeta omega and beta is omega: one pair determines the other",
+                f"{' and '.join(named)} are given together" if mixed else f"{own[0]} is given without its "
+                    f"partner",
+                "alpha = zeta omega and beta = omega: one pair determines the other",
                 "give zeta and omega, or alpha and beta")
     )  # fmt: skip
 

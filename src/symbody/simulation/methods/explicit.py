@@ -179,7 +179,7 @@ def check_rtol(rtol: float) -> float:
     value = float(rtol)
     if not (value == 0.0 or SMALLEST_RTOL <= value < math.inf):
         fix = f"give 0, or a value of {SMALLEST_RTOL:.1e} or more such as 1e-8"
-        raise _usage("rtol", f"rtol = {value!r} cannot be met in double precision", fix)
+        raise _usage("rtol", f"rtol = {value!r} cannot be achieved in double precision", fix)
     return value
 
 
@@ -191,7 +191,7 @@ def check_atol(atol: ArrayLike, size: int) -> Floats:
             "atol", f"atol has shape {values.shape}", f"give one number, or {size}, one for each state"
         )
     if not (values > 0.0).all() or not np.isfinite(values).all():
-        why = "atol decides how small a state must be to stop mattering, so that states may pass zero"
+        why = "atol sets the size below which a state no longer matters, so that states may pass through zero"
         raise _usage("atol", f"atol = {atol!r} is not positive", "give a positive number such as 1e-10", why)
     return values + np.zeros(size)
 
@@ -214,11 +214,13 @@ def check_times(times: ArrayLike | None, start: float, end: float) -> Floats | N
     for bound in (start, end):  # 3*0.1 is 0.3 but for the last bit
         samples[np.abs(samples - bound) <= _ROUNDED * abs(bound)] = bound
     if not (direction * np.diff(samples) > 0.0).all():
-        word = "rise" if direction > 0.0 else "fall"
+        word = "increase" if direction > 0.0 else "decrease"
         raise _usage(
             "times", f"times do not {word} throughout", f"sort them so that they {word}, each only once"
         )
     if samples.size and (direction * (samples[[0, -1]] - [start, end]) * [1, -1] < 0.0).any():
-        what = f"times from {samples[0]:g} to {samples[-1]:g} leave the motion's span {start:g} to {end:g}"
+        what = (
+            f"times from {samples[0]:g} to {samples[-1]:g} lie outside the motion's span {start:g} to {end:g}"
+        )
         raise _usage("times", what, "choose times inside the span, or a longer span")
     return samples

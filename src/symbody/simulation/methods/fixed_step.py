@@ -44,7 +44,7 @@ class FixedStep:
         problems = []
         if not (self.step > 0.0 and math.isfinite(self.step)):
             problems.append(
-                Problem("simulation.fixed_step", "step", f"step = {self.step!r} is not a length of steps", "",
+                Problem("simulation.fixed_step", "step", f"step = {self.step!r} is not a valid step size", "",
                         "give seconds, such as sb.FixedStep(1e-3)")
             )  # fmt: skip
         if self.method not in _TABLEAUS:

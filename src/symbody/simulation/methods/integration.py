@@ -54,13 +54,13 @@ _TRIAL: Final = 300
 _LAST: Final = 100
 _GAIN: Final = 30.0
 _STIFF: Final = (
-    "from t = {:.6g} s on the motion is stiff and sb.Stiff() integrates it: stability, not accuracy, keeps "
-    "explicit steps at {:.2g} s; sb.GeneralizedAlpha() takes less time where few digits suffice"
+    "from t = {:.6g} s on the motion is stiff and sb.Stiff() integrates it: stability, not accuracy, limits "
+    "explicit steps to {:.2g} s; sb.GeneralizedAlpha() is faster where low accuracy is enough"
 )
 _VIBRATES: Final = (
-    "stability keeps explicit steps at {:.2g} s, but sb.Stiff() takes too many steps, as where fast motions "
-    "are hardly damped: sb.Explicit() integrates the motion; sb.GeneralizedAlpha() takes less time where few "
-    "digits suffice"
+    "stability limits explicit steps to {:.2g} s, but sb.Stiff() takes too many steps, for instance because "
+    "fast motions are hardly damped: sb.Explicit() integrates the motion; sb.GeneralizedAlpha() is faster "
+    "where low accuracy is enough"
 )
 
 
@@ -206,7 +206,7 @@ def _check_held(problem: SimulationProblem, integrator: Integrator | None, const
     listed = ", ".join([] if problem.sampler is None else problem.sampler.names)
     raise UsageError(
         Problem("simulation.sampled", where, f"{name} does not sample {listed}",
-                "values are held between samples in the loop of explicit methods alone",
+                "only explicit methods hold values between samples",
                 f"use {fix}, or form the equations of sb.without_sampling(model)")
     )  # fmt: skip
 

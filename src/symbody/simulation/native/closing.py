@@ -10,26 +10,70 @@ import numpy as np
 
 from symbody.analysis.curvature import limited_coordinates
 from symbody.analysis.scales import Scales
+from symbody.equations.closing_equations import closing_equations, follower_names, follower_outputs
 from symbody.equations.equation_set import EquationSet
-from symbody.kernels.configurations import assembly as at
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.closing import closing_size
+from symbody.kernels.pack import pack
 from symbody.simulation.native.description import Floats
 
-# What the function of a closing writes; the mass matrix only where values are held.
+# What the function of a closing writes; the mass matrix, and behind it what is substituted, to hold values.
 POSED: Final = ("constraints", "position_jacobian", "velocity_residual", "jacobian")
 CLOSING: Final = (*POSED, "mass_matrix")
 
 
 class StateShape(NamedTuple):
-    """Numbers of speeds and coordinates, places of quaternions, 1 for coordinates whose steps are limited."""
+    """What a closing knows of states and of the equations that close them.
+
+    Attributes
+    ----------
+    speeds, coordinates : int
+        How many the equations have.
+    quaternions : tuple of int
+        Places of their components among the coordinates.
+    limited : tuple of float
+        1 for coordinates whose steps are limited.
+    places, followers : tuple of int
+        Of each state, and of what is substituted in its equations, among those of the equations; empty where
+        these are the same.
+    """
 
     speeds: int
     coordinates: int
     quaternions: tuple[int, ...]
     limited: tuple[float, ...]
+    places: tuple[int, ...] = ()
+    followers: tuple[int, ...] = ()
 
 
-def state_shape(eqs: EquationSet) -> StateShape:
+class Closing(NamedTuple):
+    """Which equations close states, with which outputs, and what is known of them."""
+
+    eqs: EquationSet
+    outputs: tuple[str, ...]
+    shape: StateShape
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether there is anything to close."""
+        return bool(self.eqs.multiplier_names or self.eqs.quaternions)
+
+
+def closing_of(eqs: EquationSet, *, holds: bool) -> Closing:
+    """Return what closes states of equations, some of them held or none."""
+    if not holds:
+        return Closing(eqs, POSED, _state_shape(eqs))
+    whole = closing_equations(eqs)
+    if whole is eqs:
+        return Closing(eqs, CLOSING, _state_shape(eqs))
+    index = whole.state_names.index
+    places = tuple(index(name) for name in eqs.state_names)
+    followers = tuple(index(name) for name in follower_names(eqs))
+    shape = _state_shape(whole)._replace(places=places, followers=followers)
+    return Closing(whole, (*CLOSING, *follower_outputs(eqs)), shape)
+
+
+def _state_shape(eqs: EquationSet) -> StateShape:
     """Return the shape of the states of equations."""
     names = eqs.coordinate_names
     four = (names.index(name) for group in eqs.quaternions for name in group)
@@ -55,24 +99,25 @@ def closing_block(
     sizes : array
         What `metric` returns.
     outputs : sequence of int
-        How many numbers each output of the function has, which are `POSED` or `CLOSING`.
+        How many numbers each output of the function has.
     numbers : array
         Of the function, see `blocks.function_numbers`.
     share : float
         Each residual over its size that counts as closed; states as close as that stay where they are.
     """
-    (n_u, n_q, four, limited), count = shape, outputs[0]
-    parts = {
-        at.HELD: np.zeros(n_u + n_q), at.SIZES: sizes[: n_u + n_q], at.SCALES: sizes[n_u + n_q :],
-        at.OUT: np.zeros(sum(outputs)), at.MATRICES: np.zeros(closing_size(max(n_q, n_u))),
-        at.NUMBERS: numbers, at.OLD: np.zeros(n_q), at.QUATERNION_PLACES: np.array(four, dtype=np.float64),
-        at.LIMITED: np.array(limited, dtype=np.float64),
-    }  # fmt: skip
-    head = np.zeros(at.HEADER)
-    begins = at.HEADER + np.cumsum([0, *(part.size for part in parts.values())])
-    head[[*parts]] = begins[:-1]
-    head[[at.SPEEDS, at.COORDINATES, at.RESIDUALS, at.ROWS]] = n_u, n_q, count, outputs[2]
-    head[[at.QUATERNIONS, at.OUT_SIZE]] = len(four) / 4, sum(outputs)
-    head[at.WEIGHED] = len(outputs) == len(CLOSING)
-    head[[at.SHARE, at.ENOUGH]] = math.sqrt(max(count, 1)) * share
-    return np.concatenate([head, *parts.values()])
+    (n_u, n_q, four, limited, places, followers), count = shape, outputs[0]
+    whole = n_u + n_q + len(places) if places else 0  # states of signals lie behind
+    closed = math.sqrt(max(count, 1)) * share
+    block = pack(
+        AssemblyProblem, speeds=n_u, coordinates=n_q, residuals=count, rows=outputs[2], out_size=sum(outputs),
+        quaternion_count=len(four) // 4, share=closed, enough=closed, weighed=len(outputs) >= len(CLOSING),
+        followers=len(followers), states=len(places),
+        held=np.zeros(n_u + n_q), sizes=sizes[: n_u + n_q], scales=sizes[n_u + n_q :],
+        matrices=np.zeros(closing_size(max(n_q, n_u))), numbers=numbers, quaternion_places=four,
+        limited=limited, places=places, follower_places=followers, whole=np.zeros(whole),
+        asked=np.zeros(n_u + n_q - len(followers) if places else 0),
+    )  # fmt: skip
+    if not places:
+        fields = AssemblyProblem.fields
+        block[fields["asked"].place] = block[fields["held"].place]
+    return block

@@ -212,7 +212,7 @@ def check_memory(samples: int, n: int) -> None:
         return
     size = 8e-9 * samples * (n + 1)
     what = f"{samples} samples of {n} states take {size:.3g} GB, more than half of the memory here"
-    fix = f"ask for at most {memory_limit() // (8 * (n + 1))} times, or run in parts"
+    fix = f"store at most {memory_limit() // (8 * (n + 1))} times, or simulate in parts"
     raise SimulationError(Problem("simulation.memory", "times", what, fix=fix))
 
 

@@ -62,16 +62,18 @@ def generate_simulation(
     """
     if language not in LANGUAGES:
         fix = f"choose one of {', '.join(LANGUAGES)}"
-        what = f"no program can be written in {language!r}"
+        what = f"programs cannot be generated in {language!r}"
         raise UsageError(Problem("simulation.language", "language", what, "", fix))
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     refuse_held(eqs, "a program of its own")
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **(inputs or {})}, span)
     reason = reason_for_simulate(eqs, laws, integrator, constraints)
     if reason:
-        fix = "give formulas as inputs, or take simulate"
+        fix = "give inputs as formulas, or use simulate"
         raise UsageError(
-            Problem("simulation.program", "", f"this motion is not a program of its own: {reason}", "", fix)
+            Problem(
+                "simulation.program", "", f"this motion cannot be generated as a program: {reason}", "", fix
+            )
         )
     request = MotionRequest(
         initial or {}, parameters or {}, inputs or {}, integrator=integrator, constraints=constraints,

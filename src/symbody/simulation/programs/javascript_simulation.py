@@ -22,10 +22,10 @@ from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree
 from symbody.equations.equation_set import EquationSet
 from symbody.kernels import block
-from symbody.kernels.configurations import assembly as assembly_block
+from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.native.closing import CLOSING, closing_block, metric, state_shape
+from symbody.simulation.native.closing import closing_block, closing_of, metric
 from symbody.simulation.programs.motion_request import (
     MotionRequest,
     PosedMotion,
@@ -50,7 +50,7 @@ _KERNELS: Final = (
     ("step_machine", ("begin", "advance")),
     ("dense_output", ("interpolate",)),
     ("projection", ("project",)),
-    ("closing", ("close_state",)),
+    ("closing", ("close_state", "note_followers")),
 )
 # What `simulation.js` calls a function, and its name in the program.
 _ENTRIES: Final = {
@@ -138,8 +138,9 @@ def javascript_simulation(
     check_branch(motion)
     functions = motion_functions(motion)
     functions["view"] = program_function(motion, (*view.outputs, *_ENERGIES), "view")
-    if motion.is_closed:
-        functions["assembly"] = program_function(motion, CLOSING, "assembly")
+    close = closing_of(motion.eqs, holds=True)
+    if close.is_needed:
+        functions["assembly"] = program_function(motion, close.outputs, "assembly", close.eqs)
     kernels: dict[str, KernelTree] = {}
     for file, roots in _KERNELS:
         kernels |= read_kernels(file, *roots)
@@ -182,7 +183,8 @@ def _numbers(
             "mass": spring.mass, "frequency": spring.frequency, "interval": _PULL_INTERVAL,
         }  # fmt: skip
     places = {name: getattr(block, name) for name in _PLACES}
-    places |= {"ASSEMBLY_HELD": assembly_block.HELD, "ASSEMBLY_NUMBERS": assembly_block.NUMBERS}
+    problem = AssemblyProblem.fields
+    places |= {"ASSEMBLY_HELD": problem["asked"].place, "ASSEMBLY_NUMBERS": problem["numbers"].place}
     first_step = motion.method.first_step or 0.0
     return {
         "at": places,
@@ -221,9 +223,10 @@ def _call_numbers(function: ProgramFunction) -> Floats:
 
 def _assembly(motion: PosedMotion, function: ProgramFunction) -> Floats:
     """Return the block of `symbody.kernels.configurations.closing`."""
-    own = metric(motion.eqs, motion.integration.problem.scales)
+    close = closing_of(motion.eqs, holds=True)
+    own = metric(close.eqs, motion.integration.problem.scales)
     share = residual_share(motion.projection, motion.request.atol)
-    return closing_block(state_shape(motion.eqs), own, function.sizes, _call_numbers(function), share)
+    return closing_block(close.shape, own, function.sizes, _call_numbers(function), share)
 
 
 def _literal(value: Any) -> str:

@@ -54,9 +54,10 @@ def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mappi
     if state.has_dependent_constraints:
         raise UsageError(
             Problem("modelica.constraints", eqs.model.name,
-                    "some constraints of this mechanism follow from others where it is closed",
-                    "a Modelica tool would meet a singular linear system",
-                    "free what joints hold twice (sb.redundancy(eqs) names it), or write an FMU by save_fmu")
+                    "some constraints of this mechanism are redundant where its loops are closed",
+                    "a Modelica tool would get a singular linear system",
+                    "remove the redundant constraints (sb.redundancy(eqs) names them), or export an FMU "
+                    "with save_fmu")
         )  # fmt: skip
     free = _plain_parameters(eqs) if parameters is None else ()
     stabilized = Baumgarte().applied(eqs) if eqs.multiplier_names else eqs
@@ -82,9 +83,9 @@ def _check_motion(eqs: EquationSet) -> None:
     if reason:
         raise UsageError(
             Problem("modelica.motion", eqs.model.name,
-                    f"this mechanism is not a Modelica model: {reason}",
-                    "a Modelica model keeps its equations",
-                    "give friction a smooth law and springs in the place of ropes, or take simulate")
+                    f"this mechanism cannot be exported to Modelica: {reason}",
+                    "the equations of a Modelica model cannot change",
+                    "give friction a smooth law and replace ropes by springs, or use simulate")
         )  # fmt: skip
 
 
@@ -173,15 +174,23 @@ def _product(text: str) -> str | None:
 def _remarks(eqs: EquationSet, free: tuple[str, ...], *, is_closed: bool) -> Iterator[str]:
     yield "Written by symbody from a model; SI units."
     if is_closed:
-        yield "Constraints enter as accelerations, with Baumgarte's terms, which keep loops closed. Those and"
-        yield "multipliers follow from linear equations. First values that are not fixed are solved for."
+        yield (
+            "Constraints enter as accelerations with Baumgarte stabilization, which keeps loops closed. "
+            "Accelerations and"
+        )
+        yield "multipliers follow from linear equations. Initial values that are not fixed are solved for."
     if eqs.quaternions and is_closed:
-        yield "There are quaternions: all first values are fixed, and fit the values of parameters below."
+        yield (
+            "There are quaternions: all initial values are fixed, and are consistent with the parameter "
+            "values below."
+        )
     model = eqs.model
     tables = [table.name for table in model.tables] if isinstance(model, Model) else []
     inputs = [name for name in tables if name in eqs.input_names]
     if inputs:
-        yield f"The model has tables for the inputs {', '.join(inputs)}: connect a source of time to them."
+        yield f"The model has tables for the inputs {', '.join(inputs)}: connect a source to them."
     left = [name for name in eqs.parameter_names if name not in free]
     if left and free:
-        yield f"Parameters that follow from others stand in the equations as such: {len(left)} of them."
+        yield (
+            f"Parameters that follow from others appear in the equations as parameters: {len(left)} of them."
+        )

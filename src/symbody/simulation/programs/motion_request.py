@@ -226,18 +226,18 @@ def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
     """Return what in a request cannot run without Python."""
     problems = [
         Problem("animation.live_input", name, f"input {name} is a Python function or a long table",
-                "the page computes without Python", "give an expression, such as \"10*sin(t)\", or a slider")
+                "pages compute without Python", "give an expression, such as \"10*sin(t)\", or a slider")
         for name in laws.callbacks
     ]  # fmt: skip
     if not isinstance(request.integrator, Explicit | FixedStep | None):
         problems.append(
-            Problem("animation.live_integrator", "integrator", f"{request.integrator!r} runs in no page",
+            Problem("animation.live_integrator", "integrator", f"{request.integrator!r} cannot run in a page",
                     "it is implicit", "give sb.Explicit() or sb.FixedStep(1e-3), or leave it out")
         )  # fmt: skip
     if not isinstance(request.constraints, Projection | Baumgarte | None):
         problems.append(
             Problem("animation.live_constraints", "constraints",
-                    f"{request.constraints!r} runs in no page", "it needs Python",
+                    f"{request.constraints!r} cannot run in a page", "it needs Python",
                     "give sb.Projection() or sb.Baumgarte(), or leave it out")
         )  # fmt: skip
     return problems
@@ -247,8 +247,8 @@ def branch_problem(name: str, what: str) -> Problem:
     """Return what to say about a motion that only `Partition` keeps on its branch."""
     return Problem(
         "animation.live_branch", name, what,
-        "a page projects its states, which does not choose the branch there",
-        "animate a motion from simulate, which passes them; or start elsewhere, or change a length",
+        "a page corrects its states by projection, which does not determine the branch there",
+        "animate a motion from simulate, which handles change points; or start elsewhere, or change a length",
     )  # fmt: skip
 
 
@@ -267,7 +267,7 @@ def check_branch(motion: PosedMotion) -> None:
         return
     if is_overconstrained(problem, t, x):
         raise UsageError(
-            branch_problem(eqs.model.name, "some constraints follow from others in closed loops only")
+            branch_problem(eqs.model.name, "some constraints are redundant in closed loops only")
         )
     if is_change_point(problem, t, x):
         raise UsageError(
@@ -280,8 +280,8 @@ def _pivot_problems(eqs: EquationSet) -> list[Problem]:
         return []
     return [
         Problem("animation.live_pivots", eqs.model.name,
-                "dependent speeds are eliminated, which ends where a pivot vanishes",
-                "a page does not watch pivots", "form the equations without dependent_speeds")
+                "dependent speeds are eliminated, which fails where a pivot vanishes",
+                "a page does not monitor pivots", "form the equations without dependent_speeds")
     ]  # fmt: skip
 
 
@@ -290,13 +290,13 @@ def _switching_problems(eqs: EquationSet) -> list[Problem]:
     if switches(eqs.formed):
         problems.append(
             Problem("animation.live_switching", eqs.model.name, "joints stick, or ropes become slack",
-                    "the equations change while it moves, which a page cannot do yet",
+                    "the equations change during the motion, which pages do not support yet",
                     "animate a motion from simulate, or give the friction a smooth law")
         )  # fmt: skip
     if may_jump(eqs):
         problems.append(
             Problem("animation.live_jumps", eqs.model.name, "prescribed rates may jump",
-                    "speeds jump with them, which a page cannot compute yet",
+                    "speeds jump with them, which pages cannot compute yet",
                     "animate a motion from simulate, or prescribe a smooth motion")
         )  # fmt: skip
     return problems

@@ -7,7 +7,6 @@ from typing import Final
 
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
-from symbody.graph.trees import Trees
 from symbody.model.body import Body
 from symbody.model.loads.forces import Force, Torque
 from symbody.model.model import Model
@@ -51,11 +50,10 @@ def add_pointer_wrench(eqs: EquationSet) -> tuple[EquationSet, PointerWrench | N
         model.name, [*model.elements, *loads], model.gravity, model.parameters,
         [*model.inputs, *wrench.names], model.initial, model.ground, (), model.ground_shapes,
     )  # fmt: skip
-    topology = eqs.formed.topology
     dependent = eqs.formed.dependent_names
     made = form_equations(
         pulled,
-        tree=Trees(sorted(topology.rotation_branches), sorted(topology.translation_branches)),
+        tree=eqs.formed.topology.trees,
         dependent_speeds=dependent or None,
         substitute=bool(eqs.formed.coupled.rows),
     )

@@ -13,6 +13,7 @@ from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.sequence_kernel import sequence_kernels
 from symbody.codegen.kernels.tree import KernelTree
+from symbody.equations.equation_set import EquationSet
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.folding import fold_constants
 from symbody.expr.sequences.program import written_out
@@ -74,11 +75,15 @@ class ProgramFunction:
         return self.numbers.constants
 
 
-def program_function(motion: PosedMotion, outputs: Sequence[str], name: str) -> ProgramFunction:
-    """Return a function of a motion, whose parameters are numbers unless they may change."""
-    sequence, _ = form_sequence(
-        motion.eqs, tuple(outputs), motion.fixed_values, motion.tunable, motion.formulas
-    )
+def program_function(
+    motion: PosedMotion, outputs: Sequence[str], name: str, closing: EquationSet | None = None
+) -> ProgramFunction:
+    """Return a function of a motion, whose parameters are numbers unless they may change.
+
+    Its equations are those of the motion, or those in which its states are closed.
+    """
+    eqs = motion.eqs if closing is None else closing
+    sequence, _ = form_sequence(eqs, tuple(outputs), motion.fixed_values, motion.tunable, motion.formulas)
     head, tail = fold_constants(written_out(sequence)).split("p")
     kernels, work_size = sequence_kernels(tail, name)
     parameters = np.array(motion.tunable_values, dtype=np.float64)
@@ -90,7 +95,7 @@ def program_function(motion: PosedMotion, outputs: Sequence[str], name: str) -> 
         parts = evaluate_sequence(head, {"p": parameters.tolist()})
         constants = np.concatenate([np.ravel(np.asarray(part, dtype=np.float64)) for part in parts])
     inputs = np.zeros(len(motion.input_names))
-    n_u = len(motion.eqs.speed_names)
+    n_u = len(eqs.speed_names)
     numbers = RightHandSide(_NOWHERE, n_u, inputs, parameters, constants, work_size)
     return ProgramFunction(kernels, sequence.outputs, numbers, values, values_size)
 

@@ -201,8 +201,11 @@ function makeSimulation() {
         writeWrench([0, 0, 0], [0, 0, 0]);
     }
 
-    // Bring a state onto the constraints, with the states at some places held; return whether that can be.
-    function assemble(x, held) {
+    // Change a state, or parameters; bring it onto the constraints, with the states at some places held. Return
+    // whether that can be.
+    function assemble(x, held, change) {
+        if (assembly !== null) symbody_note_followers(functions.assembly, assembly, 0, numbers.startTime, x, 0);
+        change();
         if (assembly === null) return true;
         const flags = assembly[at.ASSEMBLY_HELD];
         for (let k = 0; k < n - 1; k += 1) assembly[flags + k] = held.includes(k) ? 1 : 0;
@@ -213,12 +216,15 @@ function makeSimulation() {
     // Try other parameters: the state shown and the first one follow in steps, or all stays as it is.
     function tryParameters(values, held, parts) {
         const before = Float64Array.from(parameters), now = Float64Array.from(state), start = Float64Array.from(first);
-        let fits = true;
-        for (let k = 1; k <= parts && fits; k += 1) {
+        const take = (k) => {
             for (let i = 0; i < parameters.length; i += 1) parameters[i] = before[i] + ((values[i] - before[i]) * k) / parts;
             writeArguments();
-            fits = assemble(now, []) && assemble(start, held);
-        }
+        };
+        const follow = (x, places, k) => {
+            take(k - 1);
+            return assemble(x, places, () => { take(k); });
+        };
+        const fits = Array.from({ length: parts }, (_, k) => k + 1).every((k) => follow(now, [], k) && follow(start, held, k));
         if (!fits) {
             parameters.set(before);
             writeArguments();
@@ -250,8 +256,9 @@ function makeSimulation() {
                 const start = Float64Array.from(first);
                 const places = kept.map((name) => numbers.states.indexOf(name));
                 const fits = Array.from({ length: parts }, (_, k) => (k + 1) / parts).every((share) => {
-                    kept.forEach((name, k) => { start[places[k]] = first[places[k]] + share * (values[name] - first[places[k]]); });
-                    return assemble(start, places);
+                    return assemble(start, places, () => {
+                        kept.forEach((name, k) => { start[places[k]] = first[places[k]] + share * (values[name] - first[places[k]]); });
+                    });
                 });
                 if (fits) {
                     first.set(start);

@@ -131,7 +131,7 @@ def check_motion(arrays: Mapping[str, Floats], about: About) -> None:
     """
     for name, kind in _KINDS.items():
         if not fits(kind, about.get(name, [])):
-            raise ValueError(f"{name} is of another kind")
+            raise ValueError(f"{name} has another type")
     names = [*about["coordinate_names"], *about["speed_names"], *about.get("signal_state_names", ())]
     samples = arrays["t"].size
     events = about.get("events", [])
@@ -152,7 +152,7 @@ def check_motion(arrays: Mapping[str, Floats], about: About) -> None:
             bool((steps >= 0.0).all() or (steps <= 0.0).all()),
         ]
     if not all(right):
-        raise ValueError("arrays and names do not fit together")
+        raise ValueError("arrays and names do not match")
 
 
 def read_arrays(file: BinaryIO) -> dict[str, NDArray[Any]]:
@@ -170,10 +170,10 @@ def read_arrays(file: BinaryIO) -> dict[str, NDArray[Any]]:
     with zipfile.ZipFile(file) as archive:
         members = archive.infolist()
         if sum(member.file_size for member in members) > size:
-            raise ValueError("more is packed into the file than it holds")
+            raise ValueError("the unpacked data is larger than the file declares")
         for member in members:
             if member.compress_type != zipfile.ZIP_STORED or not member.filename.endswith(_SUFFIX):
-                raise ValueError(f"{member.filename} is packed in another way")
+                raise ValueError(f"{member.filename} uses an unsupported compression")
             with archive.open(member) as content:
                 arrays[member.filename.removesuffix(_SUFFIX)] = _array(content.read())
     return arrays
@@ -196,7 +196,9 @@ def unwritable(path: Path, error: OSError) -> EnvironmentFault:
     """Return the error for a file that cannot be written."""
     what = f"the file cannot be written: {error.strerror}"
     return EnvironmentFault(
-        Problem("trajectory.unwritable", str(path), what, fix="choose a folder that exists and is yours")
+        Problem(
+            "trajectory.unwritable", str(path), what, fix="choose an existing folder with write permission"
+        )
     )
 
 

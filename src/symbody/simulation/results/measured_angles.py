@@ -48,7 +48,8 @@ def count_turns(
         raise UsageError(
             Problem("trajectory.turns", repr(name), f"{name} turns by more than half a turn between samples",
                     "the joint is cut: its angle is measured within half a turn, and counted from sample to "
-                    "sample", "ask for more times, or `simulate` this motion, which is known between them")
+                    "sample", "request more times, or use `simulate`, whose motion is also known between "
+                              "samples")
         )  # fmt: skip
     return _count(values, rates, t)
 

@@ -72,7 +72,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
     given = {**record, "tables": {name: tuple(words) for name, words in record["tables"].items()}}
     for name, kind in _KINDS.items():
         if not fits(kind, given[name]):
-            raise ValueError(f"{name} is of another kind")
+            raise ValueError(f"{name} has another type")
     tables = {
         name: Table(*arrays[f"table_{k}"], *words) for k, (name, words) in enumerate(given["tables"].items())
     }
@@ -92,7 +92,7 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
 def _held_record(names: list[str], arrays: Mapping[str, Floats]) -> HeldRecord | None:
     """Return held values; files of older versions have none."""
     if not fits(list[str], names) or (names and arrays["held"].shape[:1] != (len(names) + 1,)):
-        raise ValueError("held is of another kind")
+        raise ValueError("held has another type")
     return HeldRecord(tuple(names), arrays["held"][0], arrays["held"][1:]) if names else None
 
 

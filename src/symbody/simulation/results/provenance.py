@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.graph.topology import Topology
 from symbody.graph.trees import Trees
 from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.inputs.held_law import HeldRecord
@@ -89,19 +87,11 @@ def provenance_of(
     return Provenance(
         eqs.model,
         dict(given),
-        eqs.plans.get("trees", partial(_trees, formed.topology)),
+        eqs.plans.get("trees", lambda: formed.topology.trees),
         formed.dependent_names,
         {name: law for name, law in laws.formulas.items() if name not in own_tables},
         own_tables,
         switches,
         held,
         bool(formed.coupled.rows),
-    )
-
-
-def _trees(topology: Topology) -> Trees:
-    joints = [joint.name for joint in topology.model.joints]
-    return Trees(
-        [name for name in joints if name in topology.rotation_branches],
-        [name for name in joints if name in topology.translation_branches],
     )

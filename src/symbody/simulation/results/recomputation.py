@@ -74,19 +74,19 @@ class Recomputation:
         for name, values in zip(names, computed, strict=True):
             if missing and not np.isfinite(values).all():
                 listed = ", ".join(missing)
-                why = f"it depends on {listed}, whose law was a Python function, which no file holds"
+                why = f"it depends on {listed}, whose value was a Python function, which files cannot store"
                 raise _unknown_output(name, why)
         return computed
 
     def _check(self, name: str) -> None:
         if name == "work":
             raise _unknown_output(
-                name, "it was summed up during the motion; the file has it at the samples alone"
+                name, "it was integrated during the motion; the file has it at the samples only"
             )
         kinematic = name.startswith(_KINEMATIC) or name in (*_ENERGIES, *self.coordinate_names)
         if self.provenance.switches and not kinematic:
             raise _unknown_output(
-                name, "joints stuck or ropes slackened on the way, which changes the equations"
+                name, "joints stuck or ropes went slack during the motion, which changes the equations"
             )
 
     def _evaluator(self) -> Evaluator:
@@ -138,7 +138,7 @@ def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) ->
             inputs = dict.fromkeys(model.inputs, 0)
             return Provenance(model, {}, trees, inputs=inputs, substitutes=substitutes)
     check_names(form_equations(model), coordinate_names, speed_names)
-    raise AssertionError("names that differ were refused")
+    raise AssertionError("names that differ were rejected")
 
 
 def check_names(eqs: EquationSet, coordinate_names: Names, speed_names: Names) -> None:

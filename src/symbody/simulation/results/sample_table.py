@@ -90,7 +90,7 @@ class SampleTable(Displayed):
         """
         if names not in get_args(ColumnNames):
             fix = f"give {' or '.join(map(repr, get_args(ColumnNames)))}"
-            what = f"names = {names!r} means nothing"
+            what = f"names = {names!r} is not a valid choice"
             raise UsageError(Problem("trajectory.column_names", "names", what, fix=fix))
         chosen = outputs or (*self.coordinate_names, *self.speed_names, *self.signal_state_names)
         columns: dict[str, Floats] = {}
@@ -216,9 +216,12 @@ def refuse_table_ending(path: Path) -> None:
     """
     ending = PurePath(path).suffix.lower()
     if ending in _TABLES:
-        what = f"a file that ends in {ending} would not hold what its name says"
+        what = f"the ending {ending} does not match the format of the file"
         why = "save writes an npz archive for load"
-        fix = f"{_TABLES[ending]}; for Trajectory.load name it for instance {PurePath(path).stem}.npz"
+        fix = (
+            f"{_TABLES[ending]}; to read it with Trajectory.load, name it for instance "
+            f"{PurePath(path).stem}.npz"
+        )
         raise UsageError(Problem("trajectory.ending", str(path), what, why, fix))
 
 

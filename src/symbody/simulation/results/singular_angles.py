@@ -102,16 +102,15 @@ def _triples(eqs: EquationSet) -> Iterator[_Angles]:
 
 def _cure(joint: Joint) -> str:
     if isinstance(joint, Spherical | Free):
-        return 'angles = "quaternion" has no such place'
+        return 'angles = "quaternion" has no such singularity'
     if isinstance(joint, ConstantVelocity):
-        return "cut it with tree = false if its shafts come in line"
-    return "another sequence of angles has its places elsewhere"
+        return "cut it with tree = false if its shafts become collinear"
+    return "another sequence of angles has its singularities elsewhere"
 
 
 def _passage_note(eqs: EquationSet, angles: _Angles, t: float, size: float) -> str:
     name = eqs.coordinate_names[angles.second]
     return (
-        f"joint {angles.joint}: at t = {t:.6g} s {name} passes {size:.1e} rad from a place where its angles "
-        "do not determine the rotation; steps are small there and accuracy suffers; "
-        f"{angles.cure}"
+        f"joint {angles.joint}: at t = {t:.6g} s {name} passes within {size:.1e} rad of a singularity of "
+        f"its angles; steps are small there and accuracy suffers; {angles.cure}"
     )

@@ -85,7 +85,7 @@ def _loose_bodies(problem: SimulationProblem) -> tuple[str, ...]:
     several = len(names) > 1
     return (
         f"{'bodies' if several else 'body'} {', '.join(names)} {'have' if several else 'has'} no joint and "
-        f"{'move' if several else 'moves'} freely, {'each ' if several else ''}with six freedoms",
+        f"{'move' if several else 'moves'} freely, {'each ' if several else ''}with six degrees of freedom",
     )
 
 
@@ -104,9 +104,9 @@ def _no_freedom(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     if not np.isfinite(rows).all() or null_space(rows).shape[1]:
         return ()
     return (
-        "the mechanism has no freedom here and cannot move: "
+        "the mechanism has no degree of freedom here and cannot move: "
         f"{number_in_words(len(eqs.multiplier_names), 'constraint')} for {number_in_words(n_u, 'speed')}; "
-        "take away a joint that closes a loop, or give one of them a freedom",
+        "remove a joint that closes a loop, or give such a joint another degree of freedom",
     )
 
 
@@ -131,9 +131,9 @@ def nearly_redundant(problem: SimulationProblem, rows: Floats, values: Floats) -
     own = zip(eqs.formed.rows, taking, strict=False)
     joints = ", ".join(dict.fromkeys(row.element for row, part in own if part > TAKES_PART))
     return (
-        f"the constraints of joints {joints} are nearly redundant: any motion that one allows the others "
-        f"allow too, but they do not close together, by {largest:.1e} of the mechanism's size; make lengths "
-        "that are to be equal the same to the last digit, or leave one of these joints out"
+        f"the constraints of joints {joints} are nearly redundant: they allow the same motions, but cannot "
+        f"all be closed at once: a gap of {largest:.1e} of the mechanism's size remains; make lengths that "
+        f"should be equal identical to the last digit, or remove one of these joints"
     )
 
 
@@ -168,12 +168,12 @@ def _moved_initial_values(problem: SimulationProblem, first: State) -> tuple[str
         return ()
     if is_balanced:
         return (
-            "forces on what has no mass are in balance near the model's initial values, not at them: the "
-            f"motion starts with {', '.join(far)}; values given to simulate are kept",
+            f"forces on massless parts do not balance at the model's initial values: the motion starts "
+            f"nearby with {', '.join(far)}; values passed to simulate are held",
         )
     return (
         f"the loops do not close at the model's initial values: the motion starts with {', '.join(far)}; "
-        "initial= keeps what it names",
+        f"values passed in initial= are held",
     )
 
 
@@ -190,8 +190,8 @@ def _idle_speeds(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     if not names:
         return ()
     return (
-        f"no mass or inertia resists a motion of {', '.join(names)}: how it goes on follows from the choice "
-        "of speeds, not from mechanics; give the body an inertia about each axis, or do not use it",
+        f"the motion of {', '.join(names)} has no mass or inertia: it follows from the choice of speeds, "
+        f"not from mechanics; give the body an inertia about each axis, or ignore this motion",
     )
 
 

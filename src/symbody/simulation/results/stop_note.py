@@ -53,15 +53,15 @@ def _cure(problem: SimulationProblem, raw: RawRun) -> str:
     name = (*eqs.state_names, "work")[raw.state or 0].removesuffix("_dot")
     if name in balanced:
         return (
-            f": no mass resists {name}, so that its rate jumps where the balance of forces along it has a "
-            "corner; put a damper along it, give mass to what moves there, or round the corner"
+            f": {name} has no mass, so its rate jumps where the balance of forces along it has a kink; put "
+            f"a damper along it, give mass to what moves there, or smooth the kink"
         )
     rows, _ = _constraint_rows(problem, raw)
     if (
         np.isfinite(rows).all()
         and count_significant(np.linalg.svd(rows[-1:], compute_uv=False)) < rows.shape[1]
     ):
-        return "; some constraints follow from others, see sb.redundancy(): sb.Partition() may pass it"
+        return "; some constraints are redundant, see sb.redundancy(): sb.Partition() may pass this position"
     return ""
 
 
@@ -95,20 +95,21 @@ class _SingularPosition:
         speeds = ", ".join(self.speeds)
         if self.is_locked:
             return (
-                f"there the mechanism locks: the prescribed motions go on only with infinite {speeds} if "
-                f"{joints} stays closed, and {_freedoms(self.freedoms)} left beside them; end the motion "
-                "before, or change the lengths or the prescribed motion"
+                f"there the mechanism locks: the prescribed motions can continue only with infinite "
+                f"{speeds} if {joints} stays closed, and {_freedoms(self.freedoms)} left besides; end the "
+                f"motion earlier, or change the lengths or the prescribed motion"
             )
         if self.opening:
             return (
                 f"there the constraints of {joints} are nearly dependent: branches of the mechanism pass "
-                f"each other without meeting (lengths that differ by {self.opening:.2g} of its size from "
-                "these would let them), and speeds turn sharply; sb.Projection() passes it"
+                f"each other without meeting (lengths that differ by {self.opening:.2g} of the mechanism's "
+                f"size would make them meet), and speeds change sharply; sb.Projection() passes it"
             )
         return (
             f"there the constraints of {joints} become dependent, a singular position (change point or dead "
-            f"centre) that leaves {speeds} open: {_freedoms(self.freedoms + self.lost)} there instead of "
-            f"{self.freedoms}; sb.Projection() or sb.Partition() may pass it; or change lengths or start"
+            f"centre) where {speeds} are undetermined: {_freedoms(self.freedoms + self.lost)} there instead "
+            f"of {self.freedoms}; sb.Projection() or sb.Partition() may pass it; or change the lengths or "
+            f"the start"
         )
 
 
@@ -208,8 +209,8 @@ def _springs_of_no_length(problem: SimulationProblem, raw: RawRun) -> str:
     if not short:
         return ""
     return (
-        f"there spring {', '.join(short)} has length 0, so that its force along it has no direction; start "
-        "beside this position, or take the stiffness alone with free length 0, and damp the joint instead"
+        f"there spring {', '.join(short)} has length 0, so its force has no direction; start near this "
+        f"position, or use the stiffness alone with free length 0, and damp the joint instead"
     )
 
 

@@ -203,7 +203,7 @@ class Trajectory(SampleTable):
         return array if self.t.ndim else array[..., np.newaxis]
 
     def _unknown(self, name: str) -> UsageError:
-        why = "only names that were stored are known here; run.save(path, name) stores further ones"
+        why = "this trajectory has stored names only; run.save(path, name) stores additional ones"
         what = f"the trajectory has no {name!r}"
         return UsageError(
             Problem("trajectory.unknown_name", repr(name), what, why, nearest(name, self.names))
@@ -232,7 +232,7 @@ class Trajectory(SampleTable):
             raise _time_fault("times have more than one axis", "give one time, or a list of times")
         if self.dense_output is None:
             raise _time_fault(
-                "the motion between the samples was not kept", "pass the times to simulate(..., times=)"
+                "the motion between the samples was not stored", "pass the times to simulate(..., times=)"
             )
         x = self.dense_output(times)
         n_u = len(self.speed_names)
@@ -383,8 +383,8 @@ class Trajectory(SampleTable):
 
 def _no_model() -> UsageError:
     return UsageError(
-        Problem("trajectory.no_model", "run", "the motion does not say which mechanism moves",
-                "its file was written by an older version, or its equations were placed by hand",
+        Problem("trajectory.no_model", "run", "the motion does not contain its mechanism",
+                "its file was written by an older version, or its equations were assembled by hand",
                 "give model=, the model that it was computed from")
     )  # fmt: skip
 

@@ -202,7 +202,7 @@ def held_signals(
 def _check_inputs(signals: Sequence[Signal], inputs: Mapping[str, object]) -> None:
     problems = [
         Problem("signal.held_input", f"input {signal.name}", f"{signal.name} is a sampled signal",
-                "its value follows from the motion",
+                "its value is computed from the motion",
                 "leave it out, or give the model an input of another name")
         for signal in signals if signal.name in inputs
     ]  # fmt: skip
@@ -214,9 +214,10 @@ def _check_direction(signals: Sequence[Signal], span: tuple[float, float]) -> No
     if span[1] < span[0]:
         listed = ", ".join(signal.name for signal in signals)
         raise UsageError(
-            Problem("signal.backwards", "t_end", f"time runs backwards, and values are sampled: {listed}",
-                    "a held value follows from what came before",
-                    "let time rise, or form the equations of sb.without_sampling(model)")
+            Problem("signal.backwards", "t_end", f"time runs backward, but these values are sampled: "
+                                                 f"{listed}",
+                    "a sampled value depends on the motion before",
+                    "simulate forward in time, or form the equations of sb.without_sampling(model)")
         )  # fmt: skip
 
 
@@ -226,7 +227,7 @@ def _check_steps(signals: Sequence[Signal], steps: Mapping[str, float], span: tu
         Problem("signal.sample", f"signal {signal.name}, sample",
                 f"the time between samples is {steps[signal.name]:.6g} s",
                 "samples are taken at the start and after every such time" if not steps[signal.name] > 0.0
-                else f"times as large as {max(map(abs, span)):.6g} s are not so exact",
+                else f"times as large as {max(map(abs, span)):.6g} s cannot be represented that accurately",
                 "give seconds, such as sample = 0.01")
         for signal in signals if not steps[signal.name] > shortest
     ]  # fmt: skip

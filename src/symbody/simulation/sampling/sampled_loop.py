@@ -11,8 +11,8 @@ from symbody.codegen.native_call import check_status
 from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.sequence import Output
 from symbody.kernels import block as run_at
-from symbody.kernels.events import watch_block as watch_at
-from symbody.kernels.samples import sample_block as at
+from symbody.kernels.events.event_monitor import EventMonitor
+from symbody.kernels.record import exists
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import LoopCall, RightHandSide
@@ -78,7 +78,7 @@ class SampledLoop:
         sampler = self.sampler
         if not sample_kernels().is_due(address(sampler.block), t):
             return
-        if sampler.block[at.RECORDED] == sampler.block[at.ROOM]:
+        if sampler.hold.recorded == sampler.hold.room:
             sampler.grow()
         places = map(address, (self._numbers, sampler.block, sampler.record))
         if sample_kernels().take_samples(self._address, *places, t, address(x)):
@@ -108,7 +108,7 @@ class SampledLoop:
         functions : (3,) int
             Those of `kernels.event_watch.look`.
         watch : array
-            See `symbody.kernels.events.watch_block`.
+            See `symbody.kernels.events.event_monitor`.
         """
         self._show_watch(watch)
         code = run_at.NO_SAMPLE_ROOM
@@ -123,9 +123,10 @@ class SampledLoop:
 
     def _show_watch(self, watch: Floats) -> None:
         """Show the functions of events all values."""
-        for place in (watch_at.NUMBERS, watch_at.ACTIONS):
-            if watch[place]:
-                sample_kernels().show_values(address(self.sampler.block), address(watch[int(watch[place]) :]))
+        monitor = EventMonitor(watch)
+        for numbers in (monitor.numbers, monitor.actions):
+            if exists(numbers):
+                sample_kernels().show_values(address(self.sampler.block), address(np.asarray(numbers)))
 
     def _make_room(self, code: int) -> None:
         if code == run_at.NO_SAMPLE_ROOM:
@@ -137,7 +138,7 @@ class SampledLoop:
         """Raise what a law of an input raised, or what the status of the function means."""
         if self._callback is not None and self._callback.error is not None:
             raise self._callback.error
-        check_status(int(self.sampler.block[at.FAULT]))
+        check_status(self.sampler.hold.fault)
 
 
 def check_numbers(values: Sequence[HeldValue], outputs: Sequence[Output]) -> None:
@@ -150,7 +151,7 @@ def check_numbers(values: Sequence[HeldValue], outputs: Sequence[Output]) -> Non
     """
     problems = [
         Problem("signal.no_number", f"signal {value.name}", f"its value has shape {output.shape}",
-                "a signal is one number at each time", "name one component, such as 'reaction A Fx'")
+                "a signal is a single number at each time", "name one component, such as 'reaction A Fx'")
         for value, output in zip(values, outputs, strict=True) if output.shape
     ]  # fmt: skip
     if problems:

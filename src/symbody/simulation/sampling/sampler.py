@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.kernels.samples import sample_block as at
+from symbody.kernels.pack import pack
+from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.simulation.inputs.held_law import HeldRecord, places_in
 
@@ -56,7 +57,9 @@ class Sampler:
     Attributes
     ----------
     block : array
-        See `symbody.kernels.samples.sample_block`.
+        Of `hold`.
+    hold : SampleHold
+        The values at present.
     record : (room, 1 + m) array
         When samples were taken, and all values from then on.
     """
@@ -66,18 +69,18 @@ class Sampler:
         self.names = tuple(value.name for value in values)
         steps = tuple(dict.fromkeys(value.step for value in values))
         groups = [steps.index(value.step) for value in values]
-        initial, slots = [value.initial for value in values], [value.slot for value in values]
-        m, g = len(values), len(steps)
-        places = at.HEADER + np.cumsum([0, m, m, m, g, g])
-        head = np.zeros(at.HEADER)
-        head[[at.VALUES, at.SLOTS, at.GROUP_OF, at.STEPS, at.TAKEN, at.NEW]] = places
-        head[[at.COUNT, at.GROUPS, at.SPEEDS]] = m, g, speeds
-        head[[at.START, at.NEXT]] = start
-        parts = [head, initial, slots, groups, steps, np.zeros(g), np.zeros(m)]
-        self.block: Floats = np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])
-        self.record: Floats = np.empty((_FIRST_ROOM, 1 + m))
-        self.block[at.ROOM] = len(self.record)
+        self.record: Floats = np.empty((_FIRST_ROOM, 1 + len(values)))
+        self.block: Floats = pack(
+            SampleHold, count=len(values), groups=len(steps), speeds=speeds, start=start, next=start,
+            room=len(self.record), values=[value.initial for value in values],
+            slots=[value.slot for value in values], group_of=groups, steps=steps,
+        )  # fmt: skip
         self._first = self.block.copy()
+
+    @property
+    def hold(self) -> SampleHold:
+        """What the kernels read and change."""
+        return SampleHold(self.block)
 
     @property
     def formulas(self) -> list[str]:
@@ -87,16 +90,16 @@ class Sampler:
     @property
     def samples(self) -> HeldRecord:
         """What was sampled so far."""
-        rows = self.record[: int(self.block[at.RECORDED])]
+        rows = self.record[: self.hold.recorded]
         return HeldRecord(self.names, rows[:, 0].copy(), np.ascontiguousarray(rows[:, 1:].T))
 
     def current(self, name: str) -> float:
         """Return a value at present."""
-        return float(self.block[int(self.block[at.VALUES]) + self.names.index(name)])
+        return float(self.hold.values[self.names.index(name)])
 
     def values_at(self, name: str, t: Floats) -> Floats:
         """Return a value at times (N,) that the motion has passed."""
-        rows = self.record[: int(self.block[at.RECORDED])]
+        rows = self.record[: self.hold.recorded]
         if not len(rows):
             return np.full(np.shape(t), self.current(name))
         values: Floats = rows[places_in(rows[:, 0], np.asarray(t)), 1 + self.names.index(name)]
@@ -104,59 +107,56 @@ class Sampler:
 
     def value_before(self, name: str, t: float) -> float:
         """Return a value just before a time that the motion has passed."""
-        rows = self.record[: int(self.block[at.RECORDED])]
-        margin = ONE_INSTANT * max(abs(t), abs(float(self.block[at.START])))
+        rows = self.record[: self.hold.recorded]
+        margin = ONE_INSTANT * max(abs(t), abs(self.hold.start))
         place = int(np.searchsorted(rows[:, 0], t - margin)) - 1
         k = self.names.index(name)
-        return float(self._first[int(self._first[at.VALUES]) + k] if place < 0 else rows[place, 1 + k])
+        return float(SampleHold(self._first).values[k] if place < 0 else rows[place, 1 + k])
 
     @property
     def next_due(self) -> float:
         """When the next sample is due [s]."""
-        return float(self.block[at.NEXT])
+        return self.hold.next
 
     def is_due(self, t: float) -> bool:
         """Return whether a sample is due at a time, up to rounding."""
-        margin = ONE_INSTANT * max(abs(t), abs(self.next_due), abs(float(self.block[at.START])))
+        margin = ONE_INSTANT * max(abs(t), abs(self.next_due), abs(self.hold.start))
         return self.next_due - t <= margin
 
     def grow(self) -> None:
         """Make room for as many more samples."""
         self.record = np.concatenate([self.record, np.empty_like(self.record)])
-        self.block[at.ROOM] = len(self.record)
+        self.hold.room = len(self.record)
 
     def rewind(self, t: float) -> None:
         """Forget the samples behind a time."""
-        block = self.block
-        kept = self.record[: int(block[at.RECORDED])]
-        margin = ONE_INSTANT * max(abs(t), abs(float(block[at.START])))
+        hold = self.hold
+        kept = self.record[: hold.recorded]
+        margin = ONE_INSTANT * max(abs(t), abs(hold.start))
         count = int(np.searchsorted(kept[:, 0], t + margin, side="right"))
         if count == len(kept):
             return
         if count == 0:
-            block[:] = self._first
-            block[at.ROOM] = len(self.record)
+            self.block[:] = self._first
+            hold.room = len(self.record)
             return
-        block[at.RECORDED] = count
-        block[int(block[at.VALUES]) :][: len(self.values)] = kept[count - 1, 1:]
+        hold.recorded = count
+        np.asarray(hold.values)[:] = kept[count - 1, 1:]
         self._count_samples(float(kept[count - 1, 0]))
 
     def _count_samples(self, last: float) -> None:
         """Set how many samples each group has taken, where the last of all was taken at a time."""
-        block = self.block
-        groups, start = int(block[at.GROUPS]), float(block[at.START])
-        steps = block[int(block[at.STEPS]) :][:groups]
-        taken = block[int(block[at.TAKEN]) :][:groups]
+        hold = self.hold
+        start, steps, taken = hold.start, np.asarray(hold.steps), np.asarray(hold.taken)
         margin = ONE_INSTANT * max(abs(last), abs(start))
         taken[:] = np.maximum(np.round((last - start) / steps), 0.0)
         taken[start + taken * steps <= last + margin] += 1.0
-        block[at.NEXT] = (start + taken * steps).min()
+        hold.next = (start + taken * steps).min()
 
     def follow(self, other: Sampler, t: float) -> None:
         """Go on from a time with the values of another sampler, whose sample times may be others."""
-        block, count = self.block, len(self.values)
-        block[int(block[at.VALUES]) :][:count] = other.block[int(other.block[at.VALUES]) :][:count]
-        if other.block[int(other.block[at.TAKEN]) : int(other.block[at.NEW])].any():
+        np.asarray(self.hold.values)[:] = other.hold.values
+        if np.asarray(other.hold.taken).any():
             self._count_samples(t)
 
     def snapshot(self) -> Floats:
@@ -170,7 +170,7 @@ class Sampler:
 
     def begin_anew(self) -> None:
         """Forget what was recorded: the values at present are the first."""
-        self.block[at.RECORDED], self.block[at.ROOM] = 0.0, len(self.record)
+        self.hold.recorded, self.hold.room = 0, len(self.record)
         self._first = self.block.copy()
 
 

@@ -44,7 +44,9 @@ def checked_inputs(given: Mapping[str, object], places: Mapping[str, int]) -> di
     problems, values = [], {}
     for name, value in given.items():
         if name not in places:
-            problems.append(unknown_name("input", name, places, "steps give inputs that have no law"))
+            problems.append(
+                unknown_name("input", name, places, "step() accepts inputs without a formula only")
+            )
             continue
         what = _fault(value)
         if what:
@@ -63,8 +65,9 @@ def missing_values(names: Iterable[str]) -> UsageError:
     listed = ", ".join([first, *others])
     return UsageError(
         Problem("stepper.input_without_value", "step", f"no value was given for {listed}",
-                "inputs without a law keep the value that a step gives them, and have none before",
-                f'call step({first}=0.0), or make the stepper with inputs={{"{first}": 0}}')
+                "inputs without a formula hold the value of the last step, and have no value before the "
+                "first",
+                f'call step({first}=0.0), or create the stepper with inputs={{"{first}": 0}}')
     )  # fmt: skip
 
 

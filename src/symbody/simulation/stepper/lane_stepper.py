@@ -43,11 +43,11 @@ _MOST_NAMED: Final = 5  # lanes that broke off
 
 
 class LaneStepper(OwnCopies):
-    """Motions of one mechanism, each in a lane, that go on by one step of `dt` at each call of `step`.
+    """Motions of one mechanism, each in a lane, that advance by one step of `dt` at each call of `step`.
 
     It serves reinforcement learning, identification and Monte Carlo: steps of many motions by one call, where
     the compiled loop can take them several in each register of the processor. Each lane is what a `Stepper`
-    with its values would be, to the bit.
+    with its values would be, bit for bit.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class LaneStepper(OwnCopies):
         ])  # fmt: skip
 
     def step(self, values: ArrayLike | None = None, /, **inputs: ArrayLike) -> Self:
-        """Go on by `dt` in every lane; return this stepper.
+        """Advance by `dt` in every lane; return this stepper.
 
         Parameters
         ----------
@@ -112,7 +112,8 @@ class LaneStepper(OwnCopies):
             If an input is unknown, has no value, or values that are not finite or do not fit the lanes;
             nothing has moved then.
         SimulationError
-            If motions cannot go on. All others are at the end of the step, these are as far as they came.
+            If motions cannot continue. They stay at the time they reached; all others are at the end of
+            the step.
         """
         if values is not None or inputs:
             for place, column in input_columns(values, inputs, self._places, len(self)):
@@ -183,7 +184,7 @@ class LaneStepper(OwnCopies):
     @property
     def notes(self) -> tuple[str, ...]:
         """What the reader should know, also why lanes are stepped one after the other where they are."""
-        alone = () if self._blocks is not None else ("lanes are stepped one after the other, by Python",)
+        alone = () if self._blocks is not None else ("lanes are stepped one after the other in Python",)
         return (*dict.fromkeys(note for lane in self._lanes for note in lane.notes), *alone)
 
     @checked_arguments
@@ -195,7 +196,7 @@ class LaneStepper(OwnCopies):
         return np.array([lane[name] for lane in self._lanes])
 
     def lane(self, number: int) -> Stepper:
-        """Return a stepper that goes on from the present of one lane by itself."""
+        """Return a stepper that continues from the present state of one lane independently."""
         return self._lanes[chosen_lane(number, len(self))].copy()
 
     def set(self, only: ArrayLike | None = None, /, **values: LaneValue) -> Self:
@@ -218,19 +219,19 @@ class LaneStepper(OwnCopies):
         return self._change(only, values, Stepper.reset)
 
     def copy(self) -> Self:
-        """Return a stepper that goes on from here by itself; compiled functions are shared."""
+        """Return a stepper that continues from here independently; compiled functions are shared."""
         other = object.__new__(type(self))
         copies = [lane.copy() for lane in self._lanes]
         other._adopt([copy for copy in copies if isinstance(copy, Lane)])
         return other
 
     def save(self) -> bytes:
-        """Return all that further steps depend on, to the bit; see `restore`."""
+        """Return all that further steps depend on, bit for bit; see `restore`."""
         return join_saved([lane.save() for lane in self._lanes])
 
     @checked_arguments
     def restore(self, saved: bytes) -> Self:
-        """Go on from what `save` returned, here or in another process; return this stepper.
+        """Continue from what `save` returned, here or in another process; return this stepper.
 
         Raises
         ------

@@ -59,7 +59,9 @@ def input_columns(
         columns += list(zip(places.values(), table.T, strict=True))
     for name, value in named.items():
         if name not in places:
-            problems.append(unknown_name("input", name, places, "steps give inputs that have no law"))
+            problems.append(
+                unknown_name("input", name, places, "step() accepts inputs without a formula only")
+            )
             continue
         columns.append((places[name], _numbers(name, value, ((lanes,), ()))))
     if problems:
@@ -99,7 +101,8 @@ def chosen_lane(number: ArrayLike, lanes: int) -> int:
     """
     if not isinstance(number, int | np.integer):
         raise UsageError(
-            Problem("stepper.lanes", "lanes", f"{number!r} is not one lane", f"there are {lanes}, from 0",
+            Problem("stepper.lanes", "lanes", f"{number!r} is not a lane",
+            f"there are {lanes} lanes, counted from 0",
                     f"give a number below {lanes}")
         )  # fmt: skip
     (place,) = chosen_lanes(number, lanes)
@@ -154,7 +157,8 @@ def _numbers(name: str, value: ArrayLike, shapes: Sequence[tuple[int, ...]]) -> 
 
 def _no_lanes(only: ArrayLike, lanes: int) -> UsageError:
     return UsageError(
-        Problem("stepper.lanes", "lanes", f"{only!r} names no lanes", f"there are {lanes}, from 0",
+        Problem("stepper.lanes", "lanes", f"{only!r} is not a choice of lanes",
+        f"there are {lanes} lanes, counted from 0",
                 f"give numbers below {lanes}, or an array of {lanes} times True or False")
     )  # fmt: skip
 
@@ -162,5 +166,5 @@ def _no_lanes(only: ArrayLike, lanes: int) -> UsageError:
 def _wrong_count(where: str, what: str, lanes: int, shape: tuple[int, ...] = ()) -> UsageError:
     fits = f"an array of shape {shape}" if len(shape) > 1 else f"one value, or {lanes}"
     return UsageError(
-        Problem("stepper.lane_values", where, f"{lanes} lanes cannot take {what}", "", f"give {fits}")
+        Problem("stepper.lane_values", where, f"{lanes} lanes do not accept {what}", "", f"give {fits}")
     )

@@ -24,6 +24,7 @@ class OwnCopies(ABC):
     def __reduce__(self) -> NoReturn:
         kind = type(self).__name__
         raise UsageError(
-            Problem("stepper.pickle", kind, f"a {kind} is not pickled", "it holds addresses of machine code",
-                    "hand over the bytes of save(), and restore() them in one made by the same arguments")
+            Problem("stepper.pickle", kind, f"a {kind} cannot be pickled",
+            "it contains addresses of machine code",
+                    "pass on the bytes of save(), and restore() them in one created with the same arguments")
         )  # fmt: skip

@@ -82,7 +82,7 @@ def read_saved(saved: object) -> SavedStepper:
     try:
         return _read_content(json.loads(line), np.frombuffer(values, dtype=_REAL).astype(np.float64))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise not_saved("the bytes have a hash, but not the content of a stepper") from error
+        raise not_saved("the bytes have a hash, but no content of a stepper") from error
 
 
 def kind_of(settings: StepperSettings) -> str:
@@ -143,15 +143,15 @@ def check_kind(saved: SavedStepper, settings: StepperSettings, size: int) -> Non
 def other_kind() -> UsageError:
     """Return the refusal of what another kind of stepper has saved."""
     return UsageError(
-        Problem("stepper.other_kind", "saved", "another kind of stepper has saved this",
+        Problem("stepper.other_kind", "saved", "this was saved by a different stepper",
                 "equations, inputs, events, tolerances and method have to be the same",
-                "restore it in a stepper made by the same arguments")
+                "restore it in a stepper created with the same arguments")
     )  # fmt: skip
 
 
 def not_saved(what: str) -> UsageError:
     """Return the refusal of bytes that are not what was saved."""
     return UsageError(
-        Problem("stepper.not_saved", "saved", what, "nothing is read that is not whole",
+        Problem("stepper.not_saved", "saved", what, "incomplete data is not read",
                 "give the bytes that save() returned")
     )  # fmt: skip

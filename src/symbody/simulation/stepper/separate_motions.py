@@ -40,17 +40,17 @@ def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
     if held_later(eqs):
         return "values are sampled"
     if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
-        return f"sb.{type(settings.integrator).__name__}() starts anew in each"
+        return f"sb.{type(settings.integrator).__name__}() restarts in each step"
     if not isinstance(settings.constraints, Projection | Baumgarte | None):
-        return f"sb.{type(settings.constraints).__name__}() starts anew in each"
+        return f"sb.{type(settings.constraints).__name__}() restarts in each step"
     if switches(eqs.formed):
         return "joints may stick or ropes go slack"
     if eqs.formed.elimination is not None:
-        return "dependent speeds are watched"
+        return "pivots of dependent speeds are monitored"
     if eqs.plans.get("may jump", lambda: may_jump(eqs)):
         return "prescribed rates may jump"
     if settings.constraints is None and is_overconstrained(problem.problem, numbers.t, numbers.x[:-1].copy()):
-        return "some constraints follow from others only where all loops are closed"
+        return "some constraints are redundant only where all loops are closed"
     return ""
 
 

@@ -144,8 +144,8 @@ def checked_duration(name: str, value: object) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
         raise UsageError(
-            Problem("stepper.dt", name, f"{name} = {value!r} is not a length of steps",
-                    "steps lead forward by a finite time", "give seconds, such as 0.001")
+            Problem("stepper.dt", name, f"{name} = {value!r} is not a valid step size",
+                    "steps advance by a finite positive time", "give seconds, such as 0.001")
         )  # fmt: skip
     return float(value)
 
@@ -159,5 +159,7 @@ def checked_start(t: object) -> float:
         If it is not a finite number.
     """
     if isinstance(t, bool) or not isinstance(t, int | float) or not math.isfinite(t):
-        raise UsageError(Problem("stepper.t", "t", f"t = {t!r} is not a time", "", "give finite seconds"))
+        raise UsageError(
+            Problem("stepper.t", "t", f"t = {t!r} is not a valid time", "", "give finite seconds")
+        )
     return float(t)

@@ -57,7 +57,7 @@ Floats = NDArray[np.float64]
 
 
 class Stepper(OwnCopies):
-    """A motion that goes on by one step of `dt` at each call of `step`.
+    """A motion that advances by one step of `dt` at each call of `step`.
 
     It serves loops of the caller's own: controllers, games, hardware in the loop, reinforcement learning. A
     step takes as many steps of the integrator as the tolerances need, so that the motion is that of
@@ -77,7 +77,7 @@ class Stepper(OwnCopies):
         By default ``Explicit()`` and ``Projection()``. With `Stiff`, `GGL` and `Partition`, and where joints
         stick or ropes go slack, each step is a motion of its own, some milliseconds long: see `notes`.
     events : Event or sequence of Event
-        One that stops ends its step early; the next goes on from there.
+        One that stops ends its step early; the next continues from there.
     t : float
         Time at the start [s].
     rtol, atol, scales : optional
@@ -113,7 +113,10 @@ class Stepper(OwnCopies):
             integrator, constraints, check_events(events, eqs), rtol, atol, scales, max_steps, fmus,
         )  # fmt: skip
         own = own_laws(settings, start)
-        self._input_notes = (*(f"input {name} has no law and is 0" for name in settings.silent), *own.notes)
+        self._input_notes = (
+            *(f"input {name} has no formula and is 0" for name in settings.silent),
+            *own.notes,
+        )
         self._settings, self._names = settings, inputs_read(settings, own)
         self._lay_out(StepNumbers.fresh(len(eqs.state_names) + 1, len(self._names)))
         self._numbers.begin(start, duration, state_values(first_state(settings, dict(parameters or {}))))
@@ -121,7 +124,7 @@ class Stepper(OwnCopies):
         self._use(dict(parameters or {}), None)
 
     def step(self, duration: float | None = None, /, **inputs: float) -> Self:
-        """Go on by `dt`, or by another duration [s] once; `inputs` keep their values for later steps.
+        """Advance by `dt`, or once by another duration [s]; `inputs` hold their values in later steps.
 
         Returns
         -------
@@ -133,7 +136,8 @@ class Stepper(OwnCopies):
         UsageError
             If an input is unknown, has no value or one that is not a finite number; nothing has moved then.
         SimulationError
-            If the motion cannot go on, or the law of an input fails; the stepper is as far as it came.
+            If the motion cannot continue, or a function of an input fails; the stepper stays at the time
+            it reached.
         """
         if duration is not None:
             return self._step_once(duration, inputs)
@@ -254,8 +258,7 @@ class Stepper(OwnCopies):
         checked_inputs(inputs, self._places)
         if chosen:
             parameters = {**self._problem.parameters, **chosen}
-            is_closed = self._problem.problem.is_closed
-            moved = close_again(self._problem, self._numbers, parameters) if is_closed else None
+            moved = close_again(self._problem, self._numbers, parameters)
             self._use(parameters, self._problem.sizes, moved)
         set_inputs(self._numbers.array, self._places, inputs)
         self._missing.difference_update(inputs)
@@ -282,7 +285,7 @@ class Stepper(OwnCopies):
         return self
 
     def copy(self) -> Self:
-        """Return a stepper that goes on from here by itself; compiled functions are shared."""
+        """Return a stepper that continues from here independently; compiled functions are shared."""
         other = object.__new__(type(self))
         other._settings, other._names, other._input_notes = self._settings, self._names, self._input_notes
         other._lay_out(self._numbers.copy())
@@ -295,7 +298,7 @@ class Stepper(OwnCopies):
         return other
 
     def save(self) -> bytes:
-        """Return all that further steps depend on, to the bit; see `restore`."""
+        """Return all that further steps depend on, bit for bit; see `restore`."""
         return SavedStepper(
             kind_of(self._settings), self._problem.parameters, self._status, self.events,
             self._numbers.array, self._steps.snapshot(),
@@ -303,9 +306,9 @@ class Stepper(OwnCopies):
 
     @checked_arguments
     def restore(self, saved: bytes) -> Self:
-        """Go on from what `save` returned, here or in another process; return this stepper.
+        """Continue from what `save` returned, here or in another process; return this stepper.
 
-        The bytes hold numbers and names, no code. Further steps are the same to the bit on the same machine.
+        The bytes hold numbers and names, no code. Further steps are the same bit for bit on the same machine.
 
         Raises
         ------

@@ -20,7 +20,9 @@ def steps_of(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[s
 def _plain_steps(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
     reason = why_separate(problem, numbers)
     if reason:
-        return SeparateMotions(problem, numbers), (f"each step is a motion of its own, slow: {reason}",)
+        return SeparateMotions(problem, numbers), (
+            f"each step is a separate simulation, which is slow: {reason}",
+        )
     if problem.settings.events:
         return WatchedSteps(problem, numbers), ()
     return CompiledSteps(problem, numbers), ()
@@ -29,6 +31,6 @@ def _plain_steps(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tup
 def broken_off(t: float, ending: Ending) -> SimulationError:
     """Return what to say about a step that did not come to its end."""
     return SimulationError(
-        Problem("stepper.broke_off", f"t = {t:.9g} s", f"the step broke off: {ending.note}",
-                ending.status.value, "reset() the stepper, or restore() what it saved before")
+        Problem("stepper.broke_off", f"t = {t:.9g} s", f"the step was aborted: {ending.note}",
+                ending.status.value, "reset() the stepper, or restore() a state saved before")
     )  # fmt: skip

@@ -56,12 +56,12 @@ def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, c
         f"{type(integrator).__name__} is not an explicit method": not isinstance(
             integrator, Explicit | FixedStep | None
         ),
-        f"{type(constraints).__name__} takes its steps in Python": not isinstance(
+        f"{type(constraints).__name__} runs in Python": not isinstance(
             constraints, Projection | Baumgarte | None
         ),
         "joints stick and slip, or ropes slacken": switches(eqs.formed) or bool(ropes(eqs.formed)),
         "prescribed rates may jump": may_jump(eqs),
-        "dependent speeds are watched": bool(
+        "pivots of dependent speeds are monitored": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),
     }

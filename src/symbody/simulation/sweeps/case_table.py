@@ -55,13 +55,13 @@ class Samples:
             legal = legal and self.first > 0.0
         if self.law not in _LAWS or not legal:
             raise UsageError(
-                Problem("sweep.samples", repr(self), "there are no such random numbers", "",
+                Problem("sweep.samples", repr(self), "this is not a known distribution", "",
                         "give sb.Samples('uniform', low, high), ('loguniform', low, high) with low above 0, "
                         "or ('normal', mean, deviation)")
             )  # fmt: skip
 
     def draw(self, name: str, count: int, seed: int) -> Floats:
-        """Return `count` values; more of them begin with the same ones, whatever else is drawn."""
+        """Return `count` values; more of them begin with the same ones, regardless of what else is drawn."""
         generator = np.random.default_rng([seed, *name.encode()])
         if self.law == "normal":
             return generator.normal(self.first, self.second, count)
@@ -134,8 +134,8 @@ def case_table(
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise UsageError(
-            Problem("sweep.seed", "seed", f"seed = {seed!r} is not a whole number from 0 on",
-                    "random numbers follow from it", "give such a number, or leave it out")
+            Problem("sweep.seed", "seed", f"seed = {seed!r} is not a whole number, 0 or greater",
+                    "the seed determines the random numbers", "give such a number, or leave it out")
         )  # fmt: skip
     given = [("parameters", name, value) for name, value in parameters.items()]
     given += [("initial", name, value) for name, value in initial.items()]
@@ -184,13 +184,16 @@ def _check_columns(
     problems = []
     if combine not in ("product", "list"):
         problems.append(
-            Problem("sweep.combine", "combine", f"combine = {combine!r} means nothing", "",
-                    "give 'product' for every combination, or 'list' for the first of each, the second, ...")
+            Problem("sweep.combine", "combine", f"combine = {combine!r} is not a valid choice", "",
+                    "give 'product' for every combination, or 'list' to combine the first values, the "
+                    "second values, ...")
         )  # fmt: skip
     if has_samples != (samples is not None) or (samples is not None and samples < 1):
         problems.append(
-            Problem("sweep.sample_count", "samples", f"samples = {samples!r} does not fit",
-                    "so many values are drawn for each sb.Samples", "give samples=1000 if any value is "
+            Problem("sweep.sample_count", "samples", f"samples = {samples!r} is not consistent with the "
+                f"values",
+                    "it is the number of values drawn for each sb.Samples",
+                    "give samples=1000 if any value is "
                     "sb.Samples(...), and leave it out otherwise")
         )  # fmt: skip
     columns: dict[tuple[str, str], Floats] = {}
@@ -208,8 +211,8 @@ def _check_columns(
     if combine == "list" and len({column.size for column in columns.values()}) > 1:
         problems.append(
             Problem("sweep.lengths", "combine", f"lists differ in length: {', '.join(sorted(sizes))}",
-                    "combine='list' takes the first of each, then the second of each",
-                    "give lists of one length, or combine='product'")
+                    "combine='list' combines the first values, then the second values",
+                    "give lists of equal length, or combine='product'")
         )  # fmt: skip
     if problems:
         raise UsageError(*problems)

@@ -24,6 +24,7 @@ from symbody.analysis.signal_values import without_signals
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.closing_equations import closing_equations
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, CompileError, SymbodyError
 from symbody.expr.language.formula import Formula
@@ -80,6 +81,11 @@ def first_states(
     CompileError
         If parameters have no value or names are unknown.
     """
+    whole = closing_equations(eqs)
+    if whole is not eqs:
+        found = first_states(whole, table, guess, inputs, span, given)
+        places = [whole.state_names.index(name) for name in eqs.state_names]
+        return _first_states(eqs, table, found.states[:, places], found.notes, span, given)
     known_formulas = check_names(eqs, table, guess)
     guessed, fixed = case_values(eqs, table, known_formulas), case_values(eqs, table, table.fixed_initial)
     held = held_initial_values(eqs, (*fixed, *table.initial_names), guess)
@@ -92,6 +98,18 @@ def first_states(
         kept = tuple(kept_initial_values(eqs, fixed, guess)), tuple(surplus_initial_values(eqs, fixed, guess))
         states, notes = _Assembler(eqs, table, inputs, span[0], *kept).all(guessed, fixed, scales, notes)
     states[list(notes)] = np.nan
+    return _first_states(eqs, table, states, notes, span, given)
+
+
+def _first_states(
+    eqs: EquationSet,
+    table: CaseTable,
+    states: Floats,
+    notes: Mapping[int, str],
+    span: tuple[float, float],
+    given: Mapping[str, float] | None,
+) -> FirstStates:
+    """Return first states with the scales of their cases."""
     places = enumerate(eqs.coordinate_names, len(eqs.speed_names))
     near = {name: np.nan_to_num(states[:, k]) for k, name in places}
     return FirstStates(states, case_scales(eqs, table, near, span, given), notes)

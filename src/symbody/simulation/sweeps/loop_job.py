@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -36,7 +37,7 @@ from symbody.simulation.methods.constraints import (
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
-from symbody.simulation.native.closing import CLOSING, POSED, state_shape
+from symbody.simulation.native.closing import closing_of
 from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.simulation.sweeps.first_states import FirstStates, first_states
@@ -102,7 +103,8 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         tolerances = np.column_stack([tolerances, _work_tolerances(energies, sweep, first)])
     own_metric = np.zeros((table.count, 0))
     if watch is not None and watch.closing is not None:
-        own_metric = first.scales.metric()
+        close = closing_of(stabilized, holds=watch.actions is not None)
+        own_metric = replace(first.scales, eqs=close.eqs).metric()
     chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances, own_metric)
     return job, chunk, dict(first.notes)
 
@@ -128,12 +130,12 @@ def case_watch(
     check_value_shapes(events, values)
     check_action_shapes(events, actions)
     labels = tuple(event.label for event in events)
-    closing = None
-    if (eqs.multiplier_names or eqs.quaternions) and any(event.action != "record" for event in events):
-        closing = bound_function(eqs, CLOSING if outputs else POSED, parameters, free, inputs)
+    closing, close = None, closing_of(eqs, holds=bool(outputs))
+    if close.is_needed and any(event.action != "record" for event in events):
+        closing = bound_function(close.eqs, close.outputs, parameters, free, inputs)
     return CaseWatch(
         values, actions, labels, numbers_of_events(eqs, events, values.sequence), eqs.state_names,
-        closing, state_shape(eqs), share,
+        closing, close.shape, share,
     )  # fmt: skip
 
 

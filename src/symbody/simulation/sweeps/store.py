@@ -107,7 +107,9 @@ class Store:
     def _unwritable(self, error: OSError) -> EnvironmentFault:
         what = f"the folder cannot be used: {error.strerror or error}"
         return EnvironmentFault(
-            Problem("sweep.store_folder", str(self._folder), what, fix="give a folder that is yours")
+            Problem(
+                "sweep.store_folder", str(self._folder), what, fix="choose a folder with write permission"
+            )
         )
 
 

@@ -80,7 +80,7 @@ def sweep(
     samples, seed : int
         How many values are drawn for each `Samples`, together, for every combination; what they follow from.
     executor : concurrent.futures.Executor, optional
-        Whose workers compute, by default threads of this process. What workers lose is given out anew.
+        Whose workers compute, by default threads of this process. Parts that workers lose are computed again.
     threads : int, optional
         Threads of this process, by default one a processor; with an executor those of each worker, 1.
     part : int, optional
@@ -88,7 +88,7 @@ def sweep(
     lanes : bool, optional
         Whether each thread computes several cases side by side, by default for 256 or more.
     store : path, optional
-        A folder that keeps finished parts; the same call goes on where the last one ended.
+        A folder that keeps finished parts; the same call continues where the last one ended.
     progress : bool or callable
         True shows a bar; a callable takes the share that is done, and ends the sweep by returning False.
     patience : float
@@ -277,12 +277,12 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     problem = SimulationProblem(eqs, values, job.laws, scales)
     try:
         if is_overconstrained(problem, options.span[0], x):
-            return "some constraints follow from others only where all loops are closed"
+            return "some constraints are redundant only where all loops are closed"
         notes = job.simulate_case(case).notes
     except SymbodyError:
         return ""
     if any("(change point)" in note or "is a change point" in note for note in notes):
-        return "motions pass change points, where this loop may take another branch"
+        return "motions pass change points, where the shared loop may continue on another branch"
     return ""
 
 
@@ -299,9 +299,11 @@ def _notes(job: SweepJob, apart: Sequence[int]) -> tuple[str, ...]:
     notes = [*job.laws.notes, *(silent_input_note(job.eqs.units, name) for name in silent)]
     if job.eqs.multiplier_names and job.options.constraints is None:
         notes.append(
-            "change points are not looked for in a sweep: where constraints become dependent on the way, "
+            "sweeps do not search for change points: if constraints become dependent during the motion, "
             "pass constraints=sb.Partition()"
         )
     if apart:
-        notes.append(f"{len(apart)} cases, whose values fulfil a constraint, were computed one by one")
+        notes.append(
+            f"{len(apart)} cases, whose values satisfy a constraint identically, were computed one by one"
+        )
     return tuple(notes)

@@ -102,7 +102,7 @@ def _check_lanes(lanes: bool | None) -> bool | None:
         return bool(lanes)
     raise UsageError(
         Problem("sweep.lanes", "lanes", f"lanes = {lanes!r} is neither True, False nor None",
-                "how many lanes there are is up to the processor",
+                "the processor determines the number of lanes",
                 "give lanes=True or lanes=False, or leave it out")
     )  # fmt: skip
 
@@ -149,9 +149,9 @@ class SweepJob:
             If a law has no content that could be compared with that of another call.
         """
         problems = [
-            Problem("sweep.store_function", f"input {name}", f"no store can tell this law: {fault}",
-                    "results would be served to a sweep with another law",
-                    "let it read numbers, texts, arrays and functions alone, or leave store out")
+            Problem("sweep.store_function", f"input {name}", f"a store cannot identify this input: {fault}",
+                    "its results could be returned for a sweep with another input",
+                    "let it use only numbers, strings, arrays and functions, or leave store out")
             for name, law in self.inputs.items() if (fault := _missing_content(law))
         ]  # fmt: skip
         if problems:

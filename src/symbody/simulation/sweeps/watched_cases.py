@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
-from symbody.kernels.events import watch_block as watch_at
 from symbody.kernels.events import watched_cases as loop_at
+from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
 from symbody.simulation.events.event_watch import chattering_note, value_notes
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block, with_cut_fit
@@ -78,10 +78,10 @@ def watched_rows(job: LoopJob, watch: CaseWatch, chunk: Chunk) -> WatchedRows:
     sizes = WatchNumbers(job.state_size + 1, speeds, values, actions, block)
     dense_rows = 4 + len(job.method.tableau.dense)
     fresh = with_cut_fit(make_watch_block(watch.events, sizes), dense_rows)
-    fresh[watch_at.SPAN] = abs(job.span[1] - job.span[0])
-    fresh[watch_at.DIRECTION] = 1.0 if job.span[1] >= job.span[0] else -1.0
-    fresh[watch_at.PIECE_ROWS] = dense_rows
-    fresh[watch_at.FIRST_LENGTH] = float(job.method.first_step or 0.0)
+    monitor = EventMonitor(fresh)
+    monitor.span, monitor.piece_rows = abs(job.span[1] - job.span[0]), dense_rows
+    monitor.direction = 1.0 if job.span[1] >= job.span[0] else -1.0
+    monitor.first_length = float(job.method.first_step or 0.0)
     columns = [*numbers[0], *numbers[1], chunk.metric, *closing]
     return WatchedRows(fresh, np.hstack(columns))
 
@@ -113,8 +113,8 @@ class WatchedLoop:
         self._t, self._x = np.zeros(room), np.zeros((room, n))
         self._samples = np.full((records.count, job.times.size, n), np.nan)
         self._breaks = np.zeros(_STEPS + 1)
-        self._pieces = np.zeros((_STEPS, int(watched.fresh[watch_at.PIECE_ROWS]), n))
-        self._happened = np.zeros((_HAPPENED + watch_at.ZEROS_PER_EVENT * len(watch.events), n + 2))
+        self._pieces = np.zeros((_STEPS, EventMonitor(watched.fresh).piece_rows, n))
+        self._happened = np.zeros((_HAPPENED + ZEROS_PER_EVENT * len(watch.events), n + 2))
         self._looks = np.zeros((records.count, loop_at.LOOK_EVENTS + loop_at.LOOK_SIZE * len(watch.events)))
         block[at.KEEP_DENSE], block[at.SAMPLE_ROOM] = 1.0, room
 
@@ -133,7 +133,7 @@ class WatchedLoop:
 
     def _advance(self, verdicts: Floats) -> int:
         self._block[at.STEP_ROOM] = len(self._pieces)
-        self._state[watch_at.HAPPENED_ROOM] = len(self._happened)
+        EventMonitor(self._state).happened_room = len(self._happened)
         places = [self._rows, self._job.times, self._t, self._x, self._samples, verdicts]
         places += [self._breaks, self._pieces, self._happened, self._looks]
         return watched_cases()(

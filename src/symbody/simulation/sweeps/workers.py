@@ -114,7 +114,7 @@ def check_workers(
         if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
             problems.append(
                 Problem(f"sweep.{name}", name, f"{name} = {value!r} is not a positive whole number", "",
-                        "give a whole number from 1 on, or leave it out")
+                        "give a whole number, 1 or greater, or leave it out")
             )  # fmt: skip
     if executor is not None and not isinstance(executor, Executor):
         problems.append(
@@ -123,8 +123,8 @@ def check_workers(
         )  # fmt: skip
     if isinstance(patience, bool) or not isinstance(patience, int | float) or not patience > 0.0:
         problems.append(
-            Problem("sweep.patience", "patience", f"patience = {patience!r} is not a length of time", "",
-                    "give seconds, or math.inf to wait for workers without end")
+            Problem("sweep.patience", "patience", f"patience = {patience!r} is not a valid duration", "",
+                    "give seconds, or math.inf to wait for workers indefinitely")
         )  # fmt: skip
     if problems:
         raise UsageError(*problems)
@@ -227,10 +227,10 @@ class _Probe:
             return
         raise EnvironmentFault(
             Problem("sweep.no_worker_began", "executor",
-                    f"no worker of the executor has begun anything for {self._patience:g} s",
+                    f"no worker of the executor has started any work for {self._patience:g} s",
                     "it has no workers, or all of them are busy with something else",
-                    "see whether its workers run and reach it, wait longer with patience=... in seconds or "
-                    "math.inf, or leave executor out")
+                    "check that its workers run and are connected, wait longer with patience=... in seconds "
+                    "or math.inf, or leave executor out")
         )  # fmt: skip
 
     def forget(self) -> None:
@@ -329,11 +329,11 @@ class _Dispatch:
         """
         if self._own is None:
             self._listener.notes.append(
-                f"the executor broke ({type(error).__name__}: {error}): processes of this machine go on"
+                f"the executor broke ({type(error).__name__}: {error}): processes of this machine continue"
             )
         self._broken += 1
         if self._broken > _BROKEN_POOLS:
-            raise _no_worker("processes end as soon as they are started")
+            raise _no_worker("processes end immediately after starting")
         self.close()
         # Not by forking: a lock that another thread holds just then would stay held in the copy for ever.
         self._own = ProcessPoolExecutor(mp_context=get_context("spawn"))

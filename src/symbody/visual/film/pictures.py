@@ -52,7 +52,12 @@ def file_kind(path: Path) -> str:
     if suffix not in STILLS + FILMS:
         fix = f"end it with one of {', '.join(FILMS)} for a film or {', '.join(STILLS)} for a picture"
         raise UsageError(
-            Problem("film.format", str(path), what="the name does not end like a picture or a film", fix=fix)
+            Problem(
+                "film.format",
+                str(path),
+                what="the name does not end like that of a picture or a film",
+                fix=fix,
+            )
         )
     return suffix
 
@@ -207,5 +212,5 @@ def _file_replacement(path: Path) -> Iterator[Path]:
 def _unwritable(path: Path, error: OSError) -> EnvironmentFault:
     return EnvironmentFault(
         Problem("film.unwritable", str(path), f"the picture cannot be written: {error.strerror or error}",
-                fix="choose a folder that exists, is yours and has room")
+                fix="choose an existing folder with write permission and enough space")
     )  # fmt: skip

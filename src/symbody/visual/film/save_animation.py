@@ -89,8 +89,8 @@ def save_animation(
 def _scene(run: Trajectory) -> Scene:
     if run.model is None:
         raise UsageError(
-            Problem("film.no_model", "run", "the motion does not say which mechanism moves",
-                    "its file was written by an older version, or its equations were placed by hand",
+            Problem("film.no_model", "run", "the motion does not contain its mechanism",
+                    "its file was written by an older version, or its equations were assembled by hand",
                     "save_animation(run, ..., model=...) with the model it was computed from")
         )  # fmt: skip
     scene = make_scene(run.model, run.parameters, coordinate_courses(run))
@@ -130,12 +130,13 @@ def _still_times(run: Trajectory, times: ArrayLike | None) -> Floats:
 
 def _film_times(run: Trajectory, times: ArrayLike | None, fps: float, speed: float) -> Floats:
     """Return when the frames of a film are taken."""
-    ends = _check_times(run, _range(run) if times is None else times, "(0, 2): where it begins and ends")
+    ends = _check_times(run, _range(run) if times is None else times, "(0, 2): start and end")
     first, last = float(ends[0]), float(ends[-1])
     count = max(1, round((last - first) / speed * fps))
     if count > _MOST_FRAMES:
         raise UsageError(
-            Problem("film.long", "times", f"the film would have {count} frames, {_MOST_FRAMES} are the most",
+            Problem("film.long", "times", f"the film would have {count} frames; the maximum is "
+                                          f"{_MOST_FRAMES}",
                     fix="give times=(START, END), a smaller fps= or a larger speed=")
         )  # fmt: skip
     return np.asarray(np.minimum(first + np.arange(count) * (speed / fps), last), dtype=np.float64)
@@ -163,7 +164,7 @@ def _range(run: Trajectory) -> tuple[float, float]:
 def _pixels(size: tuple[int, int]) -> tuple[int, int]:
     if len(size) != 2 or not all(_SIZES[0] <= each <= _SIZES[1] for each in size):
         raise UsageError(
-            Problem("film.size", "size", f"size = {size!r} makes no picture",
+            Problem("film.size", "size", f"size = {size!r} is not a valid picture size",
                     fix=f"give width and height in pixels, {_SIZES[0]} to {_SIZES[1]}, such as (960, 540)")
         )  # fmt: skip
     return int(size[0]), int(size[1])
@@ -177,13 +178,13 @@ def _check(run: Trajectory, fps: float, speed: float, ghosts: float) -> None:
         )  # fmt: skip
     if run.t.size == 0:
         raise UsageError(
-            Problem("film.no_samples", "run", "the motion has no samples: nothing of it was computed",
+            Problem("film.no_samples", "run", "the motion has no samples: nothing was computed",
                     fix="see run.status and run.notes")
         )  # fmt: skip
     limits = (("fps", fps, 0.01, 1000.0), ("speed", speed, 1e-9, 1e9), ("ghosts", ghosts, 0.0, 1.0))
     for name, value, low, high in limits:
         if not low <= value <= high:
             raise UsageError(
-                Problem("film.number", name, f"{name} = {value!r} makes no film",
+                Problem("film.number", name, f"{name} = {value!r} is not valid for a film",
                         fix=f"give a number from {low:g} to {high:g}")
             )  # fmt: skip

@@ -121,7 +121,7 @@ def path_of(run: Trajectory, expressions: Sequence[str]) -> PlanePath:
         names = ", ".join(curve.name for curve in curves)
         raise UsageError(
             Problem("plot.path", repr(tuple(expressions)), f"a path has 2 or 3 components, not {len(curves)}",
-                    f"they are {names}", "name two or three numbers, or one vector: ('frame r P',)")
+                    f"they are {names}", "name two or three outputs, or one vector: ('frame r P',)")
         )  # fmt: skip
     stem = _common_stem([curve.name for curve in curves])
     name = stem or ", ".join(curve.name for curve in curves)

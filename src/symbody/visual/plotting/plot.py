@@ -67,7 +67,7 @@ def plot(
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,
-        whatever their units; panels of an earlier plot take those of their own units.
+        regardless of their units; panels of an earlier plot take those of their own units.
     x : str
         The output along the horizontal axis; with another than time the start is marked by a dot.
     labels : sequence of str, optional
@@ -127,7 +127,7 @@ def _coordinates(run: Trajectory) -> tuple[str, ...]:
 
 def _check_paths_alone(curves: Sequence[str], x: str) -> None:
     if curves or x != "t":
-        what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
+        what, fix = "curves over an output and paths do not share axes", "draw them with two calls of plot"
         raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
 
 
@@ -190,7 +190,7 @@ def _paths(paths: Sequence[PlanePath], ax: Axes | None, title: str | None, equal
     axes = new_axes(sizes == {3}) if ax is None else ax
     if sizes != {3 if is_in_space(axes) else 2}:
         what = "paths have two components in the plane and three in space"
-        fix = "draw both kinds by two calls; axes for paths in space have projection='3d'"
+        fix = "draw the two kinds with two calls; axes for paths in space have projection='3d'"
         raise UsageError(Problem("plot.path_axes", paths[0].name, what, fix=fix))
     for path in paths:
         draw(axes, path.curves, path.label, marks_start=True)
@@ -224,5 +224,5 @@ def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
         canvas.figure.savefig(path, format=suffix, metadata=metadata)
     except OSError as error:
         what = f"the picture cannot be written: {error.strerror}"
-        fix = "choose a folder that exists and is yours"
+        fix = "choose an existing folder with write permission"
         raise EnvironmentFault(Problem("plot.unwritable", str(path), what, fix=fix)) from error

@@ -39,8 +39,8 @@ def plot_sweep(
     """
     chosen = [_name(item) for item in expressions or sweep.coordinate_names]
     if ax is not None and len(chosen) > 1:
-        what = f"{len(chosen)} outputs need as many panels"
-        raise UsageError(Problem("plot.sweep_axes", "ax", what, fix="name one output, or leave ax out"))
+        what = f"{len(chosen)} outputs need {len(chosen)} panels"
+        raise UsageError(Problem("plot.sweep_axes", "ax", what, fix="name one output, or remove ax"))
     panels = list(new_panels(chosen).values()) if ax is None else [ax]
     for axes, name in zip(panels, chosen, strict=True):
         _draw_cases(axes, sweep, name)

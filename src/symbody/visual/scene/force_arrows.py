@@ -183,6 +183,6 @@ def _rotate(matrices: Floats, components: Floats) -> Floats:
 
 def _unknown_name(name: str, known: Iterable[str]) -> Problem:
     return Problem(
-        "animation.unknown_vector", repr(name), f"nothing that {name!r} names acts on a body", "",
+        "animation.unknown_vector", repr(name), f"{name!r} names nothing that acts on a body", "",
         f'{nearest(name, known).rstrip(".")} "all" draws every force and reaction'.lstrip(),
     )  # fmt: skip

@@ -124,7 +124,7 @@ def _notes(numbers: ModelNumbers) -> tuple[str, ...]:
     if not numbers.assumed:
         return ()
     verb = "has" if len(numbers.assumed) == 1 else "have"
-    return (f"{', '.join(numbers.assumed)} {verb} no value: drawn as if 1",)
+    return (f"{', '.join(numbers.assumed)} {verb} no value: the picture uses 1",)
 
 
 def _shapes(basis: SceneBasis, given: Mapping[str, list[FixedShape]]) -> list[FixedShape]:

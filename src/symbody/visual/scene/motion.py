@@ -105,13 +105,13 @@ def coordinate_courses(run: Trajectory) -> dict[str, Floats]:
 def _model(run: Trajectory) -> Model:
     if run.t.size == 0:
         raise UsageError(
-            Problem("animation.no_samples", "run", "the motion has no samples: nothing of it was computed",
+            Problem("animation.no_samples", "run", "the motion has no samples: nothing was computed",
                     fix="see run.status and run.notes")
         )  # fmt: skip
     if run.model is None:
         raise UsageError(
-            Problem("animation.no_model", "run", "the motion does not say which mechanism moves",
-                    "its file was written by an older version, or its equations were placed by hand",
+            Problem("animation.no_model", "run", "the motion does not contain its mechanism",
+                    "its file was written by an older version, or its equations were assembled by hand",
                     "animate(run, model=...) with the model it was computed from")
         )  # fmt: skip
     return run.model
@@ -210,9 +210,9 @@ def _chosen_times(run: Trajectory, times: ArrayLike) -> Floats:
     except (TypeError, ValueError):
         chosen = np.empty(0)
     if chosen.size == 0 or not np.isfinite(chosen).all():
-        raise _times(f"{times!r} are not times", "give times [s], as by numpy.linspace(0, 2, 50)")
+        raise _times(f"{times!r} are not valid times", "give times [s], as by numpy.linspace(0, 2, 50)")
     if run.dense_output is None and not np.isin(chosen, run.t).all():
-        raise _times("the motion between the samples was not kept", "name times among run.t")
+        raise _times("the motion between the samples was not stored", "choose times from run.t")
     return chosen
 
 

@@ -212,8 +212,9 @@ def live_mechanism(
         return page
     if request != MotionRequest():
         raise UsageError(
-            Problem("animation.live_widget", "animate", "sliders in a notebook move a mechanism at rest",
-                    "initial, parameters, inputs, integrator and constraints are of pages that simulate",
+            Problem("animation.live_widget", "animate", "sliders in a notebook change positions, without "
+                "simulating",
+                    "initial, parameters, inputs, integrator and constraints are for pages that simulate",
                     "give a path: animate(eqs, 'live.html', ...)")
         )  # fmt: skip
     if isinstance(sliders, Mapping):
@@ -237,7 +238,7 @@ def new_widget(data: PageData, mechanism: SliderMechanism | None = None) -> Any:
     except ImportError:
         raise EnvironmentFault(
             Problem("animation.no_anywidget", "live", "live pictures need anywidget, which is not installed",
-                    fix="pip install symbody[notebook], or leave live=True out")
+                    fix="pip install symbody[notebook], or remove live=True")
         ) from None  # fmt: skip
     return module.MechanismWidget(data, mechanism)
 
@@ -312,10 +313,12 @@ def _check_options(options: Mapping[str, Any]) -> None:
         word = options.get(name, "auto")
         if word not in words:
             fix = f"choose one of {', '.join(words)}"
-            raise UsageError(Problem("animation.option", name, f"{word!r} is no {name}", fix=fix))
+            raise UsageError(Problem("animation.option", name, f"{word!r} is not a {name}", fix=fix))
     speed = options.get("speed", 1.0)
     if not (np.isfinite(speed) and speed > 0.0):
-        raise UsageError(Problem("animation.option", "speed", f"{speed} is not a speed", fix="give one > 0"))
+        raise UsageError(
+            Problem("animation.option", "speed", f"{speed} is not a valid speed", fix="give one > 0")
+        )
 
 
 def in_notebook() -> bool:
@@ -337,8 +340,8 @@ def _run_of(run: Trajectory | State, model: Model | None) -> Trajectory:
 
 def _no_model() -> UsageError:
     return UsageError(
-        Problem("animation.no_model", "run", "the motion does not say which mechanism moves",
-                "its file was written by an older version, or its equations were placed by hand",
+        Problem("animation.no_model", "run", "the motion does not contain its mechanism",
+                "its file was written by an older version, or its equations were assembled by hand",
                 "animate(run, model=...) with the model it was computed from")
     )  # fmt: skip
 
@@ -347,8 +350,8 @@ def _page_path(path: str | PathLike[str]) -> Path:
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm"):
         raise UsageError(
-            Problem("animation.suffix", str(path), f"a page is no {target.suffix or 'such'} file",
-                    fix="end the name with .html; films and pictures are made by save_animation")
+            Problem("animation.suffix", str(path), f"a page cannot be a {target.suffix or 'such'} file",
+                    fix="end the name with .html; for films and pictures use save_animation")
         )  # fmt: skip
     return target
 

@@ -130,7 +130,7 @@ def slider_mechanism(eqs: EquationSet, sliders: Sequence[Slider]) -> SliderMecha
         If a name is neither a coordinate nor a parameter, or bounds are none.
     """
     if not isinstance(eqs.model, Model):
-        what = "mechanisms placed by hand have no shapes"
+        what = "mechanisms assembled by hand have no shapes"
         raise UsageError(
             Problem("animation.no_model", "animate", what, fix="describe the mechanism as a Model")
         )

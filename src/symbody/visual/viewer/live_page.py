@@ -146,7 +146,7 @@ def make_live_page(
     """
     if not isinstance(eqs.model, Model):
         raise UsageError(
-            Problem("animation.no_model", "animate", "mechanisms placed by hand have no shapes",
+            Problem("animation.no_model", "animate", "mechanisms assembled by hand have no shapes",
                     fix="describe the mechanism as a Model")
         )  # fmt: skip
     kinds = {name: _kind(eqs, name) for name in sliders}
@@ -210,10 +210,10 @@ def _constant_law(name: str, law: Law) -> float:
     if number is not None:
         return float(number)
     raise UsageError(
-        Problem("animation.slider_law", name, f"{name} has a law and a slider",
-                "a slider moves a number, and the law would be lost",
-                "give the input a number, leave its slider out, or put the law into the model, with a "
-                "parameter that the slider moves")
+        Problem("animation.slider_law", name, f"{name} has both a formula and a slider",
+                "a slider changes a number, and the formula would be lost",
+                "give the input a number, remove its slider, or define the formula in the model, with a "
+                "parameter that the slider changes")
     )  # fmt: skip
 
 
@@ -233,7 +233,8 @@ def _control(eqs: EquationSet, value: float, name: str, kind: Kind, bounds: Boun
         raise UsageError(
             Problem("animation.slider_start", name,
                     f"{name} starts at {value:.6g}, which is not between {low:g} and {high:g}",
-                    fix="choose bounds around it, or another first value by initial=, parameters= or inputs=")
+                    fix="choose bounds around it, or another initial value with initial=, parameters= or "
+                        "inputs=")
         )  # fmt: skip
     return LiveControl(name, kind, low, high, value, unit)
 

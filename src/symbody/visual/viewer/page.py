@@ -80,11 +80,12 @@ def built_file(name: str) -> str:
         return (files("symbody.visual") / _FOLDER / name).read_text(encoding="utf-8")
     except OSError:
         raise EnvironmentFault(
-            Problem("animation.no_pages", name, "this installation has no pages to show motions with",
+            Problem("animation.no_pages", name, "this installation does not include the pages that show "
+                                                "motions",
                     "they are built when symbody is installed from its sources, which needs Node 20 or "
-                    "later, or a connection to fetch it",
+                    "later, or a network connection to download it",
                     "install Node and run `pip install` again in the folder of the sources, or install a "
-                    "released package; save_animation needs no page")
+                    "released package; save_animation works without these pages")
         ) from None  # fmt: skip
 
 
@@ -104,7 +105,7 @@ def write_page(path: Path, text: str) -> None:
         reason = getattr(error, "strerror", None) or str(error)
         raise EnvironmentFault(
             Problem("animation.unwritable", str(path), f"the page cannot be written: {reason}",
-                    "the file that was there, if any, is unchanged", writing_cure(error))
+                    "an existing file is unchanged", writing_cure(error))
         ) from error  # fmt: skip
 
 
@@ -115,6 +116,6 @@ def _json_text(data: PageData) -> str:
     except ValueError as error:
         raise UsageError(
             Problem("animation.not_finite", str(data["title"]), "a length of the picture is not finite", "",
-                    "check the parameters that give sizes and places")
+                    "check the parameters that define sizes and positions")
         ) from error  # fmt: skip
     return text.replace("<", "\\u003c")

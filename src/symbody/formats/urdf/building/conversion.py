@@ -118,7 +118,7 @@ class _Draft:
                 plan = plan_body(self.robot, lump, names[lump.root], symbols)
                 self.plans.append((lump, plan))
             elif lump.root in symbolic:
-                self.notes.append(f"link {lump.root} stays symbolic in vain: it is the ground")
+                self.notes.append(f"link {lump.root} is in symbolic= without effect: it is the ground")
             for link, place in lump.places.items():
                 self.homes[link] = (plan, place)
                 self.links[link] = self._stand(plan, names[link], place)
@@ -194,7 +194,7 @@ class _Draft:
             )
             if shape is None:
                 self.notes.append(
-                    f"line {link.line}: link {link.name}: a visual of impossible size is left out"
+                    f"line {link.line}: link {link.name}: a visual of impossible size is ignored"
                 )
             else:
                 shapes.append(shape)
@@ -224,8 +224,9 @@ def _check_base(robot: Robot, base: Lump, joints: Sequence[UrdfJoint], floats: b
     if floats and not base.mass and len(own) == 1 and own[0].kind == "floating":
         raise UsageError(
             Problem("urdf.floats_twice", f"{robot.where}:{own[0].line}, joint {own[0].name}",
-                    f"the root link {robot.root} has no mass, and the file lets {own[0].child} float from it",
-                    "the file has a floating base already", "leave floating_base=True out")
+                    f"the root link {robot.root} has no mass, but the file connects {own[0].child} to it by "
+                    f"a floating joint",
+                    "the file has a floating base already", "remove floating_base=True")
         )  # fmt: skip
 
 
@@ -235,7 +236,7 @@ def _heavy(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterable[str]:
         for name in lump.places:
             link = robot.links[name]
             if not possible(link.inertia):
-                yield f"line {link.line}: link {name}: no body has this inertia; it is taken as it is"
+                yield f"line {link.line}: link {name}: no body can have this inertia; it is used unchanged"
     yield from _weight_notes(robot, lumps, floats)
 
 
@@ -243,13 +244,13 @@ def _weight_notes(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterator
     """Return notes on links without mass, and on mass without influence."""
     base = lumps[0]
     if not floats and base.mass:
-        yield f"the base {base.root} is fixed: its mass of {float(base.mass):g} kg has no influence"
+        yield f"the base {base.root} is fixed: its mass of {float(base.mass):g} kg has no effect"
     for lump in lumps if floats else lumps[1:]:
         if not lump.mass and not any(lump.inertia):
             yield f"body {lump.root} is massless: no link of it has mass"
     idle = _idle_joints(robot)
     if idle:
-        yield f"nothing that has mass resists the efforts of joints {_list_names(idle)}"
+        yield f"the joints {_list_names(idle)} move no mass, so nothing resists their forces and torques"
 
 
 def _idle_joints(robot: Robot) -> list[str]:

@@ -86,8 +86,8 @@ def read_loops(path: str | os.PathLike[str], parts: Parts) -> Loops:
     locate = line_locator(text, where)
     content = check_structure({"name": "loops", **data}, locate)
     problems = [
-        Problem("urdf.loops_key", locate((key,)), f"{key!r} does not belong into a file of loops",
-                "the robot's file and the call say it", f"delete {key}")
+        Problem("urdf.loops_key", locate((key,)), f"{key!r} is not allowed in a loops file",
+                "it is defined by the robot's file and the call", f"delete {key}")
         for key in ("gravity", "layout")
         if key in data
     ]  # fmt: skip
@@ -141,7 +141,7 @@ class _LoopPoints:
             elif extra:
                 self._problems.append(
                     Problem("urdf.loops_key", place, f"{', '.join(extra)} of a link cannot be given here",
-                            "the robot's file says it", "give frames alone")
+                            "the robot's file defines it", "give frames only")
                 )  # fmt: skip
             else:
                 for name, given in entry.get("frames", {}).items():
@@ -173,8 +173,8 @@ class _LoopPoints:
         if given.get("matrix") is not None and home.turns:
             self._problems.append(
                 Problem("urdf.loops_matrix", f"{place}, frames.{name}",
-                        f"a matrix cannot be given on link {link}", "its body is turned against it",
-                        "give the turns instead: rotate = [..]")
+                        f"a matrix cannot be given on link {link}", "its body is rotated relative to it",
+                        "give rotations instead: rotate = [..]")
             )  # fmt: skip
             return
         try:

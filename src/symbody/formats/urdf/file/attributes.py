@@ -64,7 +64,7 @@ class Attributes:
         """Return the only child with a tag, or None."""
         found = node.all(tag)
         if len(found) > 1:
-            self.refuse("repeated", found[1], label, f"<{tag}> stands {len(found)} times in it",
+            self.refuse("repeated", found[1], label, f"it contains <{tag}> {len(found)} times",
                         "one of them would silently win", "keep one")  # fmt: skip
         if not found and needed:
             self.refuse("missing", node, label, f"<{tag}> is missing", "", f"add <{tag} ../>")
@@ -81,8 +81,8 @@ class Attributes:
         if not text.isprintable():
             hidden = next(c for c in text if not c.isprintable())
             self.refuse("name", node, label, f"the {attribute} {text!a} contains U+{ord(hidden):04X}",
-                        "it does not print, and can make a name look different from what it is",
-                        "type the name anew")  # fmt: skip
+                        "it is invisible, and makes the name look different from what it is",
+                        "type the name again")  # fmt: skip
         return text
 
     def number(self, node: XmlNode, attribute: str, label: str, default: Constant | None = None) -> Constant:
@@ -130,14 +130,15 @@ class Attributes:
         if self._snapped:
             worst, line = max(self._snapped)
             angles.append(
-                f"{len(self._snapped)} angles were taken as the multiple of pi/12 beside them; the farthest, "
-                f"in line {line}, by {worst:.2g} rad"
+                f"{len(self._snapped)} angles were rounded to the nearest multiple of pi/12; the largest "
+                f"change, in line {line}, is {worst:.2g} rad"
             )
         if self._near:
             worst, line = max(self._near)
             angles.append(
-                f"{len(self._near)} angles are near a multiple of pi/12 without being one, the farthest, "
-                f"in line {line}, off by {worst:.2g} rad: snap_angles={2 * worst:.1g} would make them exact"
+                f"{len(self._near)} angles are close to a multiple of pi/12 but not equal to it, the "
+                f"largest difference, in line {line}, is {worst:.2g} rad: snap_angles={2 * worst:.1g} would "
+                f"make them exact"
             )
         return (*self.remarks, *defaults, *angles)
 
@@ -156,7 +157,7 @@ class Attributes:
         words = text.split()
         place = f'{attribute}="{_short(text)}"'
         if len(words) != count:
-            why = "numbers are separated by blanks, not commas" if "," in text else ""
+            why = "separate numbers by spaces, not commas" if "," in text else ""
             self.refuse("wrong_number", node, label, f"{place} has {len(words)} numbers instead of {count}",
                         why, f"give {count}")  # fmt: skip
             return (0,) * count
@@ -164,7 +165,7 @@ class Attributes:
         if None in values:
             bad = words[values.index(None)]
             self.refuse("not_a_number", node, label, f"{place}: {_short(bad)!r} is not a finite number",
-                        "the decimal mark is a point" if "," in bad else "",
+                        "use a decimal point" if "," in bad else "",
                         "write a number such as 0.25 or 1e-3; units are SI and radians")  # fmt: skip
             return (0,) * count
         return tuple(value for value in values if value is not None)

@@ -62,7 +62,9 @@ def _axis(read: Attributes, node: XmlNode, label: str, kind: str) -> Numbers:
     if 0 < off <= read.snap:
         if off > EXACT:
             read.remark(
-                element, f"{label}: the axis is taken as the coordinate axis it is {off:.2g} rad from"
+                element,
+                f"{label}: the axis is rounded to the coordinate axis, from which it differs by {off:.2g} "
+                f"rad",
             )
         axis = _axis_vector(main, axis[main])
     if sum(bool(x) for x in axis) == 1:
@@ -81,7 +83,7 @@ def _coefficient(read: Attributes, node: XmlNode, word: str, label: str) -> Cons
     value = read.number(node, word, label, 0)
     if value < 0:
         read.refuse("negative", node, label, f"the {word} is {float(value):g}",
-                    "it would drive the joint instead of holding it back",
+                    "it would drive the joint instead of resisting it",
                     "give 0 or a positive number")  # fmt: skip
         return 0
     return value

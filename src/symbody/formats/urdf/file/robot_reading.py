@@ -21,9 +21,9 @@ from symbody.formats.urdf.file.xml_tree import XmlNode, parse_xml
 _READ: Final = ("link", "joint", "material")
 _IGNORED: Final = MappingProxyType(
     {
-        "transmission": "has no influence on the motion of the joints",
+        "transmission": "has no effect on the motion of the joints",
         "gazebo": "is for another simulator",
-        "sensor": "has no influence on the motion",
+        "sensor": "has no effect on the motion",
     }
 )
 _SNAP_LIMIT: Final = 0.1
@@ -61,7 +61,7 @@ def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> 
         raise FormatError(
             Problem("urdf.not_a_robot", f"{where}:{root.line}",
                     f"the file is not URDF: it begins with <{root.tag}>",
-                    _other_format(root.tag), 'name a file that begins with <robot name="..">')
+                    _other_format(root.tag), 'give a file that begins with <robot name="..">')
         )  # fmt: skip
     _refuse_templates(read, root)
     name = read.name(root, "")

@@ -68,8 +68,8 @@ def _two_parents(where: str, joints: Sequence[UrdfJoint]) -> list[Problem]:
     return [
         Problem("urdf.two_parents", f"{where}:{found[1].line}, joint {found[1].name}",
                 f"link {name} is the child of {len(found)} joints: {', '.join(j.name for j in found)}",
-                "URDF describes trees; a loop is closed beside it",
-                "delete one joint, and close the loop by load_urdf(.., loops=\"loops.toml\")")
+                "URDF describes trees; loops are closed in a separate file",
+                "delete one joint, and close the loop with load_urdf(.., loops=\"loops.toml\")")
         for name, found in carriers.items()
         if len(found) > 1
     ]  # fmt: skip
@@ -82,7 +82,8 @@ def _root_problems(where: str, links: Sequence[UrdfLink], joints: Sequence[UrdfJ
     if len(roots) > 1:
         return [
             Problem("urdf.two_roots", f"{where}:{roots[1].line}, link {roots[1].name}",
-                    f"{len(roots)} links are children of no joint: {', '.join(r.name for r in roots[:6])}",
+                    f"{len(roots)} links are not the child of any joint: "
+                    f"{', '.join(r.name for r in roots[:6])}",
                     "one of them is the root, the others are not connected to it",
                     f"add joints, for instance a fixed one from {roots[0].name} to {roots[1].name}")
         ]  # fmt: skip
@@ -94,8 +95,8 @@ def _root_problems(where: str, links: Sequence[UrdfLink], joints: Sequence[UrdfJ
     shown = " -> ".join(joint.child for joint in cycle[:8]) + (" ..." if len(cycle) > 8 else "")
     return [
         Problem("urdf.cycle", f"{where}:{cycle[0].line}, joint {cycle[0].name}",
-                f"links carry each other in a circle: {shown} -> {cycle[0].child}", "URDF describes trees",
-                "let one of the joints begin at another link")
+                f"links form a cycle: {shown} -> {cycle[0].child}", "URDF describes trees",
+                "start one of the joints at another link")
     ]  # fmt: skip
 
 
@@ -121,7 +122,7 @@ def _mimic_problems(where: str, joints: Sequence[UrdfJoint]) -> list[Problem]:
             leader = joint.mimic.leader
             if leader in seen:
                 what = f"it follows itself: {' -> '.join([*seen, leader])}"
-                fix = "let one of them follow a joint outside of the circle, or none"
+                fix = "let one of them follow a joint outside the cycle, or none"
                 problems.append(Problem("urdf.mimic_cycle", place, what, "", fix))
                 break
             if leader not in single:

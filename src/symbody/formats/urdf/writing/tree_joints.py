@@ -66,7 +66,7 @@ def hang_joints(model: Model, values: Values) -> tuple[list[Hung], list[Problem]
             what = (
                 f"{joint.end.body} is the end of joint {other} too" if other else "its end is on the ground"
             )
-            fix = "exchange start and end of one joint, or cut the loop"
+            fix = "swap start and end of one joint, or cut the loop"
             problems.append(_refusal(joint.name, what, "URDF describes trees, outward from the ground", fix))
         carried[joint.end.body] = joint.name
         if type(joint) in _KINDS:
@@ -79,8 +79,8 @@ def unsupported_problems(model: Model) -> list[Problem]:
     """Return a problem for each element that is neither a body, a joint, nor a joint that follows another."""
     return [
         Problem("urdf.cannot_say", f"{element.kind} {element.name}",
-                f"URDF has no word for a {element.kind} such as this", "it has links and joints alone",
-                "save_model writes everything; or take the element out")
+                f"URDF cannot describe a {element.kind} like this", "it has links and joints only",
+                "use save_model, which writes everything, or remove the element")
         for element in model.elements
         if not isinstance(element, Body | Joint | Gear | RackPinion)
     ]  # fmt: skip
@@ -92,32 +92,34 @@ def _joint_problems(joint: Joint, values: Values) -> Iterator[Problem]:
         kind = type(joint).__name__
         yield _refusal(joint.name, f"URDF has no joint {kind}", f"it has {known}", "build it from those")
     if isinstance(joint, Free) and (joint.angles != "quaternion" or joint.speeds != "twist"):
-        yield _refusal(joint.name, "its coordinates or speeds are others than those of a floating joint",
+        yield _refusal(joint.name, "its coordinates or speeds differ from those of a floating joint",
                        "", 'write angles="quaternion", speeds="twist"')  # fmt: skip
     if joint.motions:
-        yield _refusal(joint.name, "its motion is prescribed", "URDF says no motions", "leave motion out")
+        yield _refusal(
+            joint.name, "its motion is prescribed", "URDF cannot describe motions", "remove motion"
+        )
     if joint.armature:
-        yield _refusal(joint.name, "it has a rotor", "URDF has no word for its inertia", "leave armature out")
+        yield _refusal(joint.name, "it has a rotor", "URDF cannot describe its inertia", "remove armature")
     for path, _, drive in joint.drives_with_paths():
         applied = drive.applied.names
         if not (drive.applied.constant() == 0 or (len(applied) == 1 and drive.applied.text == applied[0])):
             yield _refusal(joint.name, f"the effort {drive.applied} is a formula",
-                           "a joint of URDF has an input of its own",
-                           f"let an input be {path}.applied")  # fmt: skip
+                           "in URDF every joint has its own input",
+                           f"use an input for {path}.applied")  # fmt: skip
         if drive.reads_coordinate or not (isinstance(drive.law, Formula) and drive.law.constant() == 0):
             yield _refusal(
-                joint.name, "it has a spring", "URDF has no word for it", "leave stiffness and law out"
+                joint.name, "it has a spring", "URDF cannot describe it", "remove stiffness and law"
             )
         if not values.is_known(drive.damping) or (
             drive.damping.constant() != 0 and len(joint.coordinates) > 1
         ):
             yield _refusal(joint.name, f"the damping {drive.damping} cannot be written",
                            "URDF has numbers, for joints with one coordinate",
-                           "leave damping out")  # fmt: skip
+                           "remove damping")  # fmt: skip
     friction = joint.friction
     if friction is not None and (friction.force is None or friction.is_smooth or friction.static is not None):
         fix = "write friction = { force = .. }"
-        yield _refusal(joint.name, "its friction is not a plain strength", "", fix)
+        yield _refusal(joint.name, "its friction is not a constant force", "", fix)
 
 
 def _details(joint: Joint, values: Values, mimic: str | None) -> Iterator[str]:
@@ -148,7 +150,7 @@ def _mimics(model: Model, values: Values, problems: list[Problem]) -> dict[str, 
             continue
         follower, leader = (homes.get(name) for name in coupling.coupled)
         if follower is None or leader is None or follower in mimics or not values.is_known(coupling.offset):
-            what = "it cannot be said by one joint following another"
+            what = "it cannot be expressed as one joint that follows another"
             problems.append(
                 Problem("urdf.cannot_say", f"constraint {coupling.name}", what,
                         "a joint follows one other, with constant multiplier and offset",

@@ -33,7 +33,8 @@ class Values:
     def number(self, formula: Formula) -> float:
         """Return the value of a formula in parameters."""
         value = formula_value(formula, self.known)
-        assert value is not None, f"{formula} has names that are not parameters"
+        if value is None:
+            raise AssertionError(f"{formula} has names that are not parameters")
         return as_float(value)
 
     def is_known(self, formula: Formula) -> bool:

@@ -34,9 +34,9 @@ class DCMotor(SignalBlock):
     resistance: Quantity = Quantity("Of the winding.", unit="Ohm", scope=Scope.LOAD, fits=NOT_NEGATIVE)
     inductance: Quantity = Quantity("Of the winding.", unit="H", scope=Scope.LOAD, fits=_INDUCTANCE)
     constant: Quantity = Quantity(
-        "Torque over current, and voltage over speed.", unit="N m/A, V s/rad", scope=Scope.LOAD
+        "Torque per current, and voltage per speed.", unit="N m/A, V s/rad", scope=Scope.LOAD
     )
-    initial: Quantity = Quantity("Current at the start.", unit="A", default=0)
+    initial: Quantity = Quantity("Initial current.", unit="A", default=0)
 
     @property
     def signals(self) -> tuple[Signal, ...]:

@@ -28,14 +28,15 @@ class Delay(SignalBlock):
     Sampled, it is exact: what was sampled `time` ago, 0 before that.
     """
 
-    equation: ClassVar[str] = "y(t) = input(t - time), near it for frequencies below order/time"
+    equation: ClassVar[str] = "y(t) = input(t - time), approximately, for frequencies below order/time"
     states: ClassVar[str] = "`y_1` .. `y_order`; sampled `y_1` .. `y_n`, n = time/sample"
 
-    input: Quantity = Quantity("What is delayed.", scope=Scope.LOAD)
-    time: Quantity = Quantity("How long it is delayed.", unit="s")
+    input: Quantity = Quantity("The signal to delay.", scope=Scope.LOAD)
+    time: Quantity = Quantity("Length of the delay.", unit="s")
     order: Quantity = Quantity("Order of the approximation, 1 to 10.", default=3)
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples, of which the delay is a multiple; continuous without.", unit="s",
+        "Time between samples, of which the delay is a multiple; without it the block is "
+        "continuous.", unit="s",
         fits=SAMPLE_TIME,
     )  # fmt: skip
 
@@ -46,14 +47,15 @@ class Delay(SignalBlock):
             arguments.add(
                 "block.delay_samples", "time",
                 f"{self.time} is not a multiple of the sample time {self.sample}",
-                f"a sampled delay keeps a value of each sample, {_MOST} at most",
+                f"a sampled delay stores one value per sample, {_MOST} at most",
                 "give both as numbers, such as time = 0.05, sample = 0.01",
             )  # fmt: skip
         order = self.order.constant()
         if not isinstance(order, int) or not 1 <= order <= _HIGHEST:
             arguments.add(
-                "block.order", "order", f"{self.order} is not an order of an approximation",
-                "the delay becomes a ratio of two polynomials of this degree", f"write 1 to {_HIGHEST}",
+                "block.order", "order", f"{self.order} is not a valid order of approximation",
+                "the delay is approximated by a ratio of two polynomials of this degree",
+                f"write 1 to {_HIGHEST}",
             )  # fmt: skip
 
     def joint_demands(self) -> Iterator[Demand]:

@@ -20,10 +20,10 @@ class FirstOrder(SignalBlock):
     equation: ClassVar[str] = "time y' = gain input - y"
     states: ClassVar[str] = "`y`, the output itself"
 
-    input: Quantity = Quantity("What it follows.", scope=Scope.LOAD)
+    input: Quantity = Quantity("The signal it follows.", scope=Scope.LOAD)
     time: Quantity = Quantity("Time constant.", unit="s", scope=Scope.LOAD, fits=TIME)
-    gain: Quantity = Quantity("Output over input at rest.", default=1, scope=Scope.LOAD)
-    initial: Quantity = Quantity("Output at the start.", default=0)
+    gain: Quantity = Quantity("Ratio of output to input at rest.", default=1, scope=Scope.LOAD)
+    initial: Quantity = Quantity("Initial output.", default=0)
 
     @property
     def signals(self) -> tuple[Signal, ...]:

@@ -14,7 +14,7 @@ from symbody.model.signals.signal import Signal
 
 _THRESHOLDS: Final = Domain(
     "block.thresholds", "it is above the upper threshold: {formula} is {value}",
-    "between them the output stays as it is", "exchange them", 0.0,
+    "between them the output does not change", "swap them", 0.0,
 )  # fmt: skip
 
 
@@ -29,15 +29,15 @@ class Hysteresis(SignalBlock):
     'if(20 - T > 1, 1, if(20 - T < (-1), 0, heater))'
     """
 
-    equation: ClassVar[str] = "y = high where input > upper, low where input < lower, else as before"
+    equation: ClassVar[str] = "y = high where input > upper, low where input < lower, otherwise unchanged"
     states: ClassVar[str] = "sampled `y`, the output itself"
 
-    input: Quantity = Quantity("What is compared.", scope=Scope.LOAD)
-    lower: Quantity = Quantity("Threshold below which it is switched to low.", scope=Scope.LOAD)
-    upper: Quantity = Quantity("Threshold above which it is switched to high.", scope=Scope.LOAD)
+    input: Quantity = Quantity("The signal to compare.", scope=Scope.LOAD)
+    lower: Quantity = Quantity("Threshold below which the output switches to low.", scope=Scope.LOAD)
+    upper: Quantity = Quantity("Threshold above which the output switches to high.", scope=Scope.LOAD)
     sample: Quantity = Quantity("Time between samples.", unit="s", fits=SAMPLE_TIME)
-    low: Quantity = Quantity("Output below.", default=0, scope=Scope.LOAD)
-    high: Quantity = Quantity("Output above.", default=1, scope=Scope.LOAD)
+    low: Quantity = Quantity("Output below the lower threshold.", default=0, scope=Scope.LOAD)
+    high: Quantity = Quantity("Output above the upper threshold.", default=1, scope=Scope.LOAD)
     initial: Quantity = Quantity("Output before the first sample.", default=0)
 
     def joint_demands(self) -> Iterator[Demand]:

@@ -15,17 +15,18 @@ from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Deman
 from symbody.model.signals.signal import Signal
 
 _LIMITS: Final = Domain(
-    "block.limits", "the lowest output is above the highest: {formula} is {value}",
-    "the first is the lowest value, the second the highest", "exchange them", 0.0,
+    "block.limits", "the lower limit is above the upper: {formula} is {value}",
+    "the first is the lower limit, the second the upper", "swap them", 0.0,
 )  # fmt: skip
 _TRACKING: Final = Domain(
     "block.tracking", "p = {formula} is {value}, and there is no tracking",
-    "the integral is led back at limits in the time p/i", "give tracking, a time in seconds", nonzero=True,
+    "at limits the integral is reset with the time constant p/i",
+    "give tracking, a time in seconds", nonzero=True,
 )  # fmt: skip
 _SAME_SIGN: Final = Domain(
     "block.tracking", "p i = {formula} is {value}, and there is no tracking",
-    "the integral would be led away from limits, in the time p/i",
-    "give p and i one sign, or tracking, a time in seconds", 0.0,
+    "at limits the integral would diverge with the time constant p/i",
+    "give p and i the same sign, or give tracking, a time in seconds", 0.0,
 )  # fmt: skip
 
 
@@ -53,14 +54,17 @@ class PID(SignalBlock):
     gains: NamedGains = NamedGains(
         "p, i, d, and filter, the time constant [s] of the derivative.", words=("p", "i", "d", "filter")
     )
-    limits: OutputLimits = OutputLimits("Lowest and highest output.", default=None)
+    limits: OutputLimits = OutputLimits("Lower and upper limit of the output.", default=None)
     tracking: OptionalQuantity = OptionalQuantity(
-        "Time in which the integral is led back at limits; by default p/i.", unit="s", scope=Scope.LOAD,
+        "Time constant with which the integral is reset at limits (anti-windup); by default "
+        "p/i.", unit="s", scope=Scope.LOAD,
         fits=TIME,
     )  # fmt: skip
-    initial: Quantity = Quantity("Integral part at the start.", default=0)
+    initial: Quantity = Quantity("Initial integral part.", default=0)
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples of a digital controller; continuous without.", unit="s", fits=SAMPLE_TIME
+        "Time between samples of a digital controller; without it the controller is continuous.",
+        unit="s",
+        fits=SAMPLE_TIME,
     )
 
     def check(self, arguments: Arguments) -> None:
@@ -69,18 +73,19 @@ class PID(SignalBlock):
         if self._has("d") and not self._has("filter") and self.sample is None:
             arguments.add(
                 "block.derivative", "gains.d", "there is no filter for the derivative",
-                "the derivative of an error in rates is an acceleration, which follows from the output",
+                "the derivative of an error that contains rates is an acceleration, which depends on the "
+                "output",
                 'give gains = { .., d = "kd", filter = "Tf" } with a time Tf of about a tenth of d/p',
             )  # fmt: skip
         if self.limits is not None and self._has("i") and self.tracking is None and not self._has("p"):
             missing = "p is 0" if "p" in self.gains else "there is no p"
             arguments.add(
-                "block.tracking", "limits", "nothing says how fast the integral is led back at limits",
-                f"the usual time is p/i, and {missing}", "give tracking, a time in seconds",
+                "block.tracking", "limits", "the time constant of the reset at limits is missing",
+                f"the default is p/i, but {missing}", "give tracking, a time in seconds",
             )  # fmt: skip
         if not self._has("i") and self.initial.constant() != 0:
             arguments.add(
-                "signal.initial", "initial", "there is no integral to start from it",
+                "signal.initial", "initial", "there is no integral part that could start with it",
                 "the integral alone has an initial value, and i is 0", "leave initial out, or give a gain i",
             )  # fmt: skip
 

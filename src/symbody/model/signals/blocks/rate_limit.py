@@ -24,18 +24,18 @@ class RateLimit(SignalBlock):
     equation: ClassVar[str] = "y' = min(rise, max(-fall, (input - y)/time))"
     states: ClassVar[str] = "`y`, the output itself"
 
-    input: Quantity = Quantity("What it follows.", scope=Scope.LOAD)
+    input: Quantity = Quantity("The signal it follows.", scope=Scope.LOAD)
     rise: Quantity = Quantity("Fastest rise per second.", scope=Scope.LOAD, fits=NOT_NEGATIVE)
     time: OptionalQuantity = OptionalQuantity(
-        "Time constant of the lag, short; none where it is sampled.", unit="s", scope=Scope.LOAD, fits=TIME
+        "Time constant of the lag, short; not used when sampled.", unit="s", scope=Scope.LOAD, fits=TIME
     )
     fall: OptionalQuantity = OptionalQuantity(
-        "Fastest fall per second, positive; by default as fast as the rise.", scope=Scope.LOAD,
+        "Fastest fall per second, positive; by default equal to rise.", scope=Scope.LOAD,
         fits=NOT_NEGATIVE,
     )  # fmt: skip
-    initial: Quantity = Quantity("Output at the start.", default=0)
+    initial: Quantity = Quantity("Initial output.", default=0)
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; continuous without.", unit="s", fits=SAMPLE_TIME
+        "Time between samples; without it the block is continuous.", unit="s", fits=SAMPLE_TIME
     )
 
     def check(self, arguments: Arguments) -> None:
@@ -45,12 +45,12 @@ class RateLimit(SignalBlock):
             arguments.add(
                 "block.time", "time", "there is no time constant",
                 "a continuous output follows its input with a lag",
-                "give time, short beside the motion, or sample, the time between samples",
+                "give time, short compared with the motion, or sample, the time between samples",
             )  # fmt: skip
         elif self.time is not None and self.sample is not None:
             arguments.add(
                 "block.time", "time", "a sampled rate limit has no lag",
-                "at each sample it comes as near to its input as the slopes allow", "leave time out",
+                "at each sample it moves towards its input as far as the slopes allow", "remove time",
             )  # fmt: skip
 
     @property

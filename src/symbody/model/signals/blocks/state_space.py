@@ -24,7 +24,7 @@ class StateSpace(SignalBlock):
     ``name_1``, ``name_2``, and so on.
     """
 
-    equation: ClassVar[str] = "x' = A x + B u, y = C x + D u; sampled, A x + B u is the next x"
+    equation: ClassVar[str] = "x' = A x + B u, y = C x + D u; if sampled, A x + B u is the next x"
     states: ClassVar[str] = "`y_x1`, `y_x2`, .."
 
     inputs: Coefficients = Coefficients("The inputs u.", scope=Scope.LOAD)
@@ -32,9 +32,9 @@ class StateSpace(SignalBlock):
     B: MatrixRows = MatrixRows("(n, inputs), row by row.")
     C: MatrixRows = MatrixRows("(outputs, n), row by row.")
     D: MatrixRows = MatrixRows("(outputs, inputs), row by row; by default 0.", default=())
-    initial: Coefficients = Coefficients("States at the start, by default 0.", default=())
+    initial: Coefficients = Coefficients("Initial states, by default 0.", default=())
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; x' is the next x then, the rate of x without.", unit="s", fits=SAMPLE_TIME
+        "Time between samples; x' is then the next x, without it the rate of x.", unit="s", fits=SAMPLE_TIME
     )
 
     def check(self, arguments: Arguments) -> None:

@@ -18,7 +18,8 @@ from symbody.model.signals.signal import Signal
 
 _LEADING: Final = Domain(
     "block.no_polynomial", "{formula} is {value}",
-    "the first coefficient belongs to the highest power, and divides", "leave powers without coefficient out",
+    "the first coefficient belongs to the highest power and must not be 0",
+    "remove leading powers with a zero coefficient",
     nonzero=True,
 )  # fmt: skip
 
@@ -39,11 +40,11 @@ class TransferFunction(SignalBlock):
     equation: ClassVar[str] = "y = numerator(s)/denominator(s) input; sampled, of z"
     states: ClassVar[str] = "`y_1`, `y_2`, ..: as many as the denominator's degree"
 
-    input: Quantity = Quantity("What goes in.", scope=Scope.LOAD)
+    input: Quantity = Quantity("The input signal.", scope=Scope.LOAD)
     numerator: Coefficients = Coefficients("Its coefficients, highest power first.")
     denominator: Coefficients = Coefficients("Its coefficients, highest power first; the first is not 0.")
     sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; the polynomials are in z then, in s without.", unit="s", fits=SAMPLE_TIME
+        "Time between samples; the polynomials are then in z, without it in s.", unit="s", fits=SAMPLE_TIME
     )
 
     def check(self, arguments: Arguments) -> None:
@@ -57,9 +58,10 @@ class TransferFunction(SignalBlock):
             )  # fmt: skip
         elif len(self._numerator) > len(self.denominator):
             arguments.add(
-                "block.improper", "numerator", "its degree is above the denominator's",
-                "that is a derivative, and of a rate an acceleration",
-                "give the denominator more powers, such as a filter (1 + T s) with a short time T",
+                "block.improper", "numerator", "its degree is higher than that of the denominator",
+                "this differentiates its input, and the derivative of a rate is an acceleration",
+                "raise the degree of the denominator, for instance with a filter (1 + T s) and a short time "
+                "T",
             )  # fmt: skip
 
     def joint_demands(self) -> Iterator[Demand]:

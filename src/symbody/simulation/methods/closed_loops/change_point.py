@@ -52,40 +52,41 @@ _TWO: Final = 2
 _PROJECTION: Final = Projection()
 _PARTITION: Final = Partition()
 _CHANGED: Final = (
-    "at t = {:.6g} s constraints become dependent (change point), where sb.Projection() may take another "
-    "branch: sb.Partition() integrates the motion"
+    "at t = {:.6g} s constraints become dependent (change point), where sb.Projection() may continue on "
+    "another branch: use sb.Partition()"
 )
 _LEFT: Final = (
     "at t = {:.6g} s constraints become dependent (change point), where {} leaves the branch of the motion: "
-    "leave constraints out, or use sb.Partition()"
+    "omit constraints=, or use sb.Partition()"
 )
 _LEAPT: Final = (
     "near t = {:.6g} s branches of the mechanism pass each other without meeting (lengths that differ by "
-    "{:.2g} of its size from these would let them), and {} goes over to another one: ask for a smaller rtol"
+    "{:.2g} of the mechanism's size would make them meet), and {} switches to another one: use a smaller rtol"
 )
 _UNBALANCED: Final = (
-    "near t = {:.6g} s branches of the mechanism meet or come close, and energy less work changes there by "
-    "{:.3g} J with {}, but by {:.3g} J in a step beside it: ask for a smaller rtol, or leave constraints out"
+    "near t = {:.6g} s branches of the mechanism meet or come close, and energy minus work changes there by "
+    "{:.3g} J with {}, but by {:.3g} J in a neighbouring step: use a smaller rtol, or omit constraints="
 )
 _ENDS: Final = (
-    "the motion breaks off near a change point, where constraints become dependent and {} finds no way on: "
-    "leave constraints out, or use sb.Partition()"
+    "the motion ends near a change point, where constraints become dependent and {} cannot continue: omit "
+    "constraints=, or use sb.Partition()"
 )
 _STARTS: Final = (
-    "the start is a change point, where constraints become dependent and {} finds no way on: leave "
-    "constraints out, use sb.Partition(), or start a little beside it"
+    "the start is a change point, where constraints become dependent and {} cannot continue: omit "
+    "constraints=, use sb.Partition(), or start slightly away from it"
 )
 _SEVERAL: Final = (
-    "the start is a change point, where the mechanism can go on in several ways, and its velocities are not "
-    "those of one of them: the motion is one of several; start a little beside it, or give other velocities"
+    "the start is a change point, where the mechanism can move along several branches, and the velocities "
+    "do not select one: the result is one of several possible motions; start slightly away from it, or give "
+    "other velocities"
 )
 _LOCKED: Final = (
-    "some constraints follow from others only where all loops are closed, see sb.redundancy(), so that {} "
-    "finds the mechanism locked beside such states: leave constraints out, or use sb.Partition()"
+    "some constraints are redundant only where all loops are closed, see sb.redundancy(), so that for {} "
+    "the mechanism is locked near such states: omit constraints=, or use sb.Partition()"
 )
 _EXCHANGED: Final = (
-    "at t = {:.6g} s sb.Projection() finds no way on: some constraints follow from others, see "
-    "sb.redundancy(), and which of them count changes there; sb.Partition() integrates the motion"
+    "at t = {:.6g} s sb.Projection() cannot continue: some constraints are redundant, see sb.redundancy(), "
+    "and which of them are independent changes there; use sb.Partition()"
 )
 _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, Status.TOO_MANY_STEPS)
 # Ends after which the motion is looked at: one that was interrupted is not begun again.
@@ -102,15 +103,18 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
     constraints = plan.constraints or _PROJECTION
     integration = plan.integration
     problem, eqs, t, x = integration.problem, integration.eqs, integration.span[0], integration.state
-    if isinstance(constraints, Partition) or not eqs.multiplier_names or not eqs.speed_names:
+    if not eqs.multiplier_names or not eqs.speed_names:
         return integrate_plan(plan)
     if eqs.plans.get(
         "constant rows", partial(has_constant_rows, eqs)
     ):  # nothing becomes dependent on the way
         return integrate_plan(plan)
+    follows = is_overconstrained(problem, t, x)
+    if isinstance(constraints, Partition):
+        run = integrate_plan(plan)
+        return run if follows or not run.raw.status.success else _judge_passages(plan, run)
     by_partition = replace(plan, constraints=_PARTITION)
     is_replaceable = isinstance(constraints, Projection) and isinstance(plan.integrator, Explicit | None)
-    follows = is_overconstrained(problem, t, x)
     if follows and is_replaceable:
         return integrate_by_partition(plan)
     run = integrate_plan(plan) if isinstance(constraints, GGL) or not follows else integrate_independent(plan)

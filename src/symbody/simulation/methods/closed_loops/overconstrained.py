@@ -37,21 +37,21 @@ _BESIDE: Final = (0.01, 0.1)
 _LEAST_SHARE: Final = 0.1
 _PER_STEP: Final = 5
 _CHOSEN: Final = (
-    "some constraints follow from others only where all loops are closed, see sb.redundancy(): "
-    "sb.Partition() integrates the motion"
+    "some constraints are redundant only where all loops are closed, see sb.redundancy(): sb.Partition() "
+    "integrates the motion"
 )
 _REPLACED: Final = (
-    "some constraints follow from others only where all loops are closed, see sb.redundancy(): between such "
-    "states sb.Projection() would hold the mechanism or turn it aside; sb.Partition() integrates the motion"
+    "some constraints are redundant only where all loops are closed, see sb.redundancy(): between such "
+    "states sb.Projection() would block or divert the mechanism, so sb.Partition() integrates the motion"
 )
 _WORN: Final = (
-    "at t = {:.6g} s the motion ends for {}: some constraints follow from others only where all loops are "
-    "closed, see sb.redundancy(), and those it keeps no longer stand for all of them: leave integrator and "
-    "constraints out, or use sb.Partition()"
+    "at t = {:.6g} s the motion ends for {}: some constraints are redundant only where all loops are "
+    "closed, see sb.redundancy(), and the constraints it selected no longer represent all of them: omit "
+    "integrator= and constraints=, or use sb.Partition()"
 )
 _JUMPED: Final = (
-    "at t = {:.6g} s {} finds no way on: some constraints follow from others, see sb.redundancy(), and which "
-    "of them count changes there, within one step; leave the integrator out, or use sb.Partition()"
+    "at t = {:.6g} s {} cannot continue: some constraints are redundant, see sb.redundancy(), and which of "
+    "them are independent changes there within one step; omit integrator=, or use sb.Partition()"
 )
 # Positions that are open by more than this share of the mechanism's size are none that a step ends at.
 _OPEN: Final = 1e-6

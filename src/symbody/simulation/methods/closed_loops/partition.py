@@ -32,8 +32,8 @@ Floats = NDArray[np.float64]
 
 NOTE: Final = "independent coordinates are integrated by SciPy's DOP853 in Python: slower than Projection"
 _OPEN: Final = (
-    "the start is a change point, where the mechanism can go on in several ways, and its velocities are not "
-    "those of one of them: start a little beside it, or give other velocities"
+    "the start is a change point, where the mechanism can move along several branches, and the velocities "
+    "do not select one: start slightly away from it, or give other velocities"
 )
 # A step of so few roundings of the time: near a lock-up what is solved for is rounding, too.
 _SHORTEST: Final = 1000.0
@@ -90,7 +90,12 @@ def _mean(values: Floats) -> float:
 
 
 class _PartitionStepper:
-    """DOP853 over the independent coordinates, begun anew when they are chosen anew."""
+    """DOP853 over the independent coordinates, begun anew when they are chosen anew.
+
+    Its `f`, `h_abs`, `max_step` and `n_stages` are not documented by SciPy. With documented arguments alone
+    each step would need a solver of its own, whose beginning costs one evaluation in twelve and forgets how
+    long the next step may be.
+    """
 
     def __init__(self, integration: IntegrationProblem, method: Partition, explicit: Explicit) -> None:
         self._integration, self._worst, self._explicit = integration, method.worst, explicit

@@ -27,9 +27,9 @@ _LOWEST: Final = 8
 # Singular values that stay below this share of the largest belong to constraints that follow from others.
 _INDEPENDENT: Final = 1e-6
 _NOTE: Final = (
-    "near t = {:.6g} s some constraints almost follow from others, and steps of {:.3g} s are too long for "
-    "how fast that changes: from there on the motion is much less exact than the order of the method says; "
-    "take shorter steps, or leave the integrator out"
+    "near t = {:.6g} s some constraints are almost redundant, and steps of {:.3g} s are too long for how "
+    "fast this changes: from there on the motion is much less accurate than the order of the method "
+    "suggests; use shorter steps, or omit integrator="
 )
 
 

@@ -102,7 +102,7 @@ def _independent(integration: IntegrationProblem, eqs: EquationSet) -> tuple[Equ
     if not dropped:
         return eqs, ()
     return without_other_rows(eqs, kept), (
-        f"GGL: {', '.join(dropped)} follow from the other constraints and are left out",
+        f"GGL: {', '.join(dropped)} follow from the other constraints and are ignored",
     )
 
 

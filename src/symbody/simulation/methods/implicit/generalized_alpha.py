@@ -54,7 +54,7 @@ _SHARE_OF_PIECE: Final = 0.125
 class GeneralizedAlpha:
     """The implicit method of Chung and Hulbert, of order 2, for stiff motions at moderate accuracy.
 
-    Its steps are as long as accuracy allows, whatever the highest frequency of the mechanism: elastic
+    Its steps are as long as accuracy allows, regardless of the highest frequency of the mechanism: elastic
     segments, bushings, stiff contacts. A tolerance ten times as tight takes twice as many steps;
     ``rtol=1e-4`` or 1e-5 suits it. Closed loops are closed after every step.
 
@@ -84,12 +84,12 @@ class GeneralizedAlpha:
         if not 0.0 <= self.rho <= 1.0:
             problems.append(
                 Problem("simulation.rho", "rho", f"rho = {self.rho!r} is not between 0 and 1", "",
-                        "give 0.9, 1 to damp nothing, or less to damp fast oscillations more")
+                        "give 0.9, 1 for no damping, or a smaller value to damp fast oscillations more")
             )  # fmt: skip
         for name, step in (("step", self.step), ("max_step", self.max_step)):
             if step is not None and not (step > 0.0 and math.isfinite(step)):
                 problems.append(
-                    Problem("simulation.implicit_step", name, f"{name} = {step!r} is not a time", "",
+                    Problem("simulation.implicit_step", name, f"{name} = {step!r} is not a valid time", "",
                             f"leave {name} out, or give seconds, such as {name}=1e-3")
                 )  # fmt: skip
         if problems:
@@ -99,10 +99,10 @@ class GeneralizedAlpha:
     def note(self) -> str:
         """What it does to a motion."""
         if self.rho == 1.0:
-            return f"{self.name} is of order 2 and damps nothing"
+            return f"{self.name} is of order 2 and adds no damping"
         return (
-            f"{self.name} is of order 2 and damps: of oscillations that are too fast for its steps "
-            f"{self.rho:g} remains after each step"
+            f"{self.name} is of order 2 and adds damping: oscillations that are too fast for its steps "
+            f"shrink by a factor of {self.rho:g} per step"
         )
 
     @property

@@ -232,7 +232,7 @@ def call_quietly(function: Callable[[], Answer]) -> Answer:
     except (RuntimeError, ValueError, TypeError) as error:
         why = printed.getvalue().strip() if printed else ""
         raise SimulationError(
-            Problem("simulation.sundials", "integrator", f"SUNDIALS does not start: {error}", why,
+            Problem("simulation.sundials", "integrator", f"SUNDIALS cannot start: {error}", why,
                     "check rtol, atol, max_order and max_step, or use sb.Explicit()")
         ) from error  # fmt: skip
 

@@ -36,7 +36,7 @@ def ffmpeg_program() -> str:
     program = shutil.which("ffmpeg")
     if program is None:
         raise EnvironmentFault(
-            Problem("film.no_ffmpeg", "", "films are written by the program ffmpeg, and there is none here",
+            Problem("film.no_ffmpeg", "", "films need the program ffmpeg, which is not installed",
                     fix="pip install symbody[film], or put ffmpeg on PATH; a .gif needs neither")
         )  # fmt: skip
     return program
@@ -76,7 +76,7 @@ def write_video(frames: Iterable[Bytes], path: Path, size: tuple[int, int], fps:
             lines = messages.read().decode("utf-8", "replace").strip().splitlines() or ["no reason was given"]
             raise EnvironmentFault(
                 Problem("film.ffmpeg", program, f"ffmpeg cannot make this film: {lines[-1]}",
-                        fix="pip install symbody[film] brings one that can, or end the name with .gif")
+                        fix="pip install symbody[film] installs one that can, or end the name with .gif")
             )  # fmt: skip
 
 

@@ -40,7 +40,7 @@ def read_meshes(path: Path) -> list[tuple[SceneMesh, str]]:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise FormatError(
-            Problem("scene.mesh_format", where, f"{suffix or 'no suffix'} is not a format of meshes", "",
+            Problem("scene.mesh_format", where, f"{suffix or 'no suffix'} is not a supported mesh format", "",
                     "convert the file to stl, obj, glb, gltf or dae")
         )  # fmt: skip
     _check_file(path, where)
@@ -112,7 +112,7 @@ def _trimesh(where: str, suffix: str) -> Any:
         if suffix == ".dae":
             import collada  # noqa: F401
     except ImportError as error:
-        what = f"the package {error.name} that reads {suffix} files is not installed"
+        what = f"the package {error.name}, which reads {suffix} files, is not installed"
         problem = Problem("scene.no_meshes", where, what, "", 'pip install "symbody[meshes]"')
         raise EnvironmentFault(problem) from error
     return trimesh
@@ -139,7 +139,7 @@ def _check_file(path: Path, where: str) -> None:
     if size > _LARGEST_FILE:
         raise FormatError(
             Problem("scene.mesh_large", where, f"the file has {size / 1e6:.0f} MB", "",
-                    "make the mesh coarser where it comes from")
+                    "reduce the mesh in the program that created it")
         )  # fmt: skip
 
 
@@ -160,12 +160,14 @@ def _load(trimesh: Any, where: str) -> list[tuple[Any, str]]:
     except Exception as error:  # readers of its formats raise whatever comes
         raise FormatError(
             Problem("scene.mesh_unreadable", where, "the file cannot be read as a mesh",
-                    f"{type(error).__name__}: {error}"[:200], "export it anew from the program it comes from")
+                    f"{type(error).__name__}: {error}"[:200],
+                    "export it again from the program that created it")
         ) from error  # fmt: skip
     if not is_good:
         raise FormatError(
-            Problem("scene.mesh_empty", where, "the file has no triangles, or some that are not finite", "",
-                    "export it anew, with its surfaces")
+            Problem("scene.mesh_empty", where, "the file has no triangles, or its coordinates are not "
+                                               "finite", "",
+                    "export it again, with its surfaces")
         )  # fmt: skip
     return parts
 

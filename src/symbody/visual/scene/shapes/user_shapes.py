@@ -56,7 +56,7 @@ def _solids(
             ]
         except SymbodyError as error:
             problem = error.problems[0]
-            notes.append(f"{body}: a box stands for {shape.path}: {problem.what}; {problem.fix}")
+            notes.append(f"{body}: a box replaces {shape.path}: {problem.what}; {problem.fix}")
             edge = _STAND_IN * basis.size
             return [fixed_shape(body, body, "box", (edge, edge, edge), where, color, opacity)]
     return [mesh_shape(body, body, mesh, where, color or painted, opacity) for mesh, painted in read[key]]
