@@ -85,9 +85,6 @@ TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = (
     *((("simulate GGL", "simulate Partition"), (other, SAMPLED), "simulation.sampled") for other in (DRY, ROPE)),
     *((("simulate GGL", "simulate Partition"), (SAMPLED, other), "simulation.sampled") for other in (LOOP, MEASURED)),
 )  # fmt: skip
-# Without one of these, whose steps are no calls of the compiled loop alone, lanes with an FMU write into memory that they
-# have left: steps do nothing, or end Python.
-SERIAL = {DRY, ROPE, BOUNCE, JUMP, SAMPLED, STOP}
 # All values are wrong then, but those that do not change.
 ENDS_LATE = re.compile(r"wrong: .*\bthe end\b")
 
@@ -113,9 +110,7 @@ def row(way: str, names: tuple[str, ...], substitute: bool, *, is_fast: bool) ->
     """A consumer and fragments as a case, expected to fail where it does today."""
     marks = [] if is_fast else [pytest.mark.exhaustive]
     today = expected(way, names, substitute)
-    if way == "LaneStepper" and FMU in names and not SERIAL & set(names):
-        marks.append(pytest.mark.xfail(run=False, reason="lanes write into memory that they have left"))
-    elif today:
+    if today:
         marks.append(pytest.mark.xfail(strict=True, raises=NotYetError, reason=" or ".join(sorted(today))))
     return pytest.param(way, names, substitute, marks=marks, id=f"{way} - {', '.join(names)}")
 

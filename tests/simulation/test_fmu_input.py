@@ -425,3 +425,19 @@ def test_events_see_each_sample_of_an_fmu(controller: Maker) -> None:
     seen = [(event.name, event.t) for event in run.events]
     assert [name for name, _ in seen] == ["up", "falls", "rises"]
     np.testing.assert_allclose([t for _, t in seen], [*crossed, 0.455], atol=1e-9)
+
+
+@pytest.mark.parametrize("events", [(), sb.Event("theta - 9", 1, "stop")])
+def test_lanes_step_fmus(controller: Maker, events: Any) -> None:
+    eqs, dt, angles = equations_of("cart_pole"), 0.025, [0.2, 0.1, -0.15]
+    laws = {"F": sb.FmuInput(controller("2.0"), "F", READS, STEP)}
+    lanes = sb.LaneStepper(eqs, dt, 3, initial={"theta": angles}, inputs=laws, events=events)
+    singles = [sb.Stepper(eqs, dt, initial={"theta": angle}, inputs=laws, events=events) for angle in angles]
+    copied = lanes.copy()
+    for _ in range(20):
+        for single in singles:
+            single.step()
+        for each in (lanes, copied):
+            each.step()
+            np.testing.assert_array_equal(each.x, [[*single.u, *single.q] for single in singles])
+            np.testing.assert_array_equal(each.t, [single.t for single in singles])

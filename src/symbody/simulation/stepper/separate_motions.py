@@ -139,6 +139,9 @@ class SeparateMotions:
         made.resume(self.snapshot())
         return made
 
+    def rebind(self) -> None:
+        """Go on with the numbers where they lie now: each motion reads them anew."""
+
     def _make_sampler(self, others: Mapping[str, Value] | None = None) -> Sampler | None:
         """Return what samples held values, from their values at the start on."""
         settings, problem = self._problem.settings, self._problem
