@@ -333,6 +333,17 @@ def test_event_stops_a_step_between_samples(controller: Maker) -> None:
     assert stepper.status is sb.Status.SUCCESS
 
 
+@pytest.mark.parametrize("times", [np.linspace(0.0, 2.0, 21), np.array([0.0, 2.0])])
+def test_a_stop_has_its_own_time_among_times(controller: Maker, times: Any) -> None:
+    law = sb.FmuInput(controller("2.0"), "F", READS, STEP)
+    event = sb.Event("theta - 0.1", action="stop")
+    run, every = (balance(law, times=t, events=[event]) for t in (times, None))
+    assert run.status is sb.Status.STOPPED and run.t[-1] == run.events[-1].t
+    np.testing.assert_array_equal(run.t[:-1], times[: run.t.size - 1])
+    assert run.t[-1] == pytest.approx(every.t[-1], abs=1e-9)
+    assert run["theta"][-1] == pytest.approx(0.1, abs=1e-9)
+
+
 def test_fmu_without_states_is_not_saved(controller: Maker, tmp_path: Path) -> None:
     def forget(entry: str, data: bytes) -> tuple[str, bytes]:
         return entry, data.replace(b'canSerializeFMUstate="true"', b"")

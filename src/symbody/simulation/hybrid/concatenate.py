@@ -15,6 +15,7 @@ from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator
+from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
 
@@ -117,6 +118,17 @@ def concatenate(
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         events=tuple(events),
     )
+
+
+def at_times_asked(run: Trajectory, times: Floats, width: float) -> Trajectory:
+    """Return a motion with samples at the times asked for, where these are as near as `width`.
+
+    The last one of a motion that was stopped is its end.
+    """
+    t, count = run.t.copy(), min(run.t.size - (run.status is Status.STOPPED), times.size)
+    near = np.abs(t[:count] - times[:count]) <= width
+    t[:count][near] = times[:count][near]
+    return replace(run, t=t)
 
 
 def _work_at_end(part: Trajectory) -> float:
