@@ -120,7 +120,6 @@ def test_gears_without_their_row_are_alike(name: str, tmp_path: Path) -> None:
     assert outcome(Question((COUPLINGS[name],), tmp_path, None, substitute=True), "simulate") == "right"
 
 
-@pytest.mark.xfail(strict=True, reason="a step that ends at a sample and a stop may miss the stop")
 def test_a_stop_at_a_sample_ends_a_stepper() -> None:
     """w = 0.3 t passes 0.3 t_k at the sample t_k, which is the end of a step as well: in it or in the next."""
     counter = sb.Signal("count", "count + 1", sample=0.1)
