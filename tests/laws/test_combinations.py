@@ -77,8 +77,6 @@ TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = (
     *(((*SIMULATE, *SWEEPS), (switching, JUMP), "simulation.struck_friction") for switching in (DRY, ROPE)),
     # nothing is struck, and nothing says so
     *((STEPPERS, (switching, JUMP), "wrong: r, r_dot") for switching in (DRY, ROPE)),
-    # a jump at a sample of an FMU is lost, and joints that stick are not rejected beside one
-    (SIMULATE, (JUMP, FMU), "wrong: r, r_dot"),
     *((("simulate GGL", "simulate Partition"), (other, SAMPLED), "simulation.sampled") for other in (DRY, ROPE)),
     *((("simulate GGL", "simulate Partition"), (SAMPLED, other), "simulation.sampled") for other in (LOOP, MEASURED)),
 )  # fmt: skip

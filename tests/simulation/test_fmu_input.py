@@ -452,3 +452,29 @@ def test_lanes_step_fmus(controller: Maker, events: Any) -> None:
             each.step()
             np.testing.assert_array_equal(each.x, [[*single.u, *single.q] for single in singles])
             np.testing.assert_array_equal(each.t, [single.t for single in singles])
+
+
+@pytest.mark.parametrize("times", [None, np.array([0.0, 0.3, 0.4, 0.55, 0.6])])
+@pytest.mark.parametrize("jump", [0.3, 0.4])
+def test_a_rate_that_jumps_at_a_sample_strikes(controller: Maker, jump: float, times: Any) -> None:
+    """What rides freely on a carrier stays as fast as it was in space; it was struck by no force."""
+    rider = sb.Prismatic("ridden", "Carrier", sb.Body("Rider", mass=1), axis="z", coordinate="r")
+    law = f"if(t < {jump}, t, 2*t - {jump})"
+    carrier = sb.Prismatic(
+        "carried", "ground", sb.Body("Carrier", mass=1), axis="z", coordinate="p", motion=law
+    )
+    pushed = sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", force=sb.Drive("F"))
+    eqs = sb.form_equations(sb.Model("struck", [carrier, rider, pushed], inputs=["F"]))
+    reads = {"x": "r", "v": "r_dot", "phi": "p_dot", "w": "x_dot"}
+    run = sb.simulate(
+        eqs,
+        0.6,
+        {"r": 0, "r_dot": 0},
+        inputs={"F": sb.FmuInput(controller("2.0"), "F", reads, 0.05)},
+        times=times,
+    )
+    assert (np.diff(run.t) >= 0.0).all() and (times is None or (run.t == times).all())
+    assert run["r_dot"][-1] == pytest.approx(-1.0, abs=1e-9)
+    assert run["r"][-1] == pytest.approx(jump - 0.6, abs=1e-9)
+    assert run["energy"] - run["energy"][0] == pytest.approx(run["work"], abs=1e-8)
+    assert sum("prescribed rates jump" in note for note in run.notes) == 1

@@ -133,8 +133,9 @@ class _Run:
                 if integration.progress(share) is False:
                     raise KeyboardInterrupt
             dense = part.dense_output
-            x = np.zeros(0) if dense is None else np.array(dense(dense.breaks[-1:])[:, 0])
-            t = stop
+            # behind a jump of prescribed rates at its end
+            t = stop if dense is None else float(dense.breaks[-1])
+            x = np.zeros(0) if dense is None else dense.at_end()
 
     def _sample(self, t: float, x: Floats) -> None:
         """Let those FMUs compute that are due, all from the values held until now."""

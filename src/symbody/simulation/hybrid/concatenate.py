@@ -154,10 +154,13 @@ def _total(spent: Sequence[Statistics]) -> Statistics:
 
 
 def _dense(parts: Sequence[DenseOutput | None]) -> DenseOutput | None:
-    """Return the motion of all steps; parts that take no time are left out."""
+    """Return the motion of all steps; parts that take no time are left out, but for one behind a gap."""
     known = [part for part in parts if part is not None and part.breaks[0] != part.breaks[-1]]
+    last = parts[-1]
     if not known:
-        return parts[-1]
+        return last
+    if last is not None and last is not known[-1] and last.breaks[-1] != known[-1].breaks[-1]:
+        known.append(last)
     rows = max(part.pieces.shape[1] for part in known)
     pieces = [np.pad(part.pieces, ((0, 0), (0, rows - part.pieces.shape[1]), (0, 0))) for part in known]
     breaks = [known[0].breaks[:1], *(part.breaks[1:] for part in known)]
