@@ -74,9 +74,7 @@ ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
 TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = (
     *(((*SIMULATE, *STEPPERS, *SWEEPS), (switching, BOUNCE), "simulation.stick_slip_event") for switching in (DRY, ROPE)),
     *((FMUS, (switching, BOUNCE), "fmu.motion") for switching in (DRY, ROPE)),
-    *(((*SIMULATE, *SWEEPS), (switching, JUMP), "simulation.struck_friction") for switching in (DRY, ROPE)),
-    # nothing is struck, and nothing says so
-    *((STEPPERS, (switching, JUMP), "wrong: r, r_dot") for switching in (DRY, ROPE)),
+    *(((*SIMULATE, *STEPPERS, *SWEEPS), (switching, JUMP), "simulation.struck_friction") for switching in (DRY, ROPE)),
     *((("simulate GGL", "simulate Partition"), (other, SAMPLED), "simulation.sampled") for other in (DRY, ROPE)),
     *((("simulate GGL", "simulate Partition"), (SAMPLED, other), "simulation.sampled") for other in (LOOP, MEASURED)),
 )  # fmt: skip
@@ -92,8 +90,6 @@ def expected(way: str, names: tuple[str, ...], substitute: bool) -> set[str]:
     found |= {word for ways, pair, word in TOGETHER if way in ways and set(pair) <= set(names)}
     if way in ("simulate GGL", "simulate Partition") and {SAMPLED, GEARS} <= set(names) and not substitute:
         found.add("simulation.sampled")
-    if {JUMP, FMU} <= set(names):
-        found.discard("simulation.struck_friction")
     wrong = sorted({value for word in found if word.startswith("wrong: ") for value in word[7:].split(", ")})
     codes = {word for word in found if not word.startswith("wrong: ")}
     return codes or ({f"wrong: {', '.join(wrong)}"} if wrong else set())

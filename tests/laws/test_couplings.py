@@ -76,9 +76,7 @@ TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (("live page",), JUMPS[:1], "animation.live_switching"),
     (("live page",), JUMPS[1:], "animation.live_jumps"),
     (FMUS, JUMPS, "fmu.motion"),
-    ((*SIMULATE, *SWEEPS), JUMPS[:1], "simulation.struck_friction"),
-    # nothing is struck, and nothing says so
-    (STEPPERS, JUMPS[:1], "wrong: r, r_dot"),
+    ((*SIMULATE, *STEPPERS, *SWEEPS), JUMPS[:1], "simulation.struck_friction"),
     # events see the angle within half a turn, so that it never is 5
     ((*SIMULATE, *STEPPERS, *SWEEPS, *FMUS), (MEASURED,), "wrong: mt"),
     # it breaks away one step of the importer behind the jump

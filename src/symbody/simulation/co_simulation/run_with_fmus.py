@@ -203,7 +203,7 @@ def _is_switched(problem: SimulationProblem) -> bool:
 
 def _run_part(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
     if switches(plan.integration.eqs.formed):
-        return run_switching(plan)
+        return run_switching(plan, goes_on=goes_on)
     return run_with_jumps(plan, goes_on=goes_on)
 
 
