@@ -333,6 +333,17 @@ def test_event_stops_a_step_between_samples(controller: Maker) -> None:
     assert stepper.status is sb.Status.SUCCESS
 
 
+@pytest.mark.parametrize("times", [np.linspace(0.0, 2.0, 21), np.array([0.0, 2.0])])
+def test_a_stop_has_its_own_time_among_times(controller: Maker, times: Any) -> None:
+    law = sb.FmuInput(controller("2.0"), "F", READS, STEP)
+    event = sb.Event("theta - 0.1", action="stop")
+    run, every = (balance(law, times=t, events=[event]) for t in (times, None))
+    assert run.status is sb.Status.STOPPED and run.t[-1] == run.events[-1].t
+    np.testing.assert_array_equal(run.t[:-1], times[: run.t.size - 1])
+    assert run.t[-1] == pytest.approx(every.t[-1], abs=1e-9)
+    assert run["theta"][-1] == pytest.approx(0.1, abs=1e-9)
+
+
 def test_fmu_without_states_is_not_saved(controller: Maker, tmp_path: Path) -> None:
     def forget(entry: str, data: bytes) -> tuple[str, bytes]:
         return entry, data.replace(b'canSerializeFMUstate="true"', b"")
@@ -425,3 +436,45 @@ def test_events_see_each_sample_of_an_fmu(controller: Maker) -> None:
     seen = [(event.name, event.t) for event in run.events]
     assert [name for name, _ in seen] == ["up", "falls", "rises"]
     np.testing.assert_allclose([t for _, t in seen], [*crossed, 0.455], atol=1e-9)
+
+
+@pytest.mark.parametrize("events", [(), sb.Event("theta - 9", 1, "stop")])
+def test_lanes_step_fmus(controller: Maker, events: Any) -> None:
+    eqs, dt, angles = equations_of("cart_pole"), 0.025, [0.2, 0.1, -0.15]
+    laws = {"F": sb.FmuInput(controller("2.0"), "F", READS, STEP)}
+    lanes = sb.LaneStepper(eqs, dt, 3, initial={"theta": angles}, inputs=laws, events=events)
+    singles = [sb.Stepper(eqs, dt, initial={"theta": angle}, inputs=laws, events=events) for angle in angles]
+    copied = lanes.copy()
+    for _ in range(20):
+        for single in singles:
+            single.step()
+        for each in (lanes, copied):
+            each.step()
+            np.testing.assert_array_equal(each.x, [[*single.u, *single.q] for single in singles])
+            np.testing.assert_array_equal(each.t, [single.t for single in singles])
+
+
+@pytest.mark.parametrize("times", [None, np.array([0.0, 0.3, 0.4, 0.55, 0.6])])
+@pytest.mark.parametrize("jump", [0.3, 0.4])
+def test_a_rate_that_jumps_at_a_sample_strikes(controller: Maker, jump: float, times: Any) -> None:
+    """What rides freely on a carrier stays as fast as it was in space; it was struck by no force."""
+    rider = sb.Prismatic("ridden", "Carrier", sb.Body("Rider", mass=1), axis="z", coordinate="r")
+    law = f"if(t < {jump}, t, 2*t - {jump})"
+    carrier = sb.Prismatic(
+        "carried", "ground", sb.Body("Carrier", mass=1), axis="z", coordinate="p", motion=law
+    )
+    pushed = sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", force=sb.Drive("F"))
+    eqs = sb.form_equations(sb.Model("struck", [carrier, rider, pushed], inputs=["F"]))
+    reads = {"x": "r", "v": "r_dot", "phi": "p_dot", "w": "x_dot"}
+    run = sb.simulate(
+        eqs,
+        0.6,
+        {"r": 0, "r_dot": 0},
+        inputs={"F": sb.FmuInput(controller("2.0"), "F", reads, 0.05)},
+        times=times,
+    )
+    assert (np.diff(run.t) >= 0.0).all() and (times is None or (run.t == times).all())
+    assert run["r_dot"][-1] == pytest.approx(-1.0, abs=1e-9)
+    assert run["r"][-1] == pytest.approx(jump - 0.6, abs=1e-9)
+    assert run["energy"] - run["energy"][0] == pytest.approx(run["work"], abs=1e-8)
+    assert sum("prescribed rates jump" in note for note in run.notes) == 1

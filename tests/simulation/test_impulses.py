@@ -141,3 +141,28 @@ def test_a_constraint_that_changes_nothing_at_the_start_is_judged_there_too() ->
     assert sb.simulate(eqs, 2.0).success  # at rest at 0, where both hold
     with pytest.raises(UsageError, match="position jumps at t = 1"):
         sb.simulate(eqs, 2.0, {"x_dot": 1.0})
+
+
+@pytest.mark.parametrize("hung", ["joint that sticks", "rope"])
+@pytest.mark.parametrize("dt", [0.05, 0.03, 0.4])
+def test_steps_refuse_rates_that_jump_under_friction_and_beside_ropes(hung: str, dt: float) -> None:
+    law = "if(t < 0.4, t, 2*t - 0.4)"
+    friction = sb.Friction(force=0.5, static=0.6) if hung == "joint that sticks" else None
+    parts = [
+        sb.Prismatic("carried", "ground", sb.Body("Carrier", mass=1), axis="x", coordinate="p", motion=law),
+        sb.Prismatic("ridden", "Carrier", sb.Body("Rider", mass=1), axis="x", coordinate="r", friction=friction),
+    ]  # fmt: skip
+    ropes = [sb.Distance("rope", "Carrier", "Rider", 3.0, rope=True)] if hung == "rope" else []
+    eqs = sb.form_equations(sb.Model("struck", [*parts, *ropes]))
+    stepper = sb.Stepper(eqs, dt, initial={"r": 1.0, "r_dot": 0.0})
+    lanes = sb.LaneStepper(eqs, dt, 2, initial={"r": 1.0, "r_dot": 0.0})
+    for each in (stepper, lanes):
+        with pytest.raises(UsageError) as error:
+            for _ in range(40):
+                each.step()
+        assert error.value.problems[0].code == "simulation.struck_friction"
+        t = np.max(each.t)
+        assert t < 0.4 <= t + dt + 1e-9
+        with pytest.raises(UsageError):  # nothing has moved, nor counts as a step
+            each.step()
+        np.testing.assert_array_equal(each.t, t)

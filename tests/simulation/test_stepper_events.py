@@ -150,3 +150,21 @@ def test_a_zero_beside_a_sample_and_the_end_of_a_step_is_one_event(action: Any) 
         zero = shifted(0.1 * steps, ulps)
         stepper = sb.Stepper(eqs, 0.1, initial={"x": -zero, "x_dot": 1.0}, events=sb.Event("x", 0, action))
         assert take(stepper, steps + 2) == pytest.approx([zero], abs=1e-12)
+
+
+@pytest.mark.parametrize("direction", [-1, 0, 1])
+def test_a_zero_just_behind_a_sample_at_the_end_of_a_step_is_one_event(direction: int) -> None:
+    """Rounding decides whether w = 0.3 t has passed 0.3 t_k at the sample t_k: some pass it behind."""
+    held = sb.Signal("held", value="cos(3*t)", sample=0.1)
+    slide = sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="w", force=sb.Drive("0*held"))
+    eqs = sb.form_equations(sb.Model("held", [slide, held]))
+    behind = 0
+    for k in range(1, 10):
+        event = sb.Event(f"w - {0.3 * (0.1 * k)}", direction, "record")
+        stepper = sb.Stepper(eqs, 0.05, initial={"w": 0, "w_dot": 0.3}, events=event)
+        take(stepper, 2 * k)
+        behind += stepper["w"] < 0.3 * (0.1 * k)
+        stepper.reset()
+        expected = [0.1 * k] if direction >= 0 else []
+        assert take(stepper, 2 * k + 2) == pytest.approx(expected, abs=1e-9)
+    assert behind > 0

@@ -18,7 +18,7 @@ from symbody.simulation.co_simulation.sampled_unit import (
     make_reader,
     read_values,
 )
-from symbody.simulation.hybrid.concatenate import concatenate
+from symbody.simulation.hybrid.concatenate import at_times_asked, concatenate
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
 from symbody.simulation.inputs.fmu_input import FmuInput
@@ -98,6 +98,7 @@ class _Run:
     def __init__(self, plan: MotionPlan, units: Sequence[SampledUnit], held: Mapping[str, float]) -> None:
         self._plan = plan
         self._units = units
+        self._width = _ONE_INSTANT * min(unit.period for unit in units)
         self._held = dict(held)
         self._problem = _with_values(plan.integration.problem, held)  # has what is held as constants
         self._is_switched = _is_switched(plan.integration.problem)
@@ -120,12 +121,11 @@ class _Run:
         """Go from sample to sample until the motion ends."""
         integration = self._plan.integration
         (t, end), x = integration.span, integration.state
-        width = _ONE_INSTANT * min(unit.period for unit in self._units)
         while True:
-            self._sample(t, x, width)
+            self._sample(t, x)
             stop = min(unit.due for unit in self._units)
-            stop = end if stop >= end - width else stop
-            part = self._part(x, (t, stop), width)
+            stop = end if stop >= end - self._width else stop
+            part = self._part(x, (t, stop))
             if part.status is not Status.SUCCESS or stop == end:
                 return
             if integration.progress is not None:  # parts are too short for reports of their own
@@ -133,12 +133,13 @@ class _Run:
                 if integration.progress(share) is False:
                     raise KeyboardInterrupt
             dense = part.dense_output
-            x = np.zeros(0) if dense is None else np.array(dense(dense.breaks[-1:])[:, 0])
-            t = stop
+            # behind a jump of prescribed rates at its end
+            t = stop if dense is None else float(dense.breaks[-1])
+            x = np.zeros(0) if dense is None else dense.at_end()
 
-    def _sample(self, t: float, x: Floats, width: float) -> None:
+    def _sample(self, t: float, x: Floats) -> None:
         """Let those FMUs compute that are due, all from the values held until now."""
-        due = [unit for unit in self._units if unit.due <= t + width]
+        due = [unit for unit in self._units if unit.due <= t + self._width]
         given = [read_values(self._problem, unit.reader, t, x) for unit in due]
         for unit, values in zip(due, given, strict=True):
             self._held = {**self._held, **unit.sample(values)}
@@ -147,9 +148,9 @@ class _Run:
         if self._is_switched:
             self._problem = self._problem.with_other_times()
 
-    def _part(self, x: Floats, span: tuple[float, float], width: float) -> Trajectory:
+    def _part(self, x: Floats, span: tuple[float, float]) -> Trajectory:
         integration = self._plan.integration
-        part = integration.part(x, span, self._times(span, width), self._steps)
+        part = integration.part(x, span, self._times(span), self._steps)
         sides = self._parts[-1].sides[: len(part.events)] if self._parts else part.sides
         part = replace(part, problem=self._problem, sides=sides)
         plan = replace(self._plan, integration=part)
@@ -159,21 +160,21 @@ class _Run:
         self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
         return run
 
-    def _times(self, span: tuple[float, float], width: float) -> Floats | None:
+    def _times(self, span: tuple[float, float]) -> Floats | None:
         """Return the times to store in a part; one at a sample belongs to the part behind."""
         integration = self._plan.integration
         if integration.times is None:
             return None
         times = np.asarray(integration.times, dtype=np.float64)
         is_last = span[1] == integration.span[1]
-        last = times.size if is_last else int(np.searchsorted(times, span[1] - width))
+        last = times.size if is_last else int(np.searchsorted(times, span[1] - self._width))
         return np.clip(times[self._stored : last], *span)
 
     def _whole(self) -> Trajectory:
         integration = self._plan.integration
         run = concatenate(self._parts, [event for part in self._parts for event in part.events], {})
         if integration.times is not None:
-            run = replace(run, t=np.asarray(integration.times)[: run.t.size].copy())
+            run = at_times_asked(run, np.asarray(integration.times), self._width)
         if len(run.notes) > _MOST_NOTES:
             more = f"{len(run.notes) - _MOST_NOTES} more notes on values between samples"
             run = replace(run, notes=(*run.notes[:_MOST_NOTES], more))
@@ -202,7 +203,7 @@ def _is_switched(problem: SimulationProblem) -> bool:
 
 def _run_part(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
     if switches(plan.integration.eqs.formed):
-        return run_switching(plan)
+        return run_switching(plan, goes_on=goes_on)
     return run_with_jumps(plan, goes_on=goes_on)
 
 

@@ -110,7 +110,10 @@ class EventWatch:
         return value_notes(labels, np.array(seen))
 
     def sides_at(self, t: float) -> tuple[EventSide, ...]:
-        """Return where the values stand at the end of the run [s]: those of the last samples."""
+        """Return where the values stand at the end of the run [s]: those of the last samples.
+
+        Where held values were sampled at the end, no sample is behind that: the values stand where they did.
+        """
         own = self._monitor
         seen = own.seen != 0 and own.t_last == t
         rows = self._happened[: own.happened, :2].tolist()
@@ -119,9 +122,10 @@ class EventWatch:
         for place, event in enumerate(own.events):
             is_left = seen and event.at_zero == 0.0
             has_happened = place in now or (not is_left and event.just_happened != 0.0)
-            stands = is_left and not has_happened
-            value = event.g_last if stands else 0.0
-            side = float((value > 0.0) - (value < 0.0))
+            value = event.g_last if is_left else 0.0
+            if own.seen == 0:
+                value = event.goes_through
+            side = 0.0 if has_happened else float((value > 0.0) - (value < 0.0))
             was, done = (side, 0.0) if side else (event.was, event.done)
             sides.append(EventSide(side, float(has_happened), event.largest, was, done))
         return tuple(sides)

@@ -15,6 +15,7 @@ from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator
+from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
 
@@ -119,6 +120,17 @@ def concatenate(
     )
 
 
+def at_times_asked(run: Trajectory, times: Floats, width: float) -> Trajectory:
+    """Return a motion with samples at the times asked for, where these are as near as `width`.
+
+    The last one of a motion that was stopped is its end.
+    """
+    t, count = run.t.copy(), min(run.t.size - (run.status is Status.STOPPED), times.size)
+    near = np.abs(t[:count] - times[:count]) <= width
+    t[:count][near] = times[:count][near]
+    return replace(run, t=t)
+
+
 def _work_at_end(part: Trajectory) -> float:
     """Return the work done until a part ends [J]."""
     if part.dense_output is None:
@@ -142,10 +154,13 @@ def _total(spent: Sequence[Statistics]) -> Statistics:
 
 
 def _dense(parts: Sequence[DenseOutput | None]) -> DenseOutput | None:
-    """Return the motion of all steps; parts that take no time are left out."""
+    """Return the motion of all steps; parts that take no time are left out, but for one behind a gap."""
     known = [part for part in parts if part is not None and part.breaks[0] != part.breaks[-1]]
+    last = parts[-1]
     if not known:
-        return parts[-1]
+        return last
+    if last is not None and last is not known[-1] and last.breaks[-1] != known[-1].breaks[-1]:
+        known.append(last)
     rows = max(part.pieces.shape[1] for part in known)
     pieces = [np.pad(part.pieces, ((0, 0), (0, rows - part.pieces.shape[1]), (0, 0))) for part in known]
     breaks = [known[0].breaks[:1], *(part.breaks[1:] for part in known)]

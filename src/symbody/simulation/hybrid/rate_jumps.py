@@ -24,7 +24,7 @@ from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequences.saddle import solve_saddle
 from symbody.simulation.execution import execute
-from symbody.simulation.hybrid.concatenate import concatenate
+from symbody.simulation.hybrid.concatenate import at_times_asked, concatenate
 from symbody.simulation.hybrid.modes import evaluate_outputs
 from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
@@ -106,16 +106,8 @@ def run_with_jumps(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
     if is_last and run.status is Status.SUCCESS:
         run = replace(run, sides=parts[-2].sides)  # the motion that goes on sees what passed zero
     if integration.times is not None:  # one at a jump was computed beside it
-        run = replace(run, t=_as_asked(run.t, np.asarray(integration.times), 2.0 * margin))
+        run = at_times_asked(run, np.asarray(integration.times), 2.0 * margin)
     return replace(run, notes=(*run.notes, *_jump_notes(times, {k: jumps[k] for k in struck})))
-
-
-def _as_asked(t: Floats, times: Floats, width: float) -> Floats:
-    """Return samples at the times that were asked for, where these are as near as `width`."""
-    found, count = t.copy(), min(t.size, times.size)
-    near = np.abs(t[:count] - times[:count]) <= width
-    found[:count][near] = times[:count][near]
-    return found
 
 
 def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:

@@ -110,6 +110,10 @@ class Steps(Protocol):
         """Return what goes on from here with other numbers."""
         ...
 
+    def rebind(self) -> None:
+        """Go on with the same numbers of the stepper, which lie in another array now."""
+        ...
+
 
 class CompiledSteps:
     """Steps of an explicit method in the compiled loop.
@@ -170,6 +174,10 @@ class CompiledSteps:
         made.resume(self.snapshot())
         numbers.array[:] = self._numbers.array
         return made
+
+    def rebind(self) -> None:
+        """Go on with the numbers where they lie now."""
+        self._use_block(self._block)
 
     def follow(self, others: Steps) -> None:
         """Go on with the step lengths of others, which computed with other values of parameters."""

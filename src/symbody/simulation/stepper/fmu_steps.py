@@ -155,6 +155,10 @@ class FmuSteps:
         made.resume(self.snapshot())
         return made
 
+    def rebind(self) -> None:
+        """Go on with the numbers where they lie now."""
+        self._inner.rebind()
+
     def _open(self) -> list[SampledUnit]:
         """Return the instances, initialized from the state at present where there are none."""
         if self._units is None:

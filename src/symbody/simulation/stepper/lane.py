@@ -23,8 +23,7 @@ class Lane(Stepper):
         missing = self._missing
         self._lay_out(self._numbers)
         self._missing = missing
-        if isinstance(self._steps, CompiledSteps):
-            self._steps.move_to(np.empty_like(self._steps.block))
+        self._steps.rebind()
         self.take_block()
 
     @property

@@ -78,16 +78,9 @@ class SeparateMotions:
         """Take a step; return `OTHERWISE` where it did not come to its end."""
         numbers, settings = self._numbers, self._problem.settings
         start = numbers.t
-        end = numbers.next_end()
-        self._problem.check_tables(start, end)
-        if self._sampler is not None:
-            self._sampler.begin_anew()
-        x = np.append(numbers.x[:-1], 0.0)
-        integration = self._problem.integration(x, (start, end), self._pose())
-        integration = replace(integration, sides=self._sides)
-        plan = MotionPlan(integration, settings.integrator, settings.constraints)
-        is_switching = switches(settings.moving.formed)
-        run = run_switching(plan) if is_switching else run_with_jumps(plan, goes_on=True)
+        with numbers.unless_it_fails():
+            end = numbers.next_end()
+            run = self._run(start, end)
         self._last, self.occurrences = run, run.events
         self._sides = run.sides[: len(settings.events)] or no_sides(self._problem)
         self._show_samples()
@@ -98,6 +91,19 @@ class SeparateMotions:
         else:
             numbers.count_from(start)
         return at.FINISHED if arrived else OTHERWISE
+
+    def _run(self, start: float, end: float) -> Trajectory:
+        """Return the motion of a step."""
+        settings = self._problem.settings
+        self._problem.check_tables(start, end)
+        if self._sampler is not None:
+            self._sampler.begin_anew()
+        x = np.append(self._numbers.x[:-1], 0.0)
+        integration = self._problem.integration(x, (start, end), self._pose())
+        integration = replace(integration, sides=self._sides)
+        plan = MotionPlan(integration, settings.integrator, settings.constraints)
+        run = run_switching if switches(settings.moving.formed) else run_with_jumps
+        return run(plan, goes_on=True)
 
     def end(self, code: int) -> Ending:
         """Return how the last step ended; `code` says only that it was not as usual."""
@@ -138,6 +144,9 @@ class SeparateMotions:
         made = SeparateMotions(problem, numbers)
         made.resume(self.snapshot())
         return made
+
+    def rebind(self) -> None:
+        """Go on with the numbers where they lie now: each motion reads them anew."""
 
     def _make_sampler(self, others: Mapping[str, Value] | None = None) -> Sampler | None:
         """Return what samples held values, from their values at the start on."""
