@@ -82,9 +82,6 @@ TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     # it breaks away one step of the importer behind the jump
     (("FMU model exchange",), SWITCHING[:1], "wrong: x, x_dot"),
 )
-# It breaks away at a sample that ends a step, where the state of the event is read from a step that does not exist:
-# memory, which is right by chance.
-UNSTEADY = tuple((way, "sampled force on a joint that sticks") for way in ("Stepper", "LaneStepper"))
 
 
 def today(way: str, name: str) -> str:
@@ -100,8 +97,6 @@ def rows() -> Iterator[Any]:
             marks = [] if way in ALWAYS or (j + k) % 9 == 0 else [pytest.mark.exhaustive]
             if word != "right":
                 marks.append(pytest.mark.xfail(strict=True, raises=NotYetError, reason=word))
-            if (way, name) in UNSTEADY:
-                marks.append(pytest.mark.xfail(strict=False, reason="an event at a sample that ends a step"))
             yield pytest.param(way, name, marks=marks, id=f"{way} - {name}")
 
 

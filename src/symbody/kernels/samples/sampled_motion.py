@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from symbody.kernels.block import (
+    DENSE_ROWS,
     EVERY_STEP,
     FINISHED,
     FULL,
     FUNCTION,
     LENGTH,
+    METHOD,
     NO_EVENT_ROOM,
     NO_SAMPLE_ROOM,
     RUNNING,
@@ -16,6 +18,7 @@ from symbody.kernels.block import (
     SAMPLES,
     STATE_OLD,
     STEP,
+    STEP_ROOM,
     STEPS,
     T_END,
     TIME,
@@ -28,7 +31,7 @@ from symbody.kernels.events.event_watch import look, start_stretch
 from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.record_layout import exists
-from symbody.kernels.runge_kutta import evaluate
+from symbody.kernels.runge_kutta import copy, evaluate
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.kernels.samples.sampling import is_due, is_instant, piece_end, show_values, take_samples
 from symbody.kernels.step_bounds import behind_jump
@@ -118,6 +121,18 @@ def watch_sample(e: Function, B: Reals, monitor: EventMonitor, held: SampleHold)
             add_zero(monitor, t, k, side)
 
 
+def end_with_state(B: Reals, breaks: Reals, pieces: Reals) -> None:
+    """Write a step of no length behind the last one: what happens at the end finds its state there."""
+    n = int(B[N])
+    step = int(B[STEPS])
+    size = int(B[METHOD + DENSE_ROWS]) * n
+    piece = part(pieces, step * size, size)
+    copy(n, part(B, VECTORS + STATE_OLD * n, n), piece)
+    for k in range(n, size):
+        piece[k] = 0.0
+    breaks[step + 1] = B[TIME]
+
+
 def has_just_happened(monitor: EventMonitor, held: SampleHold, place: int, t: float) -> float:
     """Return 1 if an event has happened at a time, else 0."""
     count = int(monitor.events[place].recent_count)
@@ -133,6 +148,8 @@ def sample_watched(
 ) -> int:  # fmt: skip
     """Let all happen that comes before the samples that are due, and take these; return a code of `block`."""
     happened = NOTHING_YET
+    if B[TIME] == B[T_END] and B[STEPS] == B[STEP_ROOM]:
+        return FULL
     if B[STEPS] != 0.0:
         happened = look(e, a, c, monitor, breaks, pieces, H, int(B[STEPS]), 1)
     if happened == NO_ROOM:
@@ -148,6 +165,8 @@ def sample_watched(
     values_before(e, B, monitor)
     code = sample(f, h, B, held, Q, Y)
     if code == RUNNING:
+        if B[TIME] == B[T_END]:
+            end_with_state(B, breaks, pieces)
         watch_sample(e, B, monitor, held)
     return code
 

@@ -134,7 +134,7 @@ class Stepper(OwnCopies):
         Raises
         ------
         UsageError
-            If an input has no name, value or finite number, or `simulate` would refuse; nothing has moved then.
+            If an input has no name, value or finite number, or `simulate` rejects the motion.
         SimulationError
             If the motion cannot continue, or a function of an input fails; the stepper stays at the time
             it reached.
