@@ -87,7 +87,7 @@ OTHERS: dict[str, Refusal] = {
     # tau where it is singular
     "ratios at the dead centre": ("kinematics.singular", "joint D", "other independent speeds",
                                   lambda: sb.velocity_ratios(crank(), "s").at({"theta": 0.0, "s": 4})),
-    "linear at the dead centre": ("linearize.singular_choice", "s do not determine", "leave independent out",
+    "linear at the dead centre": ("linearize.singular_choice", "not all other states are determined by s", "leave independent out",
                                   lambda: sb.linearize(crank(), {"theta": 0}, independent=["s"])),
     "speeds at the dead centre": ("assembly.velocity_conflict", "s_dot = 1", "leave one of them",
                                   lambda: sb.assemble(crank(), {"theta": 0, "s_dot": 1.0}, {"s": 4})),
