@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.methods.breakdowns import judge_friction, judge_pivots, pivot_events
 from symbody.simulation.methods.closed_loops.change_point import integrate_on_branch
 from symbody.simulation.methods.integration import Integration, MotionPlan
@@ -13,8 +18,29 @@ from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 
+Floats = NDArray[np.float64]
 
-def execute(plan: MotionPlan) -> Trajectory:
+
+class Piece(NamedTuple):
+    """A smooth motion, and what one that goes on has to know of it.
+
+    Attributes
+    ----------
+    happened : tuple of Occurrence
+        The events in its order.
+    sides : tuple of EventSide
+        Where the values of all events stand at its end.
+    after : (n + 1,) array or None
+        The state (u, q, s, work) that actions set at its end, if they are to be followed outside.
+    """
+
+    run: Trajectory
+    happened: tuple[Occurrence, ...] = ()
+    sides: tuple[EventSide, ...] = ()
+    after: Floats | None = None
+
+
+def execute(plan: MotionPlan) -> Piece:
     """Return the motion of equations that stay the same."""
     integration = plan.integration
     problem = integration.problem
@@ -26,7 +52,10 @@ def execute(plan: MotionPlan) -> Trajectory:
     run = integrate_on_branch(plan)
     if pivots or not run.raw.status.success:
         run = judge_pivots(judge_friction(problem, run), pivots)
-    return _trajectory(problem, run)
+    watch, trajectory = run.watch, _trajectory(problem, run)
+    if watch is None:
+        return Piece(trajectory)
+    return Piece(trajectory, watch.occurrences, watch.sides_at(run.raw.reached), watch.after)
 
 
 def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
@@ -60,7 +89,6 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
         notes=(*run.notes, *watched, *(note for _, note in passages), *((stop,) if stop else ())),
         name=eqs.model.name,
         events=(*occurrences, *(event for event, _ in passages)),
-        sides=() if run.watch is None else run.watch.sides_at(raw.reached),
     )
 
 

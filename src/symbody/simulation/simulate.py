@@ -21,7 +21,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
 from symbody.model.first_values import FirstValue, by_priority
-from symbody.simulation.co_simulation.run_with_fmus import run_motion
+from symbody.simulation.drive import drive
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
@@ -97,7 +97,7 @@ def simulate(
         notes += start_notes(problem, first, {**near, **exact})
         x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
-        run, problem = run_motion(MotionPlan(integration, integrator, constraints), inputs)
+        run, problem, _ = drive(MotionPlan(integration, integrator, constraints), inputs)
     return _annotate(run, problem, first, notes, held)
 
 

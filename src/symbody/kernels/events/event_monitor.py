@@ -149,3 +149,5 @@ class EventMonitor(RecordLayout):
     bad_place: int
     unmet: float  # whether the constraints do not admit what an action sets
     unturned: float  # whether the culprit's value goes on as before its action at a start
+    hands_over: float  # whether a motion ends at an action, and goes on outside from the state `after`
+    has_acted: float  # whether it ended so

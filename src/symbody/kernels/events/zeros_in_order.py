@@ -186,9 +186,11 @@ def happen(
             return code
         remove_zero(monitor, number)
         number = next_of_moment(monitor, t, within)
-    if acts != 0:
-        return GOES_ON
-    return NOTHING_YET
+    if acts == 0:
+        return NOTHING_YET
+    if monitor.hands_over != 0.0:
+        return ENDS
+    return GOES_ON
 
 
 def find_slopes_before(
@@ -241,6 +243,7 @@ def let_happen(
             return MISSES
         take_rates(monitor)
         monitor.rate_known = 1.0
+        monitor.has_acted = 1.0
         step = monitor.current
         longest = abs(breaks[step + 1] - breaks[step])
         after = monitor.after

@@ -40,6 +40,8 @@ class EventFunctions:
         At least one, in the order in which simultaneous ones happen.
     share : float
         Constraints that are open by this share of their sizes count as closed after an action.
+    free : SimulationProblem, optional
+        The equations in which states after actions are closed, if these are others; a motion ends there then.
 
     Attributes
     ----------
@@ -54,18 +56,23 @@ class EventFunctions:
         If it is not a number but a vector or matrix.
     """
 
-    def __init__(self, problem: SimulationProblem, events: Sequence[Event], share: float) -> None:
+    def __init__(
+        self, problem: SimulationProblem, events: Sequence[Event], share: float,
+        free: SimulationProblem | None = None,
+    ) -> None:  # fmt: skip
         self.events = tuple(events)
         self.state_names = problem.eqs.state_names
         self._problem = problem
         self._share = share
+        self._hands_over = free is not None
+        self._closed = free or problem
         self._values = problem.compile_outputs([str(event.expression) for event in self.events])
         check_value_shapes(self.events, self._values)
         outputs = action_outputs(self.events)
         self._actions = problem.compile_outputs(outputs) if outputs else None
         check_action_shapes(self.events, self._actions)
         changes = any(event.action != "record" for event in self.events)
-        close = closing_of(problem.eqs, holds=bool(outputs)) if changes else None
+        close = closing_of(self._closed.eqs, holds=bool(outputs)) if changes else None
         self._closing = None
         if close is not None and close.is_needed:
             self._closing = replace(problem, eqs=close.eqs).compile_outputs(close.outputs)
@@ -88,7 +95,8 @@ class EventFunctions:
     def make_block(self, span: float) -> Floats:
         """Return the block of a watch over a run of some length [s]."""
         block = self._first_block.copy()
-        EventMonitor(block).span = span
+        monitor = EventMonitor(block)
+        monitor.span, monitor.hands_over = span, float(self._hands_over)
         return block
 
     @cached_property

@@ -131,6 +131,12 @@ class EventWatch:
         return tuple(sides)
 
     @property
+    def after(self) -> Floats | None:
+        """The state in which a motion goes on outside after actions at its end; None without any."""
+        own = self._monitor
+        return np.array(own.after) if own.hands_over and own.has_acted and not own.culprit else None
+
+    @property
     def most_steps(self) -> int:
         """How many steps may be taken between two looks."""
         recording = all(event.action == "record" for event in self._functions.events)

@@ -1,8 +1,9 @@
-"""Shocks of ropes that go taut: the speeds jump, inelastically and without friction.
+"""Impacts: the speeds jump where ropes go taut, and where prescribed rates jump.
 
-Of all speeds at which the ends of no taut rope move apart, those are taken to which the change has the
-least kinetic energy [Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988]: ropes
-pull along themselves, and none pushes.
+Of all speeds that fit the constraints and at which the ends of no taut rope move apart, those are taken to
+which the change has the least kinetic energy [Moreau, Unilateral contact and dry friction in finite freedom
+dynamics, 1988]: ropes pull along themselves, and none pushes. Friction is finite and transmits nothing in an
+instant. Where prescribed rates jump, the momenta that they give change as well.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from symbody.equations.solving.ropes import rope_rows
 from symbody.expr.sequences.saddle import solve_saddle
 from symbody.simulation.hybrid.modes import HybridState, evaluate_outputs
 from symbody.simulation.hybrid.ropes import RATE, TAUT, RopeElements
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
@@ -27,8 +29,8 @@ _MOST_TRIED: Final = 4096
 
 
 @dataclass(frozen=True, slots=True)
-class RopeImpact:
-    """What a shock did.
+class Impact:
+    """What an impact did.
 
     Attributes
     ----------
@@ -38,8 +40,8 @@ class RopeImpact:
         State afterwards.
     impulses : mapping of rope to float
         With which each rope pulled [N s].
-    lost : float
-        Energy that is gone [J].
+    lost : float or None
+        Energy that is gone [J]; None where prescribed rates have jumped, which give some.
     change : float
         By how much the energy changed [J]; more than was lost, where what moves by itself gave some.
     """
@@ -47,60 +49,80 @@ class RopeImpact:
     t: float
     x: Floats
     impulses: Mapping[str, float]
-    lost: float
+    lost: float | None
     change: float
 
     @property
     def note(self) -> str:
-        """The shock in words."""
+        """The shock of ropes in words."""
         each = " and ".join(f"{name} by {impulse:.6g} N s" for name, impulse in self.impulses.items())
-        return f"at t = {self.t:.9g} s ropes go taut with an impact: {each}; {self.lost:.6g} J are lost"
+        lost = "" if self.lost is None else f"; {self.lost:.6g} J are lost"
+        return f"at t = {self.t:.9g} s ropes go taut with an impact: {each}{lost}"
 
 
-def rope_impact(ropes: RopeElements, state: HybridState) -> RopeImpact | None:
-    """Return what happens where ends of ropes at their length move apart; None where none do.
-
-    Returns
-    -------
-    RopeImpact or None
-        Its impulses are empty if no speeds were found.
-    """
-    t, x = state.t, state.x
-    motion = ropes.motion_values(t, x)
-    tight = ropes.tight(state.before, motion)
+def separating_ropes(ropes: RopeElements, state: HybridState) -> bool:
+    """Return whether ends of ropes at their length move apart, of ropes that were not taut."""
+    motion = ropes.motion_values(state.t, state.x)
     were = np.array([state.before.get(name) == TAUT for name in ropes.names], dtype=np.bool_)
-    if not (tight & ~were & (motion[RATE] < -state.small * state.length)).any():
-        return None
-    problem = ropes.problem
-    names = ("mass_matrix", "jacobian", "velocity_constraints", "energy")
-    mass, rows, rates, energy = evaluate_outputs(problem, names, t, x)
-    places = rope_rows(problem.eqs.formed, ropes.names)
+    tight = ropes.tight(state.before, motion)
+    return bool((tight & ~were & (motion[RATE] < -state.small * state.length)).any())
+
+
+def impact(
+    problem: SimulationProblem, t: float, x: Floats, momenta: Floats | None = None,
+    ropes: RopeElements | None = None, before: Mapping[str, int] | None = None,
+) -> Impact | None:  # fmt: skip
+    """Return what happens where speeds jump; None if no speeds were found.
+
+    Parameters
+    ----------
+    momenta : (n_u,) array, optional
+        By how much those that prescribed rates give have changed.
+    ropes : RopeElements, optional
+        Those of the mechanism, with their modes `before`.
+    """
+    names = ("jacobian", "velocity_constraints") if problem.eqs.multiplier_names else ()
+    energy, mass, *closed = evaluate_outputs(problem, ("energy", "mass_matrix", *names), t, x)
+    rows, rates = closed if closed else (np.zeros((0, len(mass))), np.zeros(0))
+    places, tight = _tight_rows(ropes, t, x, before or {})
     always = [k for k in range(len(rates)) if k not in places]
-    for some in _subsets([place for place, is_tight in zip(places, tight, strict=True) if is_tight]):
+    given = np.zeros(len(mass)) if momenta is None else -momenta
+    for some in _subsets(tight):
         chosen = [*always, *some]
         solution = solve_saddle(
-            mass.ravel().tolist(), rows[chosen].ravel().tolist(), [0.0] * len(mass), (-rates[chosen]).tolist()
+            mass.ravel().tolist(), rows[chosen].ravel().tolist(), given.tolist(), (-rates[chosen]).tolist()
         )
         du, pulls = np.array(solution.udot), -np.array(solution.multipliers[len(always) :])
         after = rates + rows @ du
-        left = [
-            place for place, is_tight in zip(places, tight, strict=True) if is_tight and place not in some
-        ]
+        left = [place for place in tight if place not in some]
         if solution.ok and _is_inelastic(pulls, after[left], rates):
             moved = x.copy()
             moved[: du.size] += du
-            least = BALANCED * float(pulls.max())
+            least = BALANCED * float(pulls.max(initial=0.0))
             pairs = zip(some, pulls, strict=True)
-            impulses = {ropes.names[places.index(k)]: float(pull) for k, pull in pairs if pull > least}
+            by_row = {} if ropes is None else dict(zip(places, ropes.names, strict=True))
+            impulses = {by_row[k]: float(pull) for k, pull in pairs if pull > least}
             change = float(evaluate_outputs(problem, ("energy",), t, moved)[0] - energy)
-            return RopeImpact(t, moved, impulses, float(du @ mass @ du) / 2.0, change)
-    return RopeImpact(t, x, {}, 0.0, 0.0)
+            lost = float(du @ mass @ du) / 2.0 if momenta is None else None
+            return Impact(t, moved, impulses, lost, change)
+    return None
+
+
+def _tight_rows(
+    ropes: RopeElements | None, t: float, x: Floats, before: Mapping[str, int]
+) -> tuple[list[int], list[int]]:
+    """Return the rows of all ropes, and of those at their length."""
+    if ropes is None:
+        return [], []
+    places = rope_rows(ropes.problem.eqs.formed, ropes.names)
+    tight = ropes.tight(before, ropes.motion_values(t, x))
+    return places, [place for place, is_tight in zip(places, tight, strict=True) if is_tight]
 
 
 def _subsets(places: Sequence[int]) -> Iterator[tuple[int, ...]]:
     """Return the ropes that may pull: all, and then fewer and fewer."""
     tried = 0
-    for size in range(len(places), 0, -1):
+    for size in range(len(places), -1, -1):
         for some in combinations(places, size):
             yield some
             tried += 1

@@ -49,6 +49,11 @@ class SwitchingElements(Protocol):
         """A mode in which its equations can be formed wherever it is."""
         ...
 
+    @property
+    def free(self) -> int:
+        """A mode in which it holds nothing."""
+        ...
+
     def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
         """Return equations with all elements in some modes."""
         ...

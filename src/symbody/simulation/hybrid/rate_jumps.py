@@ -9,7 +9,7 @@ coordinates as well, at the state in which the motion comes to it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -22,15 +22,8 @@ from symbody.errors import Problem, SimulationError, UsageError
 from symbody.expr import opcodes as op
 from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequences.saddle import solve_saddle
-from symbody.simulation.execution import execute
-from symbody.simulation.hybrid.concatenate import at_times_asked, concatenate
 from symbody.simulation.hybrid.modes import evaluate_outputs
-from symbody.simulation.methods.integration import MotionPlan
-from symbody.simulation.methods.integration_problem import IntegrationProblem
-from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
-from symbody.simulation.status import Status
 from symbody.tolerances import AT_REST
 
 Floats = NDArray[np.float64]
@@ -62,64 +55,15 @@ def may_jump(eqs: EquationSet) -> bool:
     return False
 
 
-def run_with_jumps(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
-    """Return a motion in parts, between the times at which prescribed rates jump.
-
-    Parameters
-    ----------
-    goes_on : bool
-        Whether another motion goes on at the end, so that a jump there happens; it is none of the next.
-
-    Raises
-    ------
-    UsageError
-        If a prescribed position jumps.
-    """
-    integration = plan.integration
-    problem, span = integration.problem, integration.span
-    times, margin = jump_times(problem, integration.state, span, at_end=goes_on)
-    if not times:
-        return execute(plan)
-    step = float(np.copysign(margin, span[1] - span[0]))
-    is_last = abs(times[-1] - span[1]) <= margin  # the part behind it takes no time
-    ends = [*(t - step for t in times), times[-1] + step if is_last else span[1]]
-    spans = zip([span[0], *(t + step for t in times)], ends, strict=True)
-    parts: list[Trajectory] = []
-    jumps: dict[int, float] = {}
-    struck: list[int] = []  # of the jumps, those that change a speed
-    x = integration.state
-    for k, (start, stop) in enumerate(spans):
-        asked = None if k == len(times) else step
-        part = execute(replace(plan, integration=_part(integration, x, parts, (start, stop), asked)))
-        parts.append(part)
-        if part.status is not Status.SUCCESS or k == len(times):
-            break
-        before = _end_of(part)
-        _check_positions(problem, before, (stop, stop + 2.0 * step))
-        x, jumps[k + 1] = _jump(problem, before, stop, stop + 2.0 * step)
-        if (
-            np.abs(x - before).max(initial=0.0)
-            > _TORN * min(1.0, problem.scales.length) / problem.scales.time
-        ):
-            struck.append(k + 1)
-    run = concatenate(parts, [event for part in parts for event in part.events], jumps)
-    if is_last and run.status is Status.SUCCESS:
-        run = replace(run, sides=parts[-2].sides)  # the motion that goes on sees what passed zero
-    if integration.times is not None:  # one at a jump was computed beside it
-        run = at_times_asked(run, np.asarray(integration.times), 2.0 * margin)
-    return replace(run, notes=(*run.notes, *_jump_notes(times, {k: jumps[k] for k in struck})))
-
-
-def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
-    """Yield what to note about the jumps that happened."""
-    for k, change in list(jumps.items())[:_MOST_NOTES]:
+def jump_notes(jumps: Sequence[tuple[float, float]]) -> Iterator[str]:
+    """Yield what to note about jumps: when [s], and by how much the energy changed [J]."""
+    for t, change in jumps[:_MOST_NOTES]:
         yield (
-            f"at t = {times[k - 1]:.9g} s prescribed rates jump: the speeds jump with them, and the energy "
+            f"at t = {t:.9g} s prescribed rates jump: the speeds jump with them, and the energy "
             f"by {change:.6g} J"
         )
     if len(jumps) > _MOST_NOTES:
-        last = times[max(jumps) - 1]
-        yield f"{len(jumps) - _MOST_NOTES} more jumps of prescribed rates until t = {last:.9g} s"
+        yield f"{len(jumps) - _MOST_NOTES} more jumps of prescribed rates until t = {jumps[-1][0]:.9g} s"
 
 
 def jump_times(
@@ -191,7 +135,7 @@ def _row_name(eqs: EquationSet, names: tuple[str, ...], row: int) -> str:
     return [*names, *(each.coordinate or each.name for each in eqs.formed.rows)][row]
 
 
-def _check_positions(problem: SimulationProblem, x: Floats, times: tuple[float, float]) -> None:
+def check_positions(problem: SimulationProblem, x: Floats, times: tuple[float, float]) -> None:
     """Refuse a constraint that the state before a jump does not fulfil behind it.
 
     Raises
@@ -263,76 +207,25 @@ def _jump_problem(name: str, t: float) -> Problem:
     )  # fmt: skip
 
 
-def _part(
-    integration: IntegrationProblem,
-    x: Floats,
-    before: list[Trajectory],
-    span: tuple[float, float],
-    step: float | None,
-) -> IntegrationProblem:
-    """Return one part of a motion; a sample at a jump belongs to the part at later times, as formulas do.
-
-    Parameters
-    ----------
-    step : float or None
-        How far behind its end the jump is; None of the last part.
-    """
-    steps = sum(part.statistics.accepted + (part.statistics.rejected or 0) for part in before)
-    direction, times = float(np.sign(integration.span[1] - integration.span[0])), None
-    if integration.times is not None:
-        samples = np.asarray(integration.times)
-        first, last = sum(part.t.size for part in before), samples.size
-        if step is not None:
-            stop = span[1] + (step if direction < 0.0 else 0.0)
-            last = int(np.searchsorted(direction * samples, direction * stop, side="right"))
-        times = np.clip(samples[first:last], min(span), max(span))
-    part = integration.part(x, span, times, steps)
-    # An event that passes zero inside the jump happens behind it.
-    return replace(part, sides=before[-1].sides[: len(part.events)]) if before else part
-
-
-def _end_of(part: Trajectory) -> Floats:
-    """Return the state at the end of a part."""
-    dense = part.dense_output
-    return np.zeros(0) if dense is None else np.array(dense(dense.breaks[-1:])[:, 0])
-
-
-def _jump(problem: SimulationProblem, state: Floats, before: float, behind: float) -> tuple[Floats, float]:
-    """Return the state after prescribed rates have jumped, and by how much the energy has changed.
-
-    Raises
-    ------
-    SimulationError
-        If no speeds fit the new rates.
-    """
-    n_u, x = len(problem.eqs.speed_names), state.copy()
-    energy = float(evaluate_outputs(problem, ("energy",), before, x)[0])
-    if n_u:
-        x[:n_u] += _speed_change(problem, x, before, behind)
-    return x, float(evaluate_outputs(problem, ("energy",), behind, x)[0]) - energy
-
-
-def _speed_change(problem: SimulationProblem, x: Floats, before: float, behind: float) -> Floats:
-    """Return by how much the speeds jump between two times."""
+def momentum_jump(problem: SimulationProblem, x: Floats, before: float, behind: float) -> Floats:
+    """Return by how much prescribed rates change the momenta of the speeds between two times, (n_u,)."""
     formed = problem.eqs.formed
     momenta = partial_derivatives(problem.eqs, _MOMENTA, [formed.kinetic_energy.index], formed.u)
     with_momenta = replace(problem, eqs=with_outputs(problem.eqs, [momenta]))
     given = [np.ravel(evaluate_outputs(with_momenta, (_MOMENTA,), t, x)[0]) for t in (before, behind)]
-    names = (
-        ("mass_matrix", "jacobian", "velocity_constraints")
-        if problem.eqs.multiplier_names
-        else ("mass_matrix",)
-    )
-    mass, *closed = evaluate_outputs(problem, names, behind, x)
-    rows, rates = closed if closed else (np.zeros((0, len(mass))), np.zeros(0))
-    solution = solve_saddle(
-        mass.ravel().tolist(), rows.ravel().tolist(), (given[0] - given[1]).tolist(), (-rates).tolist()
-    )
-    if not solution.ok:
-        raise SimulationError(
-            Problem("simulation.impulse", "motion",
-                    f"no speeds satisfy the prescribed rates after t = {behind:.9g} s",
-                    "the constraints do not allow them, or the mass matrix is singular",
-                    "prescribe a motion without corners")
-        )  # fmt: skip
-    return np.array(solution.udot)
+    return given[1] - given[0]
+
+
+def strikes(problem: SimulationProblem, change: Floats) -> bool:
+    """Return whether a change of the state is one of a speed, and not of its rounding."""
+    least = _TORN * min(1.0, problem.scales.length) / problem.scales.time
+    return bool(np.abs(change).max(initial=0.0) > least)
+
+
+def no_speeds(t: float) -> SimulationError:
+    """Return what to say where no speeds fit rates behind a jump."""
+    return SimulationError(
+        Problem("simulation.impulse", "motion", f"no speeds satisfy the prescribed rates after t = {t:.9g} s",
+                "the constraints do not allow them, or the mass matrix is singular",
+                "prescribe a motion without corners")
+    )  # fmt: skip

@@ -52,6 +52,7 @@ class RopeElements:
     names: tuple[str, ...]
     problem: SimulationProblem
     default: int = SLACK
+    free: int = SLACK
 
     @property
     def motion_outputs(self) -> tuple[str, ...]:
@@ -135,6 +136,12 @@ class RopeElements:
         """Return slackness, its rate, and length of the ropes."""
         values = np.array(evaluate_outputs(self.problem, self.motion_outputs, t, x), dtype=np.float64)
         return values.reshape(len(_MOTION), -1)
+
+    def overstretched(self, t: float, x: Floats) -> list[str]:
+        """Return the ropes whose ends are farther apart than they are long."""
+        motion = self.motion_values(t, x)
+        longer = motion[_SLACKNESS] < -AT_LENGTH * motion[_LENGTH]
+        return [name for name, is_longer in zip(self.names, longer, strict=True) if is_longer]
 
     def _limit(self, trial: ModeTrial, place: int) -> float:
         """Return the tension that is rounding: that of the mass the rope moves, by what cancels."""

@@ -36,6 +36,7 @@ class StickSlipJoints:
     coordinates: tuple[str, ...]
     are_angles: tuple[bool, ...]
     default: int = STICKS
+    free: int = 1
 
     @property
     def motion_outputs(self) -> tuple[str, ...]:

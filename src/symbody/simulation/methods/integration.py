@@ -22,6 +22,7 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.rewrite import substitute
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.closed_loops.partition import Partition, run_partition
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
@@ -34,7 +35,6 @@ from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before
 from symbody.simulation.sampling.sampled_loop import SampledLoop
-from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED
 
@@ -102,6 +102,16 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
 
 
+def samples_on_the_way(plan: MotionPlan) -> bool:
+    """Return whether the method of a plan takes the samples of signals inside its loop."""
+    if isinstance(plan.integrator, Stiff | GeneralizedAlpha) or isinstance(plan.constraints, GGL | Partition):
+        return False
+    integration = plan.integration
+    if plan.constraints is not None or not integration.eqs.multiplier_names:
+        return True
+    return not is_overconstrained(integration.problem, integration.span[0], integration.state)
+
+
 def _fitting_constraints(plan: MotionPlan) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
     constraints = plan.constraints or _PROJECTION
@@ -128,8 +138,6 @@ def _run_method(
 ) -> tuple[RawRun, Notes, EventWatch | None]:
     """Return the run by a method that can hold the constraints, what to note, and what looked for events."""
     held = integration.problem.sampler is not None
-    if held:
-        _check_held(integration.problem, integrator, constraints)
     if isinstance(constraints, GGL):
         stiff = integrator if isinstance(integrator, Stiff) else Stiff()
         return *run_ggl(integration, stiff, watch), watch
@@ -191,24 +199,6 @@ def _gains(trial: RawRun, length: float) -> bool:
     if dense is None or dense.breaks.size <= _LAST:
         return True
     return float(abs(dense.breaks[-1] - dense.breaks[-1 - _LAST])) > _GAIN * _LAST * length
-
-
-def _check_held(problem: SimulationProblem, integrator: Integrator | None, constraints: Constraints) -> None:
-    """Refuse methods that take no samples on the way."""
-    if isinstance(integrator, Stiff | GeneralizedAlpha):
-        where, name = "integrator", f"sb.{type(integrator).__name__}()"
-        fix = "sb.Explicit() or sb.FixedStep(h)"
-    elif isinstance(constraints, GGL | Partition):
-        where, name = "constraints", f"sb.{type(constraints).__name__}()"
-        fix = "sb.Projection() or sb.Baumgarte()"
-    else:
-        return
-    listed = ", ".join([] if problem.sampler is None else problem.sampler.names)
-    raise UsageError(
-        Problem("simulation.sampled", where, f"{name} does not sample {listed}",
-                "only explicit methods hold values between samples",
-                f"use {fix}, or form the equations of sb.without_sampling(model)")
-    )  # fmt: skip
 
 
 def run_explicit(

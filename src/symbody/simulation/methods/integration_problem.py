@@ -59,6 +59,8 @@ class IntegrationProblem:
         A run that was broken off where this one starts.
     sides : tuple of EventSide
         Where the values of events stood at the end of the motion that goes on here; empty where it begins.
+    free : SimulationProblem, optional
+        The equations without what holds in some modes only: actions close states in these and end the motion.
 
     Raises
     ------
@@ -77,6 +79,7 @@ class IntegrationProblem:
     events: tuple[Event, ...] = ()
     before: RawRun | None = None
     sides: tuple[EventSide, ...] = ()
+    free: SimulationProblem | None = None
     _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -171,7 +174,7 @@ class IntegrationProblem:
             return None
 
         def make() -> EventFunctions:
-            return EventFunctions(self.problem, self.events, share)
+            return EventFunctions(self.problem, self.events, share, self.free)
 
         share = residual_share(projection, self.atol)
         key = ("events", self.events, share)

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.kernels import block as at
+from symbody.simulation.drive import Driven, drive
 from symbody.simulation.events.events import EventSide, Occurrence
-from symbody.simulation.hybrid.rate_jumps import may_jump, run_with_jumps
-from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
@@ -80,9 +81,9 @@ class SeparateMotions:
         start = numbers.t
         with numbers.unless_it_fails():
             end = numbers.next_end()
-            run = self._run(start, end)
+            run, _, sides = self._run(start, end)
         self._last, self.occurrences = run, run.events
-        self._sides = run.sides[: len(settings.events)] or no_sides(self._problem)
+        self._sides = sides[: len(settings.events)] or no_sides(self._problem)
         self._show_samples()
         arrived = run.status is Status.SUCCESS
         if run.t.size:
@@ -92,7 +93,7 @@ class SeparateMotions:
             numbers.count_from(start)
         return at.FINISHED if arrived else OTHERWISE
 
-    def _run(self, start: float, end: float) -> Trajectory:
+    def _run(self, start: float, end: float) -> Driven:
         """Return the motion of a step."""
         settings = self._problem.settings
         self._problem.check_tables(start, end)
@@ -101,9 +102,7 @@ class SeparateMotions:
         x = np.append(self._numbers.x[:-1], 0.0)
         integration = self._problem.integration(x, (start, end), self._pose())
         integration = replace(integration, sides=self._sides)
-        plan = MotionPlan(integration, settings.integrator, settings.constraints)
-        run = run_switching if switches(settings.moving.formed) else run_with_jumps
-        return run(plan, goes_on=True)
+        return drive(MotionPlan(integration, settings.integrator, settings.constraints), goes_on=True)
 
     def end(self, code: int) -> Ending:
         """Return how the last step ended; `code` says only that it was not as usual."""

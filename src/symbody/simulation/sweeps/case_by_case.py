@@ -12,13 +12,13 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import SymbodyError
 from symbody.kernels import block as at
-from symbody.simulation.hybrid.concatenate import Piecewise
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.results.piecewise import Piecewise
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.records import NOT_STARTED, CaseDetails, Records
 from symbody.simulation.sweeps.sweep_job import SweepJob

@@ -12,12 +12,12 @@ from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.simulation.hybrid.concatenate import Piecewise, changing_shape
 from symbody.simulation.hybrid.modes import HybridMechanism, Modes
 from symbody.simulation.hybrid.switching import hybrid_mechanism, switches
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.results.measured_angles import count_turns
+from symbody.simulation.results.piecewise import Piecewise, changing_shape
 from symbody.simulation.results.provenance import Provenance, provenance_of
 from symbody.simulation.simulation_problem import VIOLATIONS, Evaluator, SimulationProblem
 from symbody.simulation.sweeps.case_table import CaseTable

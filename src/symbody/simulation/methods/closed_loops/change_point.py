@@ -120,7 +120,12 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
         run = integrate_plan(plan)
         return run if follows or not run.raw.status.success else _judge_passages(plan, run)
     by_partition = replace(plan, constraints=_PARTITION)
-    is_replaceable = isinstance(constraints, Projection) and isinstance(plan.integrator, Explicit | None)
+    # The loop of `Partition` takes no samples.
+    is_replaceable = (
+        isinstance(constraints, Projection)
+        and isinstance(plan.integrator, Explicit | None)
+        and problem.sampler is None
+    )
     if follows and is_replaceable:
         return integrate_by_partition(plan)
     run = integrate_plan(plan) if isinstance(constraints, GGL) or not follows else integrate_independent(plan)

@@ -1,0 +1,244 @@
+"""`Pieces`: a motion piece by piece, and the one trajectory that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.simulation.events.events import Event, EventSide, Occurrence
+from symbody.simulation.execution import Piece, execute
+from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.run import Statistics
+from symbody.simulation.results.piecewise import Piecewise
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
+from symbody.simulation.status import Status
+
+Floats = NDArray[np.float64]
+
+
+class Instant(NamedTuple):
+    """When more than smooth motion happens.
+
+    Attributes
+    ----------
+    happens : str
+        "jump", "sample", or "end".
+    at : float
+        The time [s].
+    before, behind : float
+        Where the smooth motion before it ends, and where the one behind it begins [s].
+    width : float
+        Times closer to it are the same time [s].
+    """
+
+    happens: str
+    at: float
+    before: float
+    behind: float
+    width: float = 0.0
+
+
+class Pieces:
+    """The pieces of a motion so far.
+
+    Parameters
+    ----------
+    plan : MotionPlan
+        Of the whole motion.
+
+    Attributes
+    ----------
+    runs : list of Trajectory
+        Each starts where the one before ends.
+    occurrences : list of Occurrence
+        What happened.
+    sides : tuple of EventSide
+        Where the values of the motion's events stand at the end.
+    """
+
+    def __init__(self, plan: MotionPlan) -> None:
+        self.runs: list[Trajectory] = []
+        self.occurrences: list[Occurrence] = []
+        self.sides: tuple[EventSide, ...] = plan.integration.sides
+        self._plan = plan
+        self._modes: list[tuple[int, ...]] = []
+        self._changes: dict[int, float] = {}
+        self._stored = 0  # of the samples asked for
+        self._steps = 0
+        self._width = 0.0
+
+    def plan(
+        self, problem: SimulationProblem, x: Floats, t: float, end: Instant, more: Sequence[Event] = (),
+        free: SimulationProblem | None = None,
+    ) -> MotionPlan:  # fmt: skip
+        """Return the plan of the next piece.
+
+        Parameters
+        ----------
+        problem : SimulationProblem
+            The equations of the piece.
+        more : sequence of Event
+            What is watched besides the events of the motion.
+        free : SimulationProblem, optional
+            The equations in which actions close states; see `IntegrationProblem`.
+        """
+        whole = self._plan.integration
+        span = t, end.before
+        self._width = max(self._width, end.width)
+        part = whole.part(x, span, self._times(span, end), self._steps, problem, (*whole.events, *more))
+        return replace(self._plan, integration=replace(part, sides=self.sides, free=free))
+
+    def _times(self, span: tuple[float, float], end: Instant) -> Floats | None:
+        """Return the samples of a piece; one at an instant belongs to the piece at later times."""
+        whole = self._plan.integration
+        if whole.times is None:
+            return None
+        times, last = np.asarray(whole.times), None
+        if end.happens != "end":
+            forward = whole.span[1] >= whole.span[0]
+            way, limit = (1.0, end.at - end.width) if forward else (-1.0, end.at)
+            last = int(np.searchsorted(way * times, way * limit, side="right"))
+        clipped: Floats = np.clip(times[self._stored : last], min(span), max(span))
+        return clipped
+
+    def add(self, piece: Piece, modes: tuple[int, ...] = ()) -> None:
+        """Add a piece, whose samples behind those asked for are left out if the motion goes on."""
+        self.runs.append(piece.run)
+        self._modes.append(modes)
+        self.occurrences.extend(piece.run.events)
+        self._stored += piece.run.t.size
+        self._steps += piece.run.statistics.accepted + (piece.run.statistics.rejected or 0)
+        self.sides = piece.sides[: len(self._plan.integration.events)]
+
+    def leave_out_end(self, *, is_replaced: bool = False) -> None:
+        """Leave out the last sample of the last piece, where a motion that goes on was cut.
+
+        Of samples asked for it stays, unless the state behind `is_replaced`: then it is the one behind.
+        """
+        times, run = self._plan.integration.times, self.runs[-1]
+        if not run.t.size or times is None:
+            return
+        is_asked = self._stored <= np.size(times) and run.t[-1] in np.asarray(times)
+        if is_asked and not is_replaced:
+            return
+        stored = {name: values[..., :-1] for name, values in run.stored.items()}
+        self.runs[-1] = replace(
+            run, t=run.t[:-1], q=run.q[:, :-1], u=run.u[:, :-1], s=run.s[:, :-1], stored=stored
+        )
+        self._stored -= 1
+
+    def begin_behind(self, first: MotionPlan) -> None:
+        """Let the next piece begin in another state than the last one ended: both are samples.
+
+        Of samples asked for it is the one behind; `first` is the plan of a motion that is the state before.
+        """
+        if self.runs:
+            self.leave_out_end(is_replaced=True)
+        elif self._plan.integration.times is None:
+            self.add(execute(first))
+
+    def add_energy(self, change: float) -> None:
+        """Count what the energy jumps by before the next piece [J] as work."""
+        place = len(self.runs)
+        self._changes[place] = self._changes.get(place, 0.0) + change
+
+    def interrupt(self) -> None:
+        """End the motion where it is."""
+        self.runs[-1] = replace(self.runs[-1], status=Status.INTERRUPTED)
+
+    def trajectory(self) -> Trajectory:
+        """Return the whole motion, with the verdict of its last piece."""
+        run = concatenate(self.runs, self.occurrences, self._changes, self._modes)
+        if self._plan.integration.times is not None:
+            run = at_times_asked(run, np.asarray(self._plan.integration.times), 2.0 * self._width)
+        return run
+
+
+def concatenate(
+    parts: Sequence[Trajectory],
+    events: Sequence[Occurrence],
+    jumps: Mapping[int, float],
+    modes: Sequence[tuple[int, ...]] = (),
+) -> Trajectory:
+    """Return parts of one motion, each starting where the one before ends, with the verdict of the last.
+
+    Parameters
+    ----------
+    jumps : mapping of place to float
+        By how much the energy jumps before a part [J]: that counts as work.
+    modes : sequence of modes
+        Of each part.
+    """
+    last = parts[-1]
+    done = [jumps.get(0, 0.0)]
+    for k, part in enumerate(parts[:-1], start=1):
+        done.append(done[-1] + _work_at_end(part) + jumps.get(k, 0.0))
+    works = [part.stored["work"] + before for part, before in zip(parts, done, strict=True)]
+    evaluate = [part.evaluate for part in parts if part.evaluate is not None]
+    starts = np.array([part.dense_output.breaks[0] if part.dense_output else part.t[0] for part in parts])
+    return replace(
+        last,
+        t=np.concatenate([part.t for part in parts]),
+        q=np.concatenate([part.q for part in parts], axis=1),
+        s=np.concatenate([part.s for part in parts], axis=1),
+        u=np.concatenate([part.u for part in parts], axis=1),
+        statistics=_total([part.statistics for part in parts]),
+        evaluate=Piecewise(starts, tuple(evaluate), np.array(done), tuple(modes)),
+        dense_output=_dense([part.dense_output for part in parts]),
+        stored={"work": np.concatenate(works)},
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        events=tuple(events),
+    )
+
+
+def at_times_asked(run: Trajectory, times: Floats, width: float) -> Trajectory:
+    """Return a motion with samples at the times asked for, where these are as near as `width`.
+
+    The last one of a motion that was stopped is its end.
+    """
+    t, count = run.t.copy(), min(run.t.size - (run.status is Status.STOPPED), times.size)
+    near = np.abs(t[:count] - times[:count]) <= width
+    t[:count][near] = times[:count][near]
+    return replace(run, t=t)
+
+
+def _work_at_end(part: Trajectory) -> float:
+    """Return the work done until a part ends [J]."""
+    if part.dense_output is None:
+        return 0.0
+    end = part.dense_output.breaks[-1:]
+    if part.t.size and part.t[-1] == end[0]:
+        return float(part.stored["work"][-1])
+    if isinstance(part.evaluate, Evaluator) and part.evaluate.work is not None:
+        return float(part.evaluate.work.at_end()[0])
+    return float(part.at(end)["work"][0])
+
+
+def _total(spent: Sequence[Statistics]) -> Statistics:
+    rejected = [s.rejected for s in spent if s.rejected is not None]
+    return Statistics(
+        sum(s.accepted for s in spent),
+        sum(rejected) if len(rejected) == len(spent) else None,
+        sum(s.evaluations for s in spent),
+        sum(s.loop_seconds for s in spent),
+    )
+
+
+def _dense(parts: Sequence[DenseOutput | None]) -> DenseOutput | None:
+    """Return the motion of all steps; parts that take no time are left out, but for one behind a gap."""
+    known = [part for part in parts if part is not None and part.breaks[0] != part.breaks[-1]]
+    last = parts[-1]
+    if not known:
+        return last
+    if last is not None and last is not known[-1] and last.breaks[-1] != known[-1].breaks[-1]:
+        known.append(last)
+    rows = max(part.pieces.shape[1] for part in known)
+    pieces = [np.pad(part.pieces, ((0, 0), (0, rows - part.pieces.shape[1]), (0, 0))) for part in known]
+    breaks = [known[0].breaks[:1], *(part.breaks[1:] for part in known)]
+    return DenseOutput(np.concatenate(breaks), np.concatenate(pieces))
