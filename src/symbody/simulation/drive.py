@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -38,7 +39,8 @@ from symbody.simulation.hybrid.switching import (
     switches,
 )
 from symbody.simulation.inputs.fmu_input import FmuInput
-from symbody.simulation.methods.integration import MotionPlan, samples_on_the_way
+from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
+from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.pieces import Instant, Pieces
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -198,7 +200,7 @@ class _Motion:
             if piece.after is not None:
                 stage = self._act(piece, piece.after)
             else:
-                self._pieces.leave_out_end()
+                self._pieces.leave_out(piece.happened[-1].t)
             self._check_chatter(piece)
             return stage
         if run.status is not Status.SUCCESS or until.happens == "end":
@@ -214,7 +216,7 @@ class _Motion:
         """Go on from a state that actions set."""
         t = piece.happened[-1].t
         self._pieces.add_energy(float(after[-1] - piece.run.stored["work"][-1]))
-        self._pieces.leave_out_end(is_replaced=True)
+        self._pieces.leave_out(t, is_replaced=True)
         if self._modes is not None:
             self._modes.check_ropes(t, after[:-1], piece.happened[-1].name)
         return Stage(t, after[:-1], {})
@@ -241,10 +243,11 @@ class _Motion:
         energy, moved = _energy(problem, before, x), x
         if problem.eqs.speed_names:
             modes, change = self._modes, momentum_jump(problem, x, before, behind)
-            found = impact(problem, behind, x, change, *(() if modes is None else (modes.ropes, modes.known)))
+            strike = partial(impact, problem) if modes is None else modes.strike
+            found = strike(behind, x, change)
             if found is None:
                 raise no_speeds(behind)
-            moved = found.x if modes is None else modes.note_impact(found).x
+            moved = found.x
         gained = _energy(problem, behind, moved) - energy
         self._pieces.add_energy(gained)
         if strikes(problem, moved - x):
@@ -269,7 +272,7 @@ class _Motion:
         if not self._pieces.runs:
             integration = self._plan.integration
             t, problem = integration.span[0], self._held.problem
-            plan = self._pieces.plan(problem, integration.state, t, Instant("end", t, t, t))
+            plan = self._pieces.plan(problem, integration.state, t, Instant("start", t, t, t))
             self._pieces.add(execute(plan))
         run = self._whole()
         return replace(run, status=end.status, notes=(*run.notes, f"at t = {end.t:.9g} s {end.why}"))

@@ -28,7 +28,7 @@ class Instant(NamedTuple):
     Attributes
     ----------
     happens : str
-        "jump", "sample", or "end".
+        "jump", "sample" or "end"; "start" where a piece is one state, which is a sample.
     at : float
         The time [s].
     before, behind : float
@@ -97,7 +97,7 @@ class Pieces:
     def _times(self, span: tuple[float, float], end: Instant) -> Floats | None:
         """Return the samples of a piece; one at an instant belongs to the piece at later times."""
         whole = self._plan.integration
-        if whole.times is None:
+        if whole.times is None or end.happens == "start":
             return None
         times, last = np.asarray(whole.times), None
         if end.happens != "end":
@@ -116,13 +116,13 @@ class Pieces:
         self._steps += piece.run.statistics.accepted + (piece.run.statistics.rejected or 0)
         self.sides = piece.sides[: len(self._plan.integration.events)]
 
-    def leave_out_end(self, *, is_replaced: bool = False) -> None:
-        """Leave out the last sample of the last piece, where a motion that goes on was cut.
+    def leave_out(self, t: float, *, is_replaced: bool = False) -> None:
+        """Leave out the last sample of the last piece if it is at a time at which the motion was cut.
 
         Of samples asked for it stays, unless the state behind `is_replaced`: then it is the one behind.
         """
         times, run = self._plan.integration.times, self.runs[-1]
-        if not run.t.size or times is None:
+        if times is None or not run.t.size or run.t[-1] != t:
             return
         is_asked = self._stored <= np.size(times) and run.t[-1] in np.asarray(times)
         if is_asked and not is_replaced:
@@ -133,13 +133,13 @@ class Pieces:
         )
         self._stored -= 1
 
-    def begin_behind(self, first: MotionPlan) -> None:
+    def begin_behind(self, t: float, first: MotionPlan) -> None:
         """Let the next piece begin in another state than the last one ended: both are samples.
 
         Of samples asked for it is the one behind; `first` is the plan of a motion that is the state before.
         """
         if self.runs:
-            self.leave_out_end(is_replaced=True)
+            self.leave_out(t, is_replaced=True)
         elif self._plan.integration.times is None:
             self.add(execute(first))
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -70,7 +71,7 @@ def separating_ropes(ropes: RopeElements, state: HybridState) -> bool:
 
 def impact(
     problem: SimulationProblem, t: float, x: Floats, momenta: Floats | None = None,
-    ropes: RopeElements | None = None, before: Mapping[str, int] | None = None,
+    ropes: RopeElements | None = None, before: Mapping[str, int] = MappingProxyType({}), slow: float = 0.0,
 ) -> Impact | None:  # fmt: skip
     """Return what happens where speeds jump; None if no speeds were found.
 
@@ -80,11 +81,13 @@ def impact(
         By how much those that prescribed rates give have changed.
     ropes : RopeElements, optional
         Those of the mechanism, with their modes `before`.
+    slow : float
+        Ends of ropes that move apart more slowly do not move apart [m/s].
     """
     names = ("jacobian", "velocity_constraints") if problem.eqs.multiplier_names else ()
     energy, mass, *closed = evaluate_outputs(problem, ("energy", "mass_matrix", *names), t, x)
     rows, rates = closed if closed else (np.zeros((0, len(mass))), np.zeros(0))
-    places, tight = _tight_rows(ropes, t, x, before or {})
+    places, tight = _tight_rows(ropes, t, x, before)
     always = [k for k in range(len(rates)) if k not in places]
     given = np.zeros(len(mass)) if momenta is None else -momenta
     for some in _subsets(tight):
@@ -95,10 +98,12 @@ def impact(
         du, pulls = np.array(solution.udot), -np.array(solution.multipliers[len(always) :])
         after = rates + rows @ du
         left = [place for place in tight if place not in some]
-        if solution.ok and _is_inelastic(pulls, after[left], rates):
+        # A rope along which nothing was struck pulls by rounding of what was.
+        struck = 0.0 if momenta is None else float(np.abs(mass @ du).max(initial=0.0))
+        if solution.ok and _is_inelastic(pulls, after[left], rates, struck, slow):
             moved = x.copy()
             moved[: du.size] += du
-            least = BALANCED * float(pulls.max(initial=0.0))
+            least = BALANCED * float(pulls.max(initial=struck))
             pairs = zip(some, pulls, strict=True)
             by_row = {} if ropes is None else dict(zip(places, ropes.names, strict=True))
             impulses = {by_row[k]: float(pull) for k, pull in pairs if pull > least}
@@ -130,8 +135,8 @@ def _subsets(places: Sequence[int]) -> Iterator[tuple[int, ...]]:
                 return
 
 
-def _is_inelastic(pulls: Floats, left: Floats, rates: Floats) -> bool:
+def _is_inelastic(pulls: Floats, left: Floats, rates: Floats, struck: float, slow: float) -> bool:
     """Return whether no rope pushes, and the ends of those that do not pull do not move apart."""
-    least = -BALANCED * float(np.abs(pulls).max(initial=0.0))
-    most = BALANCED * float(np.abs(rates).max(initial=0.0))
+    least = -BALANCED * float(np.abs(pulls).max(initial=struck))
+    most = max(BALANCED * float(np.abs(rates).max(initial=0.0)), slow)
     return bool((pulls >= least).all() and (left <= most).all())

@@ -146,9 +146,9 @@ class SwitchingModes:
             found = impact(self.mechanism.problem, t, x, None, self.ropes, before)
             if found is None:
                 raise DeadEndError(t, Status.SINGULAR, "no speeds were found that keep the ropes taut")
-            self._pieces.begin_behind(self._first_state(t, x))
+            self._pieces.begin_behind(t, self._first_state(t, x))
             self._pieces.add_energy(found.change)
-            x = self.note_impact(found).x
+            x = self._note_impact(found).x
             at = self._hybrid_state(t, x, {}, {})
         modes = find_modes(self.mechanism, at)
         if modes is None:
@@ -196,7 +196,14 @@ class SwitchingModes:
         sizes = self.problem.scales.displacements(self.problem.eqs)[:, np.newaxis]
         self._fastest = max(self._fastest, float(np.abs(run.u / sizes).max(initial=0.0)))
 
-    def note_impact(self, found: Impact) -> Impact:
+    def strike(self, t: float, x: Floats, momenta: Floats) -> Impact | None:
+        """Return what a jump of the momenta that prescribed rates give does; None if no speeds were found."""
+        at = self._hybrid_state(t, x, self.known, {})
+        slow = at.small * at.length
+        found = impact(self.mechanism.problem, t, x, momenta, self.ropes, self.known, slow)
+        return None if found is None else self._note_impact(found)
+
+    def _note_impact(self, found: Impact) -> Impact:
         """Note an impact, in which ropes may have gone taut."""
         if found.impulses:
             self._impacts.append(found)
@@ -220,7 +227,7 @@ class SwitchingModes:
     def _first_state(self, t: float, x: Floats) -> MotionPlan:
         """Return the plan of the motion that consists of one state."""
         default = tuple(kind.default for kind, _ in self.mechanism.elements)
-        return self._pieces.plan(self.mechanism.problem_in(default), x, t, Instant("end", t, t, t))
+        return self._pieces.plan(self.mechanism.problem_in(default), x, t, Instant("start", t, t, t))
 
     def check_ropes(self, t: float, x: Floats, label: str) -> None:
         """Refuse a state, set by an event, in which a rope is longer than it can be.

@@ -22,7 +22,6 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.rewrite import substitute
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
-from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.closed_loops.partition import Partition, run_partition
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
@@ -100,16 +99,6 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     raw, notes, watch = _run_method(integration, integrator, constraints, closing, watch)
     step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
     return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
-
-
-def samples_on_the_way(plan: MotionPlan) -> bool:
-    """Return whether the method of a plan takes the samples of signals inside its loop."""
-    if isinstance(plan.integrator, Stiff | GeneralizedAlpha) or isinstance(plan.constraints, GGL | Partition):
-        return False
-    integration = plan.integration
-    if plan.constraints is not None or not integration.eqs.multiplier_names:
-        return True
-    return not is_overconstrained(integration.problem, integration.span[0], integration.state)
 
 
 def _fitting_constraints(plan: MotionPlan) -> Constraints:

@@ -36,6 +36,7 @@ from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.native.run import RawRun
@@ -102,6 +103,16 @@ _JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
 def change_point_note(notes: Iterable[str]) -> str:
     """Return what the notes of a motion say of a change point on its way; empty without one."""
     return next((note for note in notes if "(change point)" in note or "near a change point" in note), "")
+
+
+def samples_on_the_way(plan: MotionPlan) -> bool:
+    """Return whether the method of a plan takes the samples of signals inside its loop."""
+    if isinstance(plan.integrator, Stiff | GeneralizedAlpha) or isinstance(plan.constraints, GGL | Partition):
+        return False
+    integration = plan.integration
+    if plan.constraints is not None or not integration.eqs.multiplier_names:
+        return True
+    return not is_overconstrained(integration.problem, integration.span[0], integration.state)
 
 
 def integrate_on_branch(plan: MotionPlan) -> Integration:
