@@ -55,7 +55,6 @@ IMPLICIT = ("simulate Stiff", "simulate GeneralizedAlpha", "Stepper Stiff", "swe
 
 # Consumers and fragment -> what they make of it today: a code where it is rejected, or the values that are wrong.
 ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
-    (IMPLICIT, SAMPLED, "simulation.sampled"),
     (SWEEPS, FMU, "fmu_input.elsewhere"),
     (PROGRAMS, DRY, "simulation.program"),
     (PROGRAMS, ROPE, "simulation.program"),
@@ -72,11 +71,7 @@ ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
 )
 # The same of two fragments.
 TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = (
-    *(((*SIMULATE, *STEPPERS, *SWEEPS), (switching, BOUNCE), "simulation.stick_slip_event") for switching in (DRY, ROPE)),
     *((FMUS, (switching, BOUNCE), "fmu.motion") for switching in (DRY, ROPE)),
-    *(((*SIMULATE, *STEPPERS, *SWEEPS), (switching, JUMP), "simulation.struck_friction") for switching in (DRY, ROPE)),
-    *((("simulate GGL", "simulate Partition"), (other, SAMPLED), "simulation.sampled") for other in (DRY, ROPE)),
-    *((("simulate GGL", "simulate Partition"), (SAMPLED, other), "simulation.sampled") for other in (LOOP, MEASURED)),
 )  # fmt: skip
 
 
@@ -88,8 +83,6 @@ def expected(way: str, names: tuple[str, ...], substitute: bool) -> set[str]:
     """What a consumer may make today of fragments beside each other; nothing if it has to be right."""
     found = {word for ways, name, word in ALONE if way in ways and name in names}
     found |= {word for ways, pair, word in TOGETHER if way in ways and set(pair) <= set(names)}
-    if way in ("simulate GGL", "simulate Partition") and {SAMPLED, GEARS} <= set(names) and not substitute:
-        found.add("simulation.sampled")
     wrong = sorted({value for word in found if word.startswith("wrong: ") for value in word[7:].split(", ")})
     codes = {word for word in found if not word.startswith("wrong: ")}
     return codes or ({f"wrong: {', '.join(wrong)}"} if wrong else set())

@@ -64,19 +64,15 @@ MEASURED = "action at the measured angle of a cut joint"
 # Consumers and mechanisms -> what they make of them: a code, or the values that are wrong. The first row counts.
 TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (TEXTS, ACTIONS, "call.unknown_argument"),
-    (IMPLICIT, SAMPLED, "simulation.sampled"),
-    (HELD_ROWS, tuple(name for name in SAMPLED if "bounces" not in name), "simulation.sampled"),
     (TEXTS, SAMPLED, "signal.sampled"),
     (SWEEPS, FROM_FMU, "fmu_input.elsewhere"),
     (PROGRAMS, SWITCHING, "simulation.program"),
     (("live page",), SWITCHING, "animation.live_switching"),
-    ((*SIMULATE, *STEPPERS, *SWEEPS), STRUCK, "simulation.stick_slip_event"),
     (FMUS, STRUCK, "fmu.motion"),
     (PROGRAMS, JUMPS, "simulation.program"),
     (("live page",), JUMPS[:1], "animation.live_switching"),
     (("live page",), JUMPS[1:], "animation.live_jumps"),
     (FMUS, JUMPS, "fmu.motion"),
-    ((*SIMULATE, *STEPPERS, *SWEEPS), JUMPS[:1], "simulation.struck_friction"),
     # events see the angle within half a turn, so that it never is 5
     ((*SIMULATE, *STEPPERS, *SWEEPS, *FMUS), (MEASURED,), "wrong: mt"),
     # it breaks away one step of the importer behind the jump

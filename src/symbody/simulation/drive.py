@@ -119,7 +119,7 @@ class _Motion:
         self._changes: list[float] = []
         if self._modes is not None:
             check_backwards(span)
-        if self._modes is not None and self._times:
+        if self._times:
             check_strike(problem.eqs.formed, self._times[0])
 
     @property

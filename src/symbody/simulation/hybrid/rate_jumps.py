@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -18,10 +19,15 @@ from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_outputs
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.expr import opcodes as op
 from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
+from symbody.graph.linear_graph import Edge, breadth_first
+from symbody.model.constraint import FrameConstraint
+from symbody.model.joint import Joint
+from symbody.model.naming import GROUND
 from symbody.simulation.hybrid.modes import evaluate_outputs
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import AT_REST
@@ -205,6 +211,33 @@ def _jump_problem(name: str, t: float) -> Problem:
         "a position cannot change instantly",
         "use a transition from one value to the other, such as smoothstep(t, t1, t2)",
     )  # fmt: skip
+
+
+def struck_friction(formed: EquationsOfMotion) -> list[str]:
+    """Return the joints whose friction depends on reactions to which jumps of prescribed rates may be passed.
+
+    Joints and constraints pass impulses from body to body, but not through the ground.
+    """
+    edges = [Edge(part.name, part.start.body, part.end.body) for part in _links(formed)]
+    body = {edge.name: edge.start if edge.end == GROUND else edge.end for edge in edges}
+    edges = [edge for edge in edges if GROUND not in (edge.start, edge.end)]
+    roles, symbols = formed.joint_roles, formed.graph.symbols
+    owner = {symbol: body[role.joint.name] for role in roles for symbol in role.speeds}
+    sources = {body[role.joint.name] for role in roles if role.joint.motions}
+    for row in formed.rows:  # of gears and formulas: they tie the bodies whose speeds they contain
+        tied = [owner[symbols[formed.graph.left[speed]]] for speed in row.jacobian]
+        edges += [Edge(row.name, first, second) for first, second in pairwise(tied)]
+        read = symbols_of(formed.graph, [row.drift.index])
+        if TIME in {symbols[formed.graph.left[place]] for place in read}:
+            sources.update(tied)
+    reached = sources | {node for start in sources for _, _, node in breadth_first(edges, start)}
+    loaded = [law.joint.name for law in formed.friction if law.reads_reaction]
+    return [name for name in loaded if body[name] in reached]
+
+
+def _links(formed: EquationsOfMotion) -> list[Joint | FrameConstraint]:
+    """Return all that connects two frames."""
+    return [*formed.topology.joints, *formed.topology.contacts.values()]
 
 
 def momentum_jump(problem: SimulationProblem, x: Floats, before: float, behind: float) -> Floats:

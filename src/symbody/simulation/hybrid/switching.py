@@ -24,6 +24,7 @@ from symbody.simulation.hybrid.modes import (
     evaluate_outputs,
     find_modes,
 )
+from symbody.simulation.hybrid.rate_jumps import struck_friction
 from symbody.simulation.hybrid.ropes import TAUT, RopeElements, rope_elements
 from symbody.simulation.hybrid.stick_slip import stick_slip_joints
 from symbody.simulation.methods.integration import MotionPlan
@@ -286,11 +287,11 @@ def check_strike(formed: EquationsOfMotion, t: float) -> None:
     UsageError
         See above.
     """
-    names = [law.joint.name for law in formed.friction if law.reads_reaction]
+    names = struck_friction(formed)
     if names:
         raise UsageError(
             Problem("simulation.struck_friction", "motion", f"prescribed rates jump at t = {t:.9g} s",
                     f"the reactions on which the friction of {', '.join(names)} depends are infinite there",
                     "prescribe a motion without corners, for instance with smoothstep; or give friction as a "
-                    "force")
+                    "force, or a v0")
         )  # fmt: skip

@@ -71,13 +71,15 @@ class InputLaws:
         if not self.callbacks:
             return np.empty((t.size, 0))
         values = np.zeros((t.size, len(self.callbacks)))
-        if self.need_python:
-            for row, point in enumerate(zip(t.tolist(), q.T, u.T, strict=True)):
-                values[row] = self.evaluate(*point)
-        for place, table in self.tables.items():
-            values[:, place] = table.at(t)
-        for place, law in self.held_laws.items():
-            values[:, place] = law.values_at(t)
+        held_laws = self.held_laws
+        for place, (name, law) in enumerate(self.callbacks.items()):
+            if place in self.tables:
+                values[:, place] = self.tables[place].at(t)
+            elif place in held_laws:
+                values[:, place] = held_laws[place].values_at(t)
+            else:
+                points = zip(t.tolist(), q[: self.coordinates].T, u.T, strict=True)
+                values[:, place] = [_call_law(name, law, *point) for point in points]
         return values
 
     @property
