@@ -43,13 +43,26 @@ def oscillator(**more: Any) -> sb.EquationSet:
 
 
 def hinge_cut() -> sb.EquationSet:
-    """A body that turns in the plane; a cut joint measures its angle a, within half a turn."""
+    """A body that turns in the plane; a cut joint measures its angle a."""
     elements = [
         sb.Body("D", mass=1, inertia=(1, 1, 1)),
         sb.Planar("F", "ground", "D", coordinates=["x", "y", "th"]),
         sb.Revolute("C", "ground", "D", axis="z", coordinate="a", tree=False),
     ]
     return sb.form_equations(sb.Model("hinge", elements))
+
+
+def hinge_in_space() -> sb.EquationSet:
+    """A body on a ball joint; a cut joint measures its angle a, within half a turn: no sum of angles is a."""
+    elements = [
+        sb.Body("D", mass=1, inertia=(1, 1, 1)),
+        sb.Spherical("F", "ground", "D", coordinates=["x", "y", "th"], angles="xyz"),
+        sb.Revolute("C", "ground", "D", axis="z", coordinate="a", tree=False),
+    ]
+    return sb.form_equations(sb.Model("hinge in space", elements))
+
+
+HINGES = pytest.mark.parametrize("hinge", [hinge_cut, hinge_in_space])
 
 
 @pytest.mark.parametrize("times", [np.arange(0.0, 2.01, 0.25), [0.0, 1.0, 1.5], [0.5]])
@@ -196,39 +209,64 @@ def test_an_event_that_jumps_is_seen_where_an_angle_is_a_letter_of_a_word() -> N
     eqs = sb.form_equations(sb.Model("hinge", [*model.elements, jump]))
     run = sb.simulate(eqs, 2, {"th_dot": 0.1}, events=sb.Event("max(s, 0.1) - 0.5"))
     assert [event.t for event in run.events] == [pytest.approx(1.0)]
-    # The angle's own jump from half a turn to minus half a turn is none.
+    # The own jump of an angle from half a turn to minus half a turn is none.
     turning = sb.simulate(
-        eqs, 2, {"th_dot": 2.0}, events=[sb.Event("a - 3", name="a"), sb.Event("a + 0.5", name="b")]
+        hinge_in_space(),
+        2,
+        {"th_dot": 2.0},
+        events=[sb.Event("a - 3", name="a"), sb.Event("a + 0.5", name="b")],
     )
     assert [event.name for event in turning.events] == ["a"]
 
 
+@HINGES
 @pytest.mark.parametrize("count", [None, 2, 3, 7, 500])
-def test_the_angle_of_a_cut_joint_counts_turns_whatever_the_samples(count: int | None) -> None:
+def test_the_angle_of_a_cut_joint_counts_turns_whatever_the_samples(
+    hinge: Callable[[], sb.EquationSet], count: int | None
+) -> None:
     """th = 2.5 t, and a = th."""
     times = None if count is None else np.linspace(0, 10, count)
-    run = sb.simulate(hinge_cut(), 10, {"th_dot": 2.5}, times=times)
+    run = sb.simulate(hinge(), 10, {"th_dot": 2.5}, times=times)
     np.testing.assert_allclose(run["a"], run["th"], atol=1e-9)
     np.testing.assert_allclose(run.outputs("a", "energy")["a"], run["th"], atol=1e-9)
     assert run.at(9.3)["a"] == pytest.approx(23.25) and run.at([3.7, 9.3])["a"][1] == pytest.approx(23.25)
-    back = sb.simulate(hinge_cut(), (10, 0), {"th_dot": 2.5})
+    back = sb.simulate(hinge(), (10, 0), {"th_dot": 2.5})
     assert back["a"][-1] == pytest.approx(-25.0)
 
 
 def test_a_sweep_counts_turns_or_says_that_it_cannot() -> None:
-    fine = sb.sweep(hinge_cut(), 10, {}, {"th_dot": [0.0, 2.5]})
+    fine = sb.sweep(hinge_in_space(), 10, {}, {"th_dot": [0.0, 2.5]})
     np.testing.assert_allclose(fine["a"], fine["th"], atol=1e-9)
-    coarse = sb.sweep(hinge_cut(), 10, {}, {"th_dot": [0.0, 2.5]}, times=[0.0, 5.0, 10.0])
+    coarse = sb.sweep(hinge_in_space(), 10, {}, {"th_dot": [0.0, 2.5]}, times=[0.0, 5.0, 10.0])
     with pytest.raises(sb.UsageError, match="half a turn between samples") as caught:
         coarse["a"]
     assert caught.value.problems[0].code == "trajectory.turns"
 
 
-@pytest.mark.xfail(strict=True, reason="a sweep keeps samples alone, by which turns cannot be counted")
 def test_a_coarse_sweep_counts_turns() -> None:
     """a = th = 2.5 t, as `simulate` has it with the same times."""
     coarse = sb.sweep(hinge_cut(), 10, {}, {"th_dot": [2.5]}, times=[0.0, 5.0, 10.0])
     np.testing.assert_allclose(coarse["a"], coarse["th"], atol=1e-9)
+
+
+def test_an_angle_that_the_tree_knows_counts_turns_at_the_first_state() -> None:
+    """th = 20 at first is more than three turns; a difference of the angles of two arms is a, too."""
+    eqs = hinge_cut()
+    assert eqs.wrapped_angles == () and hinge_in_space().wrapped_angles == ("a",)
+    assert sb.Stepper(eqs, 0.1, initial={"th": 20.0})["a"] == pytest.approx(20.0)
+    pin = {"axis": "z", "tree": True}
+    elements = [
+        sb.Body("A", mass=1, inertia=(1, 1, 1)),
+        sb.Body("B", mass=1, inertia=(1, 1, 1)),
+        sb.Revolute("J", "ground", "A", coordinate="p", **pin),
+        sb.Planar("K", "A", "B", coordinates=["x", "y", "r"]),
+        sb.Revolute("C", "B", "ground", axis="z", coordinate="a", tree=False),
+    ]
+    both = sb.form_equations(sb.Model("arms", elements))
+    run = sb.simulate(both, 5, {"p_dot": 3.0, "r_dot": 1.5})
+    np.testing.assert_allclose(run["a"], -(run["p"] + run["r"]), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(run["a_dot"], -(run["p_dot"] + run["r_dot"]), rtol=1e-12, atol=1e-12)
+    assert run["a"][-1] == pytest.approx(-22.5)
 
 
 def test_cases_behind_the_loop_are_in_the_bar() -> None:
