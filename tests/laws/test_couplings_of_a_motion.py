@@ -128,6 +128,49 @@ def test_a_sweep_backwards_stops_at_its_event() -> None:
         np.testing.assert_allclose(run["y"], np.cos(math.sqrt(k) * (3 - run.t)), atol=1e-8)
 
 
+# In roundings of the time of a jump; conditions in x' are looked at 16 roundings of the span beside it.
+ROUNDINGS = (-97, -33, -16, -3, -1, 0, 1, 3, 16, 33, 97)
+
+
+@pytest.mark.parametrize("roundings", ROUNDINGS)
+@pytest.mark.parametrize(
+    ("jump", "motion"), [(1.0, "if(t < 1, t, 2*t - 1)"), (0.3, "if(t < 3*0.1, t, 2*t - 0.3)")]
+)
+def test_a_time_beside_a_jump_has_the_rates_of_one_side(jump: float, motion: str, roundings: int) -> None:
+    """x' and y' are 1 and 0, from the jump on 2 and -1, by whatever has a time there, or ends or begins there."""
+    eqs, t = pulled(motion), float(jump + roundings * np.spacing(jump))
+    rates = [1.0, 0.0] if t < jump else [2.0, -1.0]
+    stepper = sb.Stepper(eqs, t).step()
+    sweep = sb.sweep(eqs, 2, {}, {"y": [0.0]}, times=[0, t, 2])
+    back = {"y": jump - 2, "y_dot": -1.0}
+    for found in (
+        sb.simulate(eqs, 2, times=[0, t, 2]).outputs("x_dot", "y_dot").values(),
+        sb.simulate(eqs, (2, 0), back, times=[2, t, 0]).outputs("x_dot", "y_dot").values(),
+        ([sb.simulate(eqs, 2).at(t)[name]] * 2 for name in ("x_dot", "y_dot")),
+        ([sb.simulate(eqs, (2, 0), back).at(t)[name]] * 2 for name in ("x_dot", "y_dot")),
+        ([sb.simulate(eqs, t)[name][-1]] * 2 for name in ("x_dot", "y_dot")),
+        ([sb.simulate(eqs, (2, t), back)[name][-1]] * 2 for name in ("x_dot", "y_dot")),
+        ([sweep[name][0, 1]] * 2 for name in ("x_dot", "y_dot")),
+        ([stepper[name]] * 2 for name in ("x_dot", "y_dot")),
+    ):
+        np.testing.assert_allclose([values[1] for values in found], rates, atol=1e-9)
+    assert stepper.step()["y_dot"] == pytest.approx(-1.0)
+    behind = sb.simulate(eqs, (t, 2), {"y_dot": rates[1]})
+    assert behind["y_dot"][-1] == pytest.approx(-1.0) and behind.t[0] == t
+    ended = sb.simulate(eqs, t)
+    assert ended.t[-1] == t and ended.at(t)["work"] == pytest.approx(ended.work[-1]) == (
+        0 if t < jump else 1.5
+    )
+
+
+@pytest.mark.parametrize("length", [1e-15, 1e-14, 1e-12, 1e-9, 1e-7])
+def test_motions_may_be_short(length: float) -> None:
+    """Where t = 1 times are 2.2e-16 apart; y'' = -y from y = 0 and y' = 1 moves y by the time that passes."""
+    for eqs in (oscillator(), pulled()):
+        run = sb.simulate(eqs, (1, 1 + length), {"y_dot": 1.0})
+        assert run.success and run["y"][-1] == pytest.approx(run.t[-1] - 1, rel=1e-6)
+
+
 def slide(law: Callable[..., float] | str, mu_static: float = 0.4, length: float = 3.0) -> sb.EquationSet:
     elements = [
         sb.Body("A", mass=1),

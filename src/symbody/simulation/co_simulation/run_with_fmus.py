@@ -132,9 +132,7 @@ class _Run:
                 share = (stop - integration.span[0]) / (end - integration.span[0])
                 if integration.progress(share) is False:
                     raise KeyboardInterrupt
-            dense = part.dense_output
-            # behind a jump of prescribed rates at its end
-            t = stop if dense is None else float(dense.breaks[-1])
+            t, dense = stop, part.dense_output
             x = np.zeros(0) if dense is None else dense.at_end()
 
     def _sample(self, t: float, x: Floats) -> None:
@@ -154,7 +152,7 @@ class _Run:
         sides = self._parts[-1].sides[: len(part.events)] if self._parts else part.sides
         part = replace(part, problem=self._problem, sides=sides)
         plan = replace(self._plan, integration=part)
-        run = _run_part(plan, goes_on=span[1] != integration.span[1])
+        run = _run_part(plan)
         self._parts.append(run)
         self._stored += run.t.size
         self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
@@ -201,10 +199,8 @@ def _is_switched(problem: SimulationProblem) -> bool:
     return switches_there > 0 and any(group == "r" for group, _ in functions.names)
 
 
-def _run_part(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
-    if switches(plan.integration.eqs.formed):
-        return run_switching(plan, goes_on=goes_on)
-    return run_with_jumps(plan, goes_on=goes_on)
+def _run_part(plan: MotionPlan) -> Trajectory:
+    return run_switching(plan) if switches(plan.integration.eqs.formed) else run_with_jumps(plan)
 
 
 def _steps(times: list[float], values: list[float]) -> Table:

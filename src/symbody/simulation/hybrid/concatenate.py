@@ -154,12 +154,12 @@ def _total(spent: Sequence[Statistics]) -> Statistics:
 
 
 def _dense(parts: Sequence[DenseOutput | None]) -> DenseOutput | None:
-    """Return the motion of all steps; parts that take no time are left out, but for one behind a gap."""
+    """Return the motion of all steps; parts that take no time are left out, but for the last one."""
     known = [part for part in parts if part is not None and part.breaks[0] != part.breaks[-1]]
     last = parts[-1]
     if not known:
         return last
-    if last is not None and last is not known[-1] and last.breaks[-1] != known[-1].breaks[-1]:
+    if last is not None and last is not known[-1]:
         known.append(last)
     rows = max(part.pieces.shape[1] for part in known)
     pieces = [np.pad(part.pieces, ((0, 0), (0, rows - part.pieces.shape[1]), (0, 0))) for part in known]

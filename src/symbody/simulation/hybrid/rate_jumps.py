@@ -9,6 +9,7 @@ coordinates as well, at the state in which the motion comes to it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
@@ -29,7 +30,7 @@ from symbody.simulation.hybrid.modes import evaluate_outputs
 from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.simulation.status import Status
 from symbody.tolerances import AT_REST
 
@@ -41,6 +42,7 @@ _ROUNDED: Final = 1e-12
 _TORN: Final = 1e-5  # of the mechanism's size, and of its speeds: more than a motion has drifted by then
 _ELSEWHERE: Final = 0.137  # of coordinates and speeds, by which they are others
 _SAMPLES: Final = 33  # of a motion, for the size of what is prescribed
+_BESIDE: Final = 1e-9  # of times, in which jumps at its ends are looked for
 _MOST_NOTES: Final = 20
 _MOMENTA: Final = "momenta of the speeds"
 _WITH_CORNERS: Final = frozenset(
@@ -62,13 +64,8 @@ def may_jump(eqs: EquationSet) -> bool:
     return False
 
 
-def run_with_jumps(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
-    """Return a motion in parts, between the times at which prescribed rates jump.
-
-    Parameters
-    ----------
-    goes_on : bool
-        Whether another motion goes on at the end, so that a jump there happens; it is none of the next.
+def run_with_jumps(plan: MotionPlan) -> Trajectory:
+    """Return a motion in parts, between the times at which prescribed rates jump; see `jump_times`.
 
     Raises
     ------
@@ -77,37 +74,54 @@ def run_with_jumps(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
     """
     integration = plan.integration
     problem, span = integration.problem, integration.span
-    times, margin = jump_times(problem, integration.state, span, at_end=goes_on)
+    times, margin = jump_times(problem, integration.state, span)
     if not times:
         return execute(plan)
     step = float(np.copysign(margin, span[1] - span[0]))
-    is_last = abs(times[-1] - span[1]) <= margin  # the part behind it takes no time
-    ends = [*(t - step for t in times), times[-1] + step if is_last else span[1]]
-    spans = zip([span[0], *(t + step for t in times)], ends, strict=True)
+    edges = times if step > 0.0 else [math.nextafter(t, -math.inf) for t in times]
+    starts = [span[0], *(min(t + step, span[1], key=lambda end: end * step) for t in times)]
+    ends = [*(max(t - step, span[0], key=lambda end: end * step) for t in times), span[1]]
     parts: list[Trajectory] = []
     jumps: dict[int, float] = {}
     struck: list[int] = []  # of the jumps, those that change a speed
     x = integration.state
-    for k, (start, stop) in enumerate(spans):
-        asked = None if k == len(times) else step
-        part = execute(replace(plan, integration=_part(integration, x, parts, (start, stop), asked)))
-        parts.append(part)
-        if part.status is not Status.SUCCESS or k == len(times):
+    for k, part_span in enumerate(zip(starts, ends, strict=True)):
+        jump = None if k == len(times) else times[k]
+        part = execute(replace(plan, integration=_part(integration, x, parts, part_span, jump)))
+        is_over = part.status is not Status.SUCCESS or jump is None
+        parts.append(_stretch(part, edges[k - 1] if k else None, None if is_over else edges[k]))
+        if part.status is not Status.SUCCESS or jump is None:
             break
         before = _end_of(part)
-        _check_positions(problem, before, (stop, stop + 2.0 * step))
-        x, jumps[k + 1] = _jump(problem, before, stop, stop + 2.0 * step)
+        _check_positions(problem, before, (jump - step, jump + step))
+        x, jumps[k + 1] = _jump(problem, before, jump - step, jump + step)
         if (
             np.abs(x - before).max(initial=0.0)
             > _TORN * min(1.0, problem.scales.length) / problem.scales.time
         ):
             struck.append(k + 1)
     run = concatenate(parts, [event for part in parts for event in part.events], jumps)
-    if is_last and run.status is Status.SUCCESS:
-        run = replace(run, sides=parts[-2].sides)  # the motion that goes on sees what passed zero
+    if starts[-1] == span[1] and run.status is Status.SUCCESS:  # the last part takes no time
+        run = replace(run, sides=parts[-2].sides)  # a motion that goes on sees what passed zero
     if integration.times is not None:  # one at a jump was computed beside it
         run = at_times_asked(run, np.asarray(integration.times), 2.0 * margin)
     return replace(run, notes=(*run.notes, *_jump_notes(times, {k: jumps[k] for k in struck})))
+
+
+def _stretch(part: Trajectory, first: float | None, last: float | None) -> Trajectory:
+    """Return a part of a motion that begins and ends at the jumps, beside which it was computed."""
+    dense = part.dense_output
+    if dense is None:
+        return part
+    breaks = dense.breaks.copy()
+    if first is not None:
+        breaks[0] = first
+    if last is not None:
+        breaks[-1] = last
+    evaluate = part.evaluate
+    if isinstance(evaluate, Evaluator) and evaluate.work is not None:
+        evaluate = replace(evaluate, work=replace(evaluate.work, breaks=breaks))
+    return replace(part, dense_output=replace(dense, breaks=breaks), evaluate=evaluate)
 
 
 def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
@@ -122,38 +136,38 @@ def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
         yield f"{len(jumps) - _MOST_NOTES} more jumps of prescribed rates until t = {last:.9g} s"
 
 
-def jump_times(
-    problem: SimulationProblem, x: Floats, span: tuple[float, float], *, at_end: bool = False
-) -> tuple[list[float], float]:
-    """Return the times inside a span at which prescribed rates jump, in its order, and how exact they are.
+def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
+    """Return when prescribed rates jump in a span, in its order, and how far beside it sides are clear.
 
-    Parameters
-    ----------
-    at_end : bool
-        Whether a jump at the end, within what is exact, is one of them; one at the start is none.
+    A jump is the first time at which formulas have the values of later times: motions forward pass it where
+    they come to it, motions backward where they leave it. So one that goes on from an end misses none.
 
     Raises
     ------
     UsageError
         If a prescribed position jumps.
     """
-    (start, end), way = span, 1.0 if span[1] >= span[0] else -1.0
-    times, margin = _jumps(problem, x, (start, end + (end - start)) if at_end else span)
-    last = way * end + (margin if at_end else -margin)
-    return [t for t in times if way * start + margin < way * t <= last], margin
+    (start, end) = span
+    times, margin = _jumps(problem, x, (start, end))
+    low, high = min(span), max(span)
+    return [t for t in times if low < t <= high], margin
 
 
 def _jumps(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
-    """Return the jumps up to the ends of a span; see `jump_times`."""
+    """Return the jumps in a span and beside it, in its order; see `jump_times`."""
     eqs = problem.eqs
     if not eqs.plans.get("may jump", lambda: may_jump(eqs)) or span[0] == span[1]:
         return [], 0.0
     names = _prescribed_names(eqs)
     closed = ("constraints", "velocity_constraints") if eqs.multiplier_names else ()
-    bounds = problem.breakpoints(span, (*names, *(f"{name}_dot" for name in names), *closed))
-    inside = (bounds.times > min(span)) & (bounds.times < max(span)) & bounds.jumps
-    times = bounds.times[inside]
+    low, high = min(span), max(span)
+    beside = _BESIDE * max(high - low, abs(low), abs(high))  # a search keeps away from the ends
+    bounds = problem.breakpoints(
+        (low - beside, high + beside), (*names, *(f"{name}_dot" for name in names), *closed)
+    )
     margin = float(bounds.margins.max(initial=0.0))
+    inside = (bounds.times > low - margin) & (bounds.times < high + margin) & bounds.jumps
+    times = bounds.times[inside]
     if not times.size:
         return [], 0.0
     prescribed = _PrescribedMotions(problem, x, np.linspace(*span, _SAMPLES), times, margin)
@@ -171,7 +185,10 @@ def _jumps(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> 
         row, k = np.argwhere(torn & ~by_state)[0]
         raise UsageError(_jump_problem(_row_name(eqs, names, int(row)), float(times[k])))
     least = (AT_REST * fastest + rounded / problem.scales.time)[:, np.newaxis]
-    found: list[float] = times[(np.abs(rates) > least).any(axis=0) | by_state.any(axis=0)].tolist()
+    is_jump = np.abs(rates) > least
+    places = np.flatnonzero(is_jump.any(axis=0) | by_state.any(axis=0))
+    outputs = (*(f"{name}_dot" for name in names), *closed[1:])
+    found = [prescribed.first_behind(outputs, float(times[k]), is_jump[:, k]) for k in places]
     return found if span[1] >= span[0] else found[::-1], margin
 
 
@@ -240,6 +257,17 @@ class _PrescribedMotions:
         )
         return behind - before, np.abs(self._values(outputs, self.samples)).max(axis=1)
 
+    def first_behind(self, outputs: tuple[str, ...], t: float, jumping: Flags) -> float:
+        """Return the first time, as a number, at which outputs that jump have the values behind the jump."""
+        low, high = t - self.margin, t + self.margin
+        ends = self._values(outputs, np.array([low, high]))[jumping]
+        while jumping.any() and math.nextafter(low, high) < high:
+            middle = low + 0.5 * (high - low)
+            here = self._values(outputs, np.array([middle]))[jumping, 0]
+            passed = (here - ends[:, 0]) / (ends[:, 1] - ends[:, 0])
+            low, high = (low, middle) if passed.mean() > 0.5 else (middle, high)
+        return high if jumping.any() else t
+
     def _values(self, outputs: tuple[str, ...], t: Floats) -> Floats:
         columns = []
         for time in t.tolist():
@@ -268,23 +296,24 @@ def _part(
     x: Floats,
     before: list[Trajectory],
     span: tuple[float, float],
-    step: float | None,
+    jump: float | None,
 ) -> IntegrationProblem:
     """Return one part of a motion; a sample at a jump belongs to the part at later times, as formulas do.
 
     Parameters
     ----------
-    step : float or None
-        How far behind its end the jump is; None of the last part.
+    jump : float or None
+        The jump behind the part; None of the last one.
     """
     steps = sum(part.statistics.accepted + (part.statistics.rejected or 0) for part in before)
-    direction, times = float(np.sign(integration.span[1] - integration.span[0])), None
+    times = None
     if integration.times is not None:
         samples = np.asarray(integration.times)
         first, last = sum(part.t.size for part in before), samples.size
-        if step is not None:
-            stop = span[1] + (step if direction < 0.0 else 0.0)
-            last = int(np.searchsorted(direction * samples, direction * stop, side="right"))
+        if jump is not None:
+            is_forward = integration.span[1] >= integration.span[0]
+            is_before = samples < jump if is_forward else samples >= jump
+            last = int(np.count_nonzero(is_before))
         times = np.clip(samples[first:last], min(span), max(span))
     part = integration.part(x, span, times, steps)
     # An event that passes zero inside the jump happens behind it.

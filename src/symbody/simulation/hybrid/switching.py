@@ -54,13 +54,8 @@ def hybrid_mechanism(problem: SimulationProblem) -> HybridMechanism:
     return HybridMechanism(problem, tuple(kind for kind in kinds if kind.names))
 
 
-def run_switching(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
+def run_switching(plan: MotionPlan) -> Trajectory:
     """Return the motion of a mechanism with joints that stick and slip, or with ropes.
-
-    Parameters
-    ----------
-    goes_on : bool
-        Whether another motion goes on at the end, so that a jump of prescribed rates there is one of this.
 
     Raises
     ------
@@ -70,7 +65,7 @@ def run_switching(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
     integration = plan.integration
     problem, (start, _), x = integration.problem, integration.span, integration.state
     _check(integration.span, integration.events)
-    _check_motions(problem, x, integration.span, goes_on)
+    _check_motions(problem, x, integration.span)
     mechanism = hybrid_mechanism(problem)
     has_ropes = bool(ropes(problem.eqs.formed))
     history = _History(mechanism, plan)
@@ -252,7 +247,7 @@ def _drop_last_sample(part: Trajectory) -> Trajectory:
     return replace(part, t=part.t[:-1], q=part.q[:, :-1], u=part.u[:, :-1], s=part.s[:, :-1], stored=stored)
 
 
-def _check_motions(problem: SimulationProblem, x: Floats, span: tuple[float, float], goes_on: bool) -> None:
+def _check_motions(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> None:
     """Refuse prescribed rates that jump: what friction and ropes transmit in an instant is not computed.
 
     Raises
@@ -260,7 +255,7 @@ def _check_motions(problem: SimulationProblem, x: Floats, span: tuple[float, flo
     UsageError
         See above.
     """
-    times, _ = jump_times(problem, x, span, at_end=goes_on)
+    times, _ = jump_times(problem, x, span)
     if times:
         raise UsageError(
             Problem("simulation.struck_friction", "motion", f"prescribed rates jump at t = {times[0]:.9g} s",

@@ -103,7 +103,7 @@ class SeparateMotions:
         integration = replace(integration, sides=self._sides)
         plan = MotionPlan(integration, settings.integrator, settings.constraints)
         run = run_switching if switches(settings.moving.formed) else run_with_jumps
-        return run(plan, goes_on=True)
+        return run(plan)
 
     def end(self, code: int) -> Ending:
         """Return how the last step ended; `code` says only that it was not as usual."""
