@@ -66,8 +66,6 @@ ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
     (("live page",), ROPE, "animation.live_switching"),
     (("live page",), JUMP, "animation.live_jumps"),
     (FMUS, JUMP, "fmu.motion"),
-    # its angle is within half a turn, which neither a note nor the documentation says
-    ((*STEPPERS, *FMUS), MEASURED, "wrong: m"),
 )
 # The same of two fragments.
 TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = (

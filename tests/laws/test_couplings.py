@@ -59,7 +59,6 @@ ACTIONS = (
     "stop at a geared angle", "action at the measured angle of a cut joint", "action at a quaternion",
     "action in a loop", "stop of a ball that bounces",
 )  # fmt: skip
-MEASURED = "action at the measured angle of a cut joint"
 
 # Consumers and mechanisms -> what they make of them: a code, or the values that are wrong. The first row counts.
 TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
@@ -73,8 +72,6 @@ TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (("live page",), JUMPS[:1], "animation.live_switching"),
     (("live page",), JUMPS[1:], "animation.live_jumps"),
     (FMUS, JUMPS, "fmu.motion"),
-    # events see the angle within half a turn, so that it never is 5
-    ((*SIMULATE, *STEPPERS, *SWEEPS, *FMUS), (MEASURED,), "wrong: mt"),
     # it breaks away one step of the importer behind the jump
     (("FMU model exchange",), SWITCHING[:1], "wrong: x, x_dot"),
 )

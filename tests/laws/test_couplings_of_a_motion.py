@@ -43,13 +43,26 @@ def oscillator(**more: Any) -> sb.EquationSet:
 
 
 def hinge_cut() -> sb.EquationSet:
-    """A body that turns in the plane; a cut joint measures its angle a, within half a turn."""
+    """A body that turns in the plane; a cut joint measures its angle a."""
     elements = [
         sb.Body("D", mass=1, inertia=(1, 1, 1)),
         sb.Planar("F", "ground", "D", coordinates=["x", "y", "th"]),
         sb.Revolute("C", "ground", "D", axis="z", coordinate="a", tree=False),
     ]
     return sb.form_equations(sb.Model("hinge", elements))
+
+
+def hinge_in_space() -> sb.EquationSet:
+    """A body on a ball joint; a cut joint measures its angle a, within half a turn: no sum of angles is a."""
+    elements = [
+        sb.Body("D", mass=1, inertia=(1, 1, 1)),
+        sb.Spherical("F", "ground", "D", coordinates=["x", "y", "th"], angles="xyz"),
+        sb.Revolute("C", "ground", "D", axis="z", coordinate="a", tree=False),
+    ]
+    return sb.form_equations(sb.Model("hinge in space", elements))
+
+
+HINGES = pytest.mark.parametrize("hinge", [hinge_cut, hinge_in_space])
 
 
 @pytest.mark.parametrize("times", [np.arange(0.0, 2.01, 0.25), [0.0, 1.0, 1.5], [0.5]])
@@ -113,6 +126,49 @@ def test_a_sweep_backwards_stops_at_its_event() -> None:
         run = sweep.trajectory(case)
         assert run.t[-1] == pytest.approx(3 - math.pi / (2 * math.sqrt(k)), abs=1e-8)
         np.testing.assert_allclose(run["y"], np.cos(math.sqrt(k) * (3 - run.t)), atol=1e-8)
+
+
+# In roundings of the time of a jump; conditions in x' are looked at 16 roundings of the span beside it.
+ROUNDINGS = (-97, -33, -16, -3, -1, 0, 1, 3, 16, 33, 97)
+
+
+@pytest.mark.parametrize("roundings", ROUNDINGS)
+@pytest.mark.parametrize(
+    ("jump", "motion"), [(1.0, "if(t < 1, t, 2*t - 1)"), (0.3, "if(t < 3*0.1, t, 2*t - 0.3)")]
+)
+def test_a_time_beside_a_jump_has_the_rates_of_one_side(jump: float, motion: str, roundings: int) -> None:
+    """x' and y' are 1 and 0, from the jump on 2 and -1, by whatever has a time there, or ends or begins there."""
+    eqs, t = pulled(motion), float(jump + roundings * np.spacing(jump))
+    rates = [1.0, 0.0] if t < jump else [2.0, -1.0]
+    stepper = sb.Stepper(eqs, t).step()
+    sweep = sb.sweep(eqs, 2, {}, {"y": [0.0]}, times=[0, t, 2])
+    back = {"y": jump - 2, "y_dot": -1.0}
+    for found in (
+        sb.simulate(eqs, 2, times=[0, t, 2]).outputs("x_dot", "y_dot").values(),
+        sb.simulate(eqs, (2, 0), back, times=[2, t, 0]).outputs("x_dot", "y_dot").values(),
+        ([sb.simulate(eqs, 2).at(t)[name]] * 2 for name in ("x_dot", "y_dot")),
+        ([sb.simulate(eqs, (2, 0), back).at(t)[name]] * 2 for name in ("x_dot", "y_dot")),
+        ([sb.simulate(eqs, t)[name][-1]] * 2 for name in ("x_dot", "y_dot")),
+        ([sb.simulate(eqs, (2, t), back)[name][-1]] * 2 for name in ("x_dot", "y_dot")),
+        ([sweep[name][0, 1]] * 2 for name in ("x_dot", "y_dot")),
+        ([stepper[name]] * 2 for name in ("x_dot", "y_dot")),
+    ):
+        np.testing.assert_allclose([values[1] for values in found], rates, atol=1e-9)
+    assert stepper.step()["y_dot"] == pytest.approx(-1.0)
+    behind = sb.simulate(eqs, (t, 2), {"y_dot": rates[1]})
+    assert behind["y_dot"][-1] == pytest.approx(-1.0) and behind.t[0] == t
+    ended = sb.simulate(eqs, t)
+    assert ended.t[-1] == t and ended.at(t)["work"] == pytest.approx(ended.work[-1]) == (
+        0 if t < jump else 1.5
+    )
+
+
+@pytest.mark.parametrize("length", [1e-15, 1e-14, 1e-12, 1e-9, 1e-7])
+def test_motions_may_be_short(length: float) -> None:
+    """Where t = 1 times are 2.2e-16 apart; y'' = -y from y = 0 and y' = 1 moves y by the time that passes."""
+    for eqs in (oscillator(), pulled()):
+        run = sb.simulate(eqs, (1, 1 + length), {"y_dot": 1.0})
+        assert run.success and run["y"][-1] == pytest.approx(run.t[-1] - 1, rel=1e-6)
 
 
 def slide(law: Callable[..., float] | str, mu_static: float = 0.4, length: float = 3.0) -> sb.EquationSet:
@@ -196,39 +252,64 @@ def test_an_event_that_jumps_is_seen_where_an_angle_is_a_letter_of_a_word() -> N
     eqs = sb.form_equations(sb.Model("hinge", [*model.elements, jump]))
     run = sb.simulate(eqs, 2, {"th_dot": 0.1}, events=sb.Event("max(s, 0.1) - 0.5"))
     assert [event.t for event in run.events] == [pytest.approx(1.0)]
-    # The angle's own jump from half a turn to minus half a turn is none.
+    # The own jump of an angle from half a turn to minus half a turn is none.
     turning = sb.simulate(
-        eqs, 2, {"th_dot": 2.0}, events=[sb.Event("a - 3", name="a"), sb.Event("a + 0.5", name="b")]
+        hinge_in_space(),
+        2,
+        {"th_dot": 2.0},
+        events=[sb.Event("a - 3", name="a"), sb.Event("a + 0.5", name="b")],
     )
     assert [event.name for event in turning.events] == ["a"]
 
 
+@HINGES
 @pytest.mark.parametrize("count", [None, 2, 3, 7, 500])
-def test_the_angle_of_a_cut_joint_counts_turns_whatever_the_samples(count: int | None) -> None:
+def test_the_angle_of_a_cut_joint_counts_turns_whatever_the_samples(
+    hinge: Callable[[], sb.EquationSet], count: int | None
+) -> None:
     """th = 2.5 t, and a = th."""
     times = None if count is None else np.linspace(0, 10, count)
-    run = sb.simulate(hinge_cut(), 10, {"th_dot": 2.5}, times=times)
+    run = sb.simulate(hinge(), 10, {"th_dot": 2.5}, times=times)
     np.testing.assert_allclose(run["a"], run["th"], atol=1e-9)
     np.testing.assert_allclose(run.outputs("a", "energy")["a"], run["th"], atol=1e-9)
     assert run.at(9.3)["a"] == pytest.approx(23.25) and run.at([3.7, 9.3])["a"][1] == pytest.approx(23.25)
-    back = sb.simulate(hinge_cut(), (10, 0), {"th_dot": 2.5})
+    back = sb.simulate(hinge(), (10, 0), {"th_dot": 2.5})
     assert back["a"][-1] == pytest.approx(-25.0)
 
 
 def test_a_sweep_counts_turns_or_says_that_it_cannot() -> None:
-    fine = sb.sweep(hinge_cut(), 10, {}, {"th_dot": [0.0, 2.5]})
+    fine = sb.sweep(hinge_in_space(), 10, {}, {"th_dot": [0.0, 2.5]})
     np.testing.assert_allclose(fine["a"], fine["th"], atol=1e-9)
-    coarse = sb.sweep(hinge_cut(), 10, {}, {"th_dot": [0.0, 2.5]}, times=[0.0, 5.0, 10.0])
+    coarse = sb.sweep(hinge_in_space(), 10, {}, {"th_dot": [0.0, 2.5]}, times=[0.0, 5.0, 10.0])
     with pytest.raises(sb.UsageError, match="half a turn between samples") as caught:
         coarse["a"]
     assert caught.value.problems[0].code == "trajectory.turns"
 
 
-@pytest.mark.xfail(strict=True, reason="a sweep keeps samples alone, by which turns cannot be counted")
 def test_a_coarse_sweep_counts_turns() -> None:
     """a = th = 2.5 t, as `simulate` has it with the same times."""
     coarse = sb.sweep(hinge_cut(), 10, {}, {"th_dot": [2.5]}, times=[0.0, 5.0, 10.0])
     np.testing.assert_allclose(coarse["a"], coarse["th"], atol=1e-9)
+
+
+def test_an_angle_that_the_tree_knows_counts_turns_at_the_first_state() -> None:
+    """th = 20 at first is more than three turns; a difference of the angles of two arms is a, too."""
+    eqs = hinge_cut()
+    assert eqs.wrapped_angles == () and hinge_in_space().wrapped_angles == ("a",)
+    assert sb.Stepper(eqs, 0.1, initial={"th": 20.0})["a"] == pytest.approx(20.0)
+    pin = {"axis": "z", "tree": True}
+    elements = [
+        sb.Body("A", mass=1, inertia=(1, 1, 1)),
+        sb.Body("B", mass=1, inertia=(1, 1, 1)),
+        sb.Revolute("J", "ground", "A", coordinate="p", **pin),
+        sb.Planar("K", "A", "B", coordinates=["x", "y", "r"]),
+        sb.Revolute("C", "B", "ground", axis="z", coordinate="a", tree=False),
+    ]
+    both = sb.form_equations(sb.Model("arms", elements))
+    run = sb.simulate(both, 5, {"p_dot": 3.0, "r_dot": 1.5})
+    np.testing.assert_allclose(run["a"], -(run["p"] + run["r"]), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(run["a_dot"], -(run["p_dot"] + run["r_dot"]), rtol=1e-12, atol=1e-12)
+    assert run["a"][-1] == pytest.approx(-22.5)
 
 
 def test_cases_behind_the_loop_are_in_the_bar() -> None:

@@ -213,14 +213,20 @@ def test_reactions_and_named_angles_can_be_watched() -> None:
     assert {name for name, _, _ in data_run.events} == {"force", "theta - 1 + s*B"}
 
 
-def test_the_jump_of_a_measured_angle_is_no_event() -> None:
-    # joint D is cut, so the angle of the follower's pin is measured within half a turn
-    run = sb.simulate(slider_crank(), 4.0, initial={"theta_dot": 20.0}, events=sb.Event("B - 1", name="one"))
+def test_events_see_the_turns_of_a_measured_angle() -> None:
+    # joint D is cut, so the angle of the follower's pin is a sum of the crank's and of the rod's
+    each = [sb.Event(f"(B) + {2 * np.pi * k - 1!r}", name=str(k)) for k in range(30)]
+    turned = sb.Event("sin((B)/2 - 1/2)", name="turned")
+    run = sb.simulate(slider_crank(), 4.0, initial={"theta_dot": 20.0}, events=[*each, turned])
     angle = run["(B)"]  # "B" is the matrix of the inputs
-    turns = (angle.max() - angle.min()) / (2 * np.pi)
-    assert turns > 5
+    assert (angle.max() - angle.min()) / (2 * np.pi) > 5
     unwound = np.floor((angle - 1) / (2 * np.pi))
-    assert len(run.events) == np.count_nonzero(np.diff(unwound))
+    passed = np.count_nonzero(np.diff(unwound))
+    assert times_of(run, "turned").size == passed == len(run.events) - passed
+    for k, event in enumerate(each):
+        assert times_of(run, str(k)).size == np.count_nonzero(np.diff(np.sign(angle + 2 * np.pi * k - 1))), (
+            event
+        )
 
 
 def test_what_is_refused() -> None:

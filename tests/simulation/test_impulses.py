@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -104,12 +106,13 @@ def test_smooth_motions_and_whole_turns_strike_nothing() -> None:
     assert ends[1] == pytest.approx(ends[0], abs=1e-6)
 
 
-def test_friction_that_sticks_refuses_to_be_struck() -> None:
+@pytest.mark.parametrize("v0", [None, 0.01])
+def test_friction_of_struck_reactions_is_refused(v0: float | None) -> None:
     cart, box = sb.Body("Cart", mass=2), sb.Body("Box", mass=1)
     parts = [
         cart, box,
         sb.Prismatic("slide", "ground", cart, axis="x", coordinate="x", motion="max(0, t - 1)"),
-        sb.Prismatic("rub", cart, box, axis="x", coordinate="r", friction=sb.Friction(force=1)),
+        sb.Prismatic("rub", cart, box, axis="x", coordinate="r", friction=sb.Friction(0.3, v0=v0)),
     ]  # fmt: skip
     eqs = sb.form_equations(sb.Model("struck", parts))
     with pytest.raises(UsageError, match="prescribed rates jump at t = 1 s"):
@@ -143,26 +146,50 @@ def test_a_constraint_that_changes_nothing_at_the_start_is_judged_there_too() ->
         sb.simulate(eqs, 2.0, {"x_dot": 1.0})
 
 
-@pytest.mark.parametrize("hung", ["joint that sticks", "rope"])
-@pytest.mark.parametrize("dt", [0.05, 0.03, 0.4])
-def test_steps_refuse_rates_that_jump_under_friction_and_beside_ropes(hung: str, dt: float) -> None:
+def struck_rider(**more: Any) -> sb.EquationSet:
+    """A rider on a carrier whose rate jumps from 1 to 2 m/s at 0.4 s."""
     law = "if(t < 0.4, t, 2*t - 0.4)"
-    friction = sb.Friction(force=0.5, static=0.6) if hung == "joint that sticks" else None
     parts = [
         sb.Prismatic("carried", "ground", sb.Body("Carrier", mass=1), axis="x", coordinate="p", motion=law),
-        sb.Prismatic("ridden", "Carrier", sb.Body("Rider", mass=1), axis="x", coordinate="r", friction=friction),
+        sb.Prismatic("ridden", "Carrier", sb.Body("Rider", mass=1), axis="x", coordinate="r", friction=more.get("friction")),
     ]  # fmt: skip
-    ropes = [sb.Distance("rope", "Carrier", "Rider", 3.0, rope=True)] if hung == "rope" else []
-    eqs = sb.form_equations(sb.Model("struck", [*parts, *ropes]))
+    ropes = [sb.Distance("rope", "Carrier", "Rider", 3.0, rope=True)] if "rope" in more else []
+    return sb.form_equations(sb.Model("struck", [*parts, *ropes]))
+
+
+@pytest.mark.parametrize("hung", ["joint that sticks", "rope"])
+@pytest.mark.parametrize("dt", [0.05, 0.03, 0.4])
+def test_rates_jump_under_friction_and_beside_ropes(hung: str, dt: float) -> None:
+    """Friction of 0.5 N is finite: the rider goes on at 1 m/s; a slack rope pulls when it is 3 m long, at 4.4 s."""
+    friction = sb.Friction(force=0.5, static=0.6)
+    eqs = struck_rider(friction=friction) if hung == "joint that sticks" else struck_rider(rope=True)
     stepper = sb.Stepper(eqs, dt, initial={"r": 1.0, "r_dot": 0.0})
     lanes = sb.LaneStepper(eqs, dt, 2, initial={"r": 1.0, "r_dot": 0.0})
-    for each in (stepper, lanes):
-        with pytest.raises(UsageError) as error:
-            for _ in range(40):
-                each.step()
-        assert error.value.problems[0].code == "simulation.struck_friction"
-        t = np.max(each.t)
-        assert t < 0.4 <= t + dt + 1e-9
-        with pytest.raises(UsageError):  # nothing has moved, nor counts as a step
-            each.step()
+    run = sb.simulate(eqs, 6.0, initial={"r": 1.0, "r_dot": 0.0}, times=np.arange(0, 6, dt))
+    assert run.success
+
+    def place(t: float) -> float:
+        s = max(t - 0.4, 0.0)
+        if hung == "rope":
+            return max(1.0 - s, -3.0)
+        s = min(s, 2.0)
+        return 1.0 - s + s**2 / 4
+
+    for k in range(1, round(5.9 / dt)):
+        stepper.step()
+        lanes.step()
+        for value in (stepper.q[0], *lanes.q[:, 0], run["r"][k]):
+            assert value == pytest.approx(place(k * dt), abs=1e-7)
+
+
+def test_steps_refuse_friction_of_struck_reactions() -> None:
+    eqs = struck_rider(friction=sb.Friction(0.05))
+    stepper = sb.Stepper(eqs, 0.05, initial={"r": 1.0, "r_dot": 0.0})
+    with pytest.raises(UsageError) as error:
+        for _ in range(40):
+            stepper.step()
+    assert error.value.problems[0].code == "simulation.struck_friction"
+    assert float(stepper.t) < 0.4 <= float(stepper.t) + 0.05 + 1e-9
+    with pytest.raises(UsageError):  # nothing has moved, nor counts as a step
+        stepper.step()
         np.testing.assert_array_equal(each.t, t)

@@ -219,3 +219,40 @@ def test_refusals_change_nothing(code: str, call: Callable[[sb.LaneStepper], obj
 def test_numbers_of_lanes_that_mean_nothing(count: int) -> None:
     with pytest.raises(sb.UsageError, match=r"stepper\.lanes"):
         sb.LaneStepper(example("cart_pole"), 0.01, count)
+
+
+@pytest.mark.parametrize("points", [4, 101])
+@pytest.mark.parametrize("events", [(), sb.Event("x - 100")])
+def test_no_lane_moves_where_one_would_leave_a_table(points: int, events: Any) -> None:
+    """A lane that was not reset comes to the end of the table first; 3*0.1 is 0.3 but for the last bit."""
+    t = np.linspace(0.0, 0.3, points)
+    push = sb.Prismatic("J", "ground", "B", axis="x", coordinate="x", force=sb.Drive(applied="F"))
+    eqs = sb.form_equations(sb.Model("pushed", [sb.Body("B", mass=1), push], inputs=["F"]))
+    law = sb.Table(t, t, outside="error")
+    lanes = sb.LaneStepper(eqs, 0.1, 3, inputs={"F": law}, events=events)
+    lanes.step().reset([0, 2])
+    lanes.step().step()
+    before = lanes.save()
+    with pytest.raises(sb.UsageError, match="lane 1, input F: the table covers 0 to 0.3 s") as caught:
+        lanes.step()
+    assert [problem.code for problem in caught.value.problems] == ["simulation.table_range"]
+    assert lanes.save() == before
+    np.testing.assert_allclose(lanes.t, [0.2, 0.3, 0.2], rtol=1e-15)
+    stepper = sb.Stepper(eqs, 0.1, inputs={"F": law}, events=events).step().step().step()
+    with pytest.raises(sb.UsageError, match=r"simulation\.table_range"):
+        stepper.step()
+
+
+def test_lanes_beside_one_that_is_rejected_end_their_step() -> None:
+    """The prescribed position jumps at t = 0.25 where the parameter says so."""
+    elements = [
+        sb.Body("A", mass=1),
+        sb.Prismatic("J", "ground", "A", axis="x", coordinate="x", motion="if(t < 0.25, t, t + torn)"),
+        sb.Body("B", mass=1),
+        sb.Prismatic("K", "A", "B", axis="x", coordinate="y"),
+    ]
+    eqs = sb.form_equations(sb.Model("torn", elements, parameters={"torn": 0}))
+    lanes = sb.LaneStepper(eqs, 0.1, 3, {"torn": [0, 1, 0]}).step().step()
+    with pytest.raises(sb.UsageError, match="lane 1, motion x"):
+        lanes.step()
+    np.testing.assert_allclose(lanes.t, [0.3, 0.2, 0.3])

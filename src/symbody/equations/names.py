@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.kinematics.measured_coordinates import wrapped_angles
 
 
 class OrderedNames(NamedTuple):
@@ -22,6 +23,8 @@ class OrderedNames(NamedTuple):
         The four Euler parameters of each quaternion in q, scalar first.
     measured_angles : tuple of str
         Angles of cut joints.
+    wrapped_angles : tuple of str
+        Those of them that are measured in (-pi, pi].
     """
 
     coordinates: tuple[str, ...]
@@ -34,6 +37,7 @@ class OrderedNames(NamedTuple):
     multipliers: tuple[str, ...]
     quaternions: tuple[tuple[str, ...], ...]
     measured_angles: tuple[str, ...]
+    wrapped_angles: tuple[str, ...]
 
 
 def names_of(formed: EquationsOfMotion) -> OrderedNames:
@@ -57,6 +61,11 @@ def names_of(formed: EquationsOfMotion) -> OrderedNames:
             for name in role.joint.rotation_coordinates
             if name not in role.coordinates and role.joint.quaternion is None
         ),
+        wrapped_angles=tuple(
+            name
+            for role in formed.joint_roles
+            for name in wrapped_angles(formed.names, formed.kinematics, role)
+        ),
     )
 
 
@@ -77,8 +86,13 @@ class NamedEquations:
 
     @property
     def measured_angles(self) -> tuple[str, ...]:
-        """Names of the angles of cut joints, which are outputs in (-pi, pi]."""
+        """Names of the angles of cut joints, which are outputs."""
         return self.names.measured_angles
+
+    @property
+    def wrapped_angles(self) -> tuple[str, ...]:
+        """Names of those of them that are measured in (-pi, pi]: no angles of the tree add up to them."""
+        return self.names.wrapped_angles
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:

@@ -97,7 +97,9 @@ def end_motion(B: Reals, t: float, bound: int) -> None:
     B[T_NEW] = B[T_END]
     if place >= 0 and B[place + BREAK_JUMPS] != 0.0:
         if abs(B[place + BREAK_TIME] - B[T_END]) <= B[place + BREAK_MARGIN]:
-            B[LENGTH] = ahead - B[DIRECTION] * B[place + BREAK_MARGIN]
+            before = B[place + BREAK_TIME] - B[DIRECTION] * B[place + BREAK_MARGIN]
+            if (before - t) * B[DIRECTION] > 0.0 and (B[T_END] - before) * B[DIRECTION] > 0.0:
+                B[LENGTH] = before - t
 
 
 def plan_trial(B: Reals, t: float, h: float) -> None:

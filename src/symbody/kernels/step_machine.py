@@ -7,6 +7,8 @@ and `pieces`, ends and dense output of each step, if they are kept.
 
 from __future__ import annotations
 
+from typing import Final
+
 from symbody.kernels.block import (
     ACCEPTED,
     COLLAPSED,
@@ -66,7 +68,9 @@ from symbody.kernels.runge_kutta import (
     evaluate,
     reject,
 )
-from symbody.kernels.step_bounds import behind_jump, plan_trial
+from symbody.kernels.step_bounds import EPSILON, behind_jump, plan_trial
+
+SHORTEST: Final = 16.0  # roundings of a time are the shortest first step: beyond the 10 of `plan_trial`
 
 
 def store_sample(B: Reals, time: float, source: int, t: Reals, x: Reals) -> None:
@@ -256,7 +260,7 @@ def first_step(f: Function, B: Reals) -> float:
     """Guess a step from the size of the first two derivatives: section II.4, Starting Step Size.
 
     What adds up quantities of different units there does so in units of the longest step allowed, so that the
-    guess does not depend on the unit of time.
+    guess does not depend on the unit of time. It is not shorter than times can tell.
     """
     n = int(B[N])
     t = B[TIME]
@@ -282,7 +286,8 @@ def first_step(f: Function, B: Reals) -> float:
     longer = max(1e-6, 1e-3 * share)
     if steepest > 1e-15:
         longer = power(0.01 / steepest, 1.0 / B[METHOD + ORDER])
-    return min(min(100.0 * share, longer), 1.0) * bound
+    least = min(bound, SHORTEST * EPSILON * abs(t))
+    return max(min(min(100.0 * share, longer), 1.0) * bound, least)
 
 
 def begin(f: Function, B: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:

@@ -62,15 +62,13 @@ class Driven(NamedTuple):
     sides: tuple[EventSide, ...]
 
 
-def drive(plan: MotionPlan, inputs: Mapping[str, object] | None = None, *, goes_on: bool = False) -> Driven:
+def drive(plan: MotionPlan, inputs: Mapping[str, object] | None = None) -> Driven:
     """Return a motion with all that happens on its way.
 
     Parameters
     ----------
     inputs : mapping of str to law
         Of these, FMUs are asked at their samples.
-    goes_on : bool
-        Whether another motion goes on at the end, so that a jump of rates there happens: it is none of that.
 
     Raises
     ------
@@ -85,7 +83,7 @@ def drive(plan: MotionPlan, inputs: Mapping[str, object] | None = None, *, goes_
     sampler = None if problem.sampler is None or samples_on_the_way(plan) else problem.sampler
     with ExitStack() as stack:
         held = HeldInputs(problem, fmus, span, x, stack, sampler)
-        motion = _Motion(plan, held, goes_on)
+        motion = _Motion(plan, held)
         if not motion.has_instants:
             piece = execute(plan)
             return Driven(piece.run, problem, piece.sides)
@@ -101,17 +99,15 @@ class _Motion:
         Of the whole motion.
     held : HeldInputs
         What is sampled between pieces.
-    goes_on : bool
-        Whether another motion goes on at the end.
     """
 
-    def __init__(self, plan: MotionPlan, held: HeldInputs, goes_on: bool) -> None:
+    def __init__(self, plan: MotionPlan, held: HeldInputs) -> None:
         integration = plan.integration
         problem, span = integration.problem, integration.span
         self._plan, self._held = plan, held
         self._pieces = Pieces(plan)
-        self._times, self._margin = jump_times(problem, integration.state, span, at_end=goes_on)
-        self._step = float(np.copysign(self._margin, span[1] - span[0]))
+        self._times, margin = jump_times(problem, integration.state, span)
+        self._step = float(np.copysign(margin, span[1] - span[0]))
         self._jumped: list[tuple[float, float]] = []  # jumps that changed a speed: when, and the energy
         self._passed = 0  # of the jumps
         self._modes = SwitchingModes(problem, self._pieces) if switches(problem.eqs.formed) else None
@@ -171,9 +167,11 @@ class _Motion:
         if due < end - self._held.width:
             found = Instant("sample", due, due, due, self._held.width)
         if self._passed < len(self._times):
-            jump = self._times[self._passed]
-            if way * (jump - self._step) <= way * found.at:
-                found = Instant("jump", jump, jump - self._step, jump + self._step, self._margin)
+            jump, step = self._times[self._passed], self._step
+            before = max(jump - step, t, key=lambda time: way * time)
+            if way * before <= way * found.at:
+                behind = min(jump + step, end, key=lambda time: way * time)
+                found = Instant("jump", jump, before, behind)
         return found
 
     def _move(self, x: Floats, t: float, until: Instant) -> Piece:
@@ -181,14 +179,14 @@ class _Motion:
         modes = self._modes
         if modes is None:
             piece = execute(self._pieces.plan(self._held.problem, x, t, until))
-            self._pieces.add(piece)
+            self._pieces.add(piece, until)
             return piece
         free = modes.free if self._acts else None
         piece = execute(self._pieces.plan(modes.problem, x, t, until, modes.ends, free))
         labels = {event.label for event in modes.ends}
         events = tuple(event for event in piece.run.events if event.name not in labels)
         modes.note_speeds(piece.run)
-        self._pieces.add(piece._replace(run=replace(piece.run, events=events)), modes.modes)
+        self._pieces.add(piece._replace(run=replace(piece.run, events=events)), until, modes.modes)
         return piece
 
     def _behind(self, piece: Piece, until: Instant) -> Stage | None:
@@ -272,8 +270,8 @@ class _Motion:
         if not self._pieces.runs:
             integration = self._plan.integration
             t, problem = integration.span[0], self._held.problem
-            plan = self._pieces.plan(problem, integration.state, t, Instant("start", t, t, t))
-            self._pieces.add(execute(plan))
+            start = Instant("start", t, t, t)
+            self._pieces.add(execute(self._pieces.plan(problem, integration.state, t, start)), start)
         run = self._whole()
         return replace(run, status=end.status, notes=(*run.notes, f"at t = {end.t:.9g} s {end.why}"))
 

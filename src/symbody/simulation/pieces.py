@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -34,7 +35,7 @@ class Instant(NamedTuple):
     before, behind : float
         Where the smooth motion before it ends, and where the one behind it begins [s].
     width : float
-        Times closer to it are the same time [s].
+        Times so much before it are the same time [s].
     """
 
     happens: str
@@ -72,6 +73,7 @@ class Pieces:
         self._stored = 0  # of the samples asked for
         self._steps = 0
         self._width = 0.0
+        self._edge: float | None = None  # of the last piece, where it ends at a jump
 
     def plan(
         self, problem: SimulationProblem, x: Floats, t: float, end: Instant, more: Sequence[Event] = (),
@@ -90,7 +92,7 @@ class Pieces:
         """
         whole = self._plan.integration
         span = t, end.before
-        self._width = max(self._width, end.width)
+        self._width = max(self._width, end.width, abs(end.behind - end.before))
         part = whole.part(x, span, self._times(span, end), self._steps, problem, (*whole.events, *more))
         return replace(self._plan, integration=replace(part, sides=self.sides, free=free))
 
@@ -101,20 +103,30 @@ class Pieces:
             return None
         times, last = np.asarray(whole.times), None
         if end.happens != "end":
-            forward = whole.span[1] >= whole.span[0]
-            way, limit = (1.0, end.at - end.width) if forward else (-1.0, end.at)
-            last = int(np.searchsorted(way * times, way * limit, side="right"))
+            is_forward = whole.span[1] >= whole.span[0]
+            is_before = times < end.at - end.width if is_forward else times >= end.at
+            last = int(np.count_nonzero(is_before))
         clipped: Floats = np.clip(times[self._stored : last], min(span), max(span))
         return clipped
 
-    def add(self, piece: Piece, modes: tuple[int, ...] = ()) -> None:
-        """Add a piece, whose samples behind those asked for are left out if the motion goes on."""
-        self.runs.append(piece.run)
+    def add(self, piece: Piece, until: Instant, modes: tuple[int, ...] = ()) -> None:
+        """Add a piece that was to end at an instant.
+
+        Where rates jump, pieces are computed beside the jump, and meet in it.
+        """
+        run, is_there = piece.run, piece.run.status is Status.SUCCESS and until.happens == "jump"
+        edge = None
+        if is_there:
+            is_forward = self._plan.integration.span[1] >= self._plan.integration.span[0]
+            edge = until.at if is_forward else math.nextafter(until.at, -math.inf)
+        self.runs.append(_stretch(run, self._edge, edge))
+        self._edge = edge
         self._modes.append(modes)
-        self.occurrences.extend(piece.run.events)
-        self._stored += piece.run.t.size
-        self._steps += piece.run.statistics.accepted + (piece.run.statistics.rejected or 0)
-        self.sides = piece.sides[: len(self._plan.integration.events)]
+        self.occurrences.extend(run.events)
+        self._stored += run.t.size
+        self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
+        if len(self.runs) == 1 or _length(run):  # one of no time sees nothing pass zero
+            self.sides = piece.sides[: len(self._plan.integration.events)]
 
     def leave_out(self, t: float, *, is_replaced: bool = False) -> None:
         """Leave out the last sample of the last piece if it is at a time at which the motion was cut.
@@ -141,7 +153,7 @@ class Pieces:
         if self.runs:
             self.leave_out(t, is_replaced=True)
         elif self._plan.integration.times is None:
-            self.add(execute(first))
+            self.add(execute(first), Instant("start", t, t, t))
 
     def add_energy(self, change: float) -> None:
         """Count what the energy jumps by before the next piece [J] as work."""
@@ -156,8 +168,30 @@ class Pieces:
         """Return the whole motion, with the verdict of its last piece."""
         run = concatenate(self.runs, self.occurrences, self._changes, self._modes)
         if self._plan.integration.times is not None:
-            run = at_times_asked(run, np.asarray(self._plan.integration.times), 2.0 * self._width)
+            run = at_times_asked(run, np.asarray(self._plan.integration.times), self._width)
         return run
+
+
+def _length(run: Trajectory) -> float:
+    """Return how long a piece lasts [s]."""
+    dense = run.dense_output
+    return 0.0 if dense is None else abs(float(dense.breaks[-1] - dense.breaks[0]))
+
+
+def _stretch(run: Trajectory, first: float | None, last: float | None) -> Trajectory:
+    """Return a piece that begins and ends at other times, beside which it was computed."""
+    dense = run.dense_output
+    if dense is None or (first is None and last is None):
+        return run
+    breaks = dense.breaks.copy()
+    if first is not None:
+        breaks[0] = first
+    if last is not None:
+        breaks[-1] = last
+    evaluate = run.evaluate
+    if isinstance(evaluate, Evaluator) and evaluate.work is not None:
+        evaluate = replace(evaluate, work=replace(evaluate.work, breaks=breaks))
+    return replace(run, dense_output=replace(dense, breaks=breaks), evaluate=evaluate)
 
 
 def concatenate(
@@ -231,12 +265,12 @@ def _total(spent: Sequence[Statistics]) -> Statistics:
 
 
 def _dense(parts: Sequence[DenseOutput | None]) -> DenseOutput | None:
-    """Return the motion of all steps; parts that take no time are left out, but for one behind a gap."""
+    """Return the motion of all steps; parts that take no time are left out, but for the last one."""
     known = [part for part in parts if part is not None and part.breaks[0] != part.breaks[-1]]
     last = parts[-1]
     if not known:
         return last
-    if last is not None and last is not known[-1] and last.breaks[-1] != known[-1].breaks[-1]:
+    if last is not None and last is not known[-1]:
         known.append(last)
     rows = max(part.pieces.shape[1] for part in known)
     pieces = [np.pad(part.pieces, ((0, 0), (0, rows - part.pieces.shape[1]), (0, 0))) for part in known]

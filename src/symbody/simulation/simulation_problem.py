@@ -138,9 +138,9 @@ class Evaluator:
     work: DenseOutput | None
 
     @property
-    def measured_angles(self) -> tuple[str, ...]:
+    def wrapped_angles(self) -> tuple[str, ...]:
         """Angles of cut joints, which are given within half a turn."""
-        return self.problem.eqs.measured_angles
+        return self.problem.eqs.wrapped_angles
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N)."""

@@ -90,6 +90,18 @@ class Rotation:
         return Rotation(tuple(step.inverse for step in reversed(self.turns)))
 
 
+def angle_about(graph: Graph, rotation: Rotation, axis: Triple) -> Expr | None:
+    """Return the angle of a rotation that is a turn about an axis, or none at all; None if it is neither."""
+    if not rotation.turns:
+        return number(graph, 0)
+    step = rotation.turns[0]
+    if len(rotation.turns) > 1 or not isinstance(step, AxisRotation):
+        return None
+    if step.axis == axis:
+        return step.angle
+    return -step.angle if step.axis == -Vector3(axis) else None
+
+
 def compose_steps(turns: Iterable[ElementaryRotation]) -> Rotation:
     """Return the rotation made of steps, neighbours merged, identities left out."""
     steps: list[ElementaryRotation] = []

@@ -11,14 +11,16 @@ from symbody.model.joint import Joint, QuasiSpeeds
 from symbody.spatial.euler_angles import angles_of_matrix
 from symbody.spatial.frame import FrameTree
 from symbody.spatial.matrix import Triple, Vector3, identity
+from symbody.spatial.rotation import angle_about
 from symbody.spatial.vector import Vector, cross, dot, vector
 
 
 def measure_coordinates(names: Names, kinematics: Kinematics, role: JointRole) -> dict[str, Expr]:
     """Return the coordinates of a joint that are neither in q nor prescribed, their first and second rates.
 
-    Angles are in (-pi, pi]; a quaternion is not measured, because its sign is free. Speeds that are
-    components of velocities are measured too, with their rates.
+    An angle is the sum of angles of the tree where all turn about its axis; other angles are in (-pi, pi].
+    A quaternion is not measured, because its sign is free. Speeds that are components of velocities are
+    measured too, with their rates.
     """
     values: dict[str, Expr] = {}
     if not role.has_displacements:
@@ -90,6 +92,23 @@ def _angles(names: Names, kinematics: Kinematics, joint: Joint) -> dict[str, Exp
     return values | {f"{name}_dot": kinematics.rate(angle) for name, angle in values.items()}
 
 
+def wrapped_angles(names: Names, kinematics: Kinematics, role: JointRole) -> tuple[str, ...]:
+    """Return the angles that `measure_coordinates` measures in (-pi, pi]."""
+    joint = role.joint
+    if joint.quaternion is not None:
+        return ()
+    turns = axis_rotations(names, joint.turns(), f"joint {joint.name}")
+    if len(turns) == 1 and _angle_of_tree(kinematics, joint, turns[0].axis) is not None:
+        return ()
+    return tuple(name for name in joint.rotation_coordinates if name not in role.coordinates)
+
+
+def _angle_of_tree(kinematics: Kinematics, joint: Joint, axis: Triple) -> Expr | None:
+    """Return the angle between the frames of a joint where the tree turns about its axis alone, else None."""
+    rotation = kinematics.tree.rotation(joint.start.full_name, joint.end.full_name)
+    return angle_about(kinematics.graph, rotation, axis)
+
+
 def _single_angle(kinematics: Kinematics, joint: Joint, axis: Triple) -> dict[str, Expr]:
     tree = kinematics.tree
     start, end = tree.orientation_frame(joint.start.full_name), tree.orientation_frame(joint.end.full_name)
@@ -98,7 +117,9 @@ def _single_angle(kinematics: Kinematics, joint: Joint, axis: Triple) -> dict[st
     sine, cosine = dot(tree, vector(start, second), seen), dot(tree, vector(start, first), seen)
     name = joint.rotation_coordinates[0]
     turning = _relative_angular_velocity(kinematics, joint)
-    return {name: atan2(sine, cosine), f"{name}_dot": dot(tree, vector(start, axis), turning)}
+    counted = _angle_of_tree(kinematics, joint, axis)
+    angle = atan2(sine, cosine) if counted is None else counted
+    return {name: angle, f"{name}_dot": dot(tree, vector(start, axis), turning)}
 
 
 def _two_angles(kinematics: Kinematics, joint: Joint, a: Triple, b: Triple) -> dict[str, Expr]:

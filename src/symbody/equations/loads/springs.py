@@ -19,8 +19,8 @@ from symbody.model.loads.curve import Law as LawValue
 from symbody.model.loads.forces import SpringDamper
 from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
 from symbody.model.simple_rotation import unit_axis
-from symbody.spatial.matrix import Triple, Vector3
-from symbody.spatial.rotation import AxisRotation, Rotation, compose_steps
+from symbody.spatial.matrix import Triple
+from symbody.spatial.rotation import angle_about, compose_steps
 from symbody.spatial.vector import dot, vector
 
 
@@ -169,7 +169,7 @@ def _joint_angle(
             )
             ways.insert(0, before.then(rotation if forward else rotation.inverse).then(after))
     for way in ways:
-        angle = _axis_angle(kinematics, way, axis)
+        angle = angle_about(kinematics.graph, way, axis)
         if angle is not None:
             return angle
     return None
@@ -178,18 +178,6 @@ def _joint_angle(
 def connects_bodies(start: str, end: str, spring: TorsionSpring) -> bool:
     """Return whether a spring connects two bodies, in whichever order."""
     return {start, end} == {spring.start.body, spring.end.body}
-
-
-def _axis_angle(kinematics: Kinematics, way: Rotation, axis: Triple) -> Expr | None:
-    """Return the angle of a rotation that is a turn about an axis, or none at all."""
-    if not way.turns:
-        return number(kinematics.graph, 0)
-    step = way.turns[0]
-    if len(way.turns) > 1 or not isinstance(step, AxisRotation):
-        return None
-    if step.axis == axis:
-        return step.angle
-    return -step.angle if step.axis == -Vector3(axis) else None
 
 
 def _angle_between_axes(kinematics: Kinematics, spring: TorsionSpring, axis: Triple, free: Expr) -> Expr:

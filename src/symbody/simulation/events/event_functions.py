@@ -187,18 +187,18 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
 def event_numbers(eqs: EquationSet, event: Event, of_time: bool) -> WatchedEvent:
     """Return an event as numbers; `of_time` if its value reads no state."""
     action = STOPS if event.action == "stop" else SETS if event.mapping else RECORDS
-    wraps = _reads_measured_angle(eqs, str(event.expression))
+    wraps = _reads_wrapped_angle(eqs, str(event.expression))
     targets = tuple(eqs.state_names.index(name) for name in event.mapping)
     level = event.level if isinstance(event, LevelEvent) else 0.0
     return WatchedEvent(event.direction, action, wraps, targets, level, of_time)
 
 
-def _reads_measured_angle(eqs: EquationSet, expression: str) -> bool:
+def _reads_wrapped_angle(eqs: EquationSet, expression: str) -> bool:
     """Return whether the angle of a cut joint stands in an expression, which then jumps by a turn."""
-    if not eqs.measured_angles:
+    if not eqs.wrapped_angles:
         return False
     names = eqs.formed.readable_names
-    angles = {names.value(name).index for name in eqs.measured_angles}
+    angles = {names.value(name).index for name in eqs.wrapped_angles}
     return not angles.isdisjoint(eqs.formed.graph.reachable(eqs.roots(expression).nodes))
 
 

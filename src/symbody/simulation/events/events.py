@@ -72,8 +72,8 @@ class Event:
     `Status.CHATTERING`. An event that records or stops, and one of direction 0 whose value had no sign yet,
     happens once its value has left zero.
 
-    A value that touches zero from one side counts if `direction` is 0. Angles of cut joints are measured
-    within half a turn; their jump from one end to the other does not count.
+    A value that touches zero from one side counts if `direction` is 0. Angles of cut joints that are not sums
+    of angles of the tree are measured within half a turn; their jump between its ends does not count.
 
     Attributes
     ----------

@@ -9,6 +9,7 @@ coordinates as well, at the state in which the motion comes to it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -40,6 +41,7 @@ _ROUNDED: Final = 1e-12
 _TORN: Final = 1e-5  # of the mechanism's size, and of its speeds: more than a motion has drifted by then
 _ELSEWHERE: Final = 0.137  # of coordinates and speeds, by which they are others
 _SAMPLES: Final = 33  # of a motion, for the size of what is prescribed
+_BESIDE: Final = 1e-9  # of times, in which jumps at its ends are looked for
 _MOST_NOTES: Final = 20
 _MOMENTA: Final = "momenta of the speeds"
 _WITH_CORNERS: Final = frozenset(
@@ -72,38 +74,38 @@ def jump_notes(jumps: Sequence[tuple[float, float]]) -> Iterator[str]:
         yield f"{len(jumps) - _MOST_NOTES} more jumps of prescribed rates until t = {jumps[-1][0]:.9g} s"
 
 
-def jump_times(
-    problem: SimulationProblem, x: Floats, span: tuple[float, float], *, at_end: bool = False
-) -> tuple[list[float], float]:
-    """Return the times inside a span at which prescribed rates jump, in its order, and how exact they are.
+def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
+    """Return when prescribed rates jump in a span, in its order, and how far beside it sides are clear.
 
-    Parameters
-    ----------
-    at_end : bool
-        Whether a jump at the end, within what is exact, is one of them; one at the start is none.
+    A jump is the first time at which formulas have the values of later times: motions forward pass it where
+    they come to it, motions backward where they leave it. So one that goes on from an end misses none.
 
     Raises
     ------
     UsageError
         If a prescribed position jumps.
     """
-    (start, end), way = span, 1.0 if span[1] >= span[0] else -1.0
-    times, margin = _jumps(problem, x, (start, end + (end - start)) if at_end else span)
-    last = way * end + (margin if at_end else -margin)
-    return [t for t in times if way * start + margin < way * t <= last], margin
+    (start, end) = span
+    times, margin = _jumps(problem, x, (start, end))
+    low, high = min(span), max(span)
+    return [t for t in times if low < t <= high], margin
 
 
 def _jumps(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
-    """Return the jumps up to the ends of a span; see `jump_times`."""
+    """Return the jumps in a span and beside it, in its order; see `jump_times`."""
     eqs = problem.eqs
     if not eqs.plans.get("may jump", lambda: may_jump(eqs)) or span[0] == span[1]:
         return [], 0.0
     names = _prescribed_names(eqs)
     closed = ("constraints", "velocity_constraints") if eqs.multiplier_names else ()
-    bounds = problem.breakpoints(span, (*names, *(f"{name}_dot" for name in names), *closed))
-    inside = (bounds.times > min(span)) & (bounds.times < max(span)) & bounds.jumps
-    times = bounds.times[inside]
+    low, high = min(span), max(span)
+    beside = _BESIDE * max(high - low, abs(low), abs(high))  # a search keeps away from the ends
+    bounds = problem.breakpoints(
+        (low - beside, high + beside), (*names, *(f"{name}_dot" for name in names), *closed)
+    )
     margin = float(bounds.margins.max(initial=0.0))
+    inside = (bounds.times > low - margin) & (bounds.times < high + margin) & bounds.jumps
+    times = bounds.times[inside]
     if not times.size:
         return [], 0.0
     prescribed = _PrescribedMotions(problem, x, np.linspace(*span, _SAMPLES), times, margin)
@@ -121,7 +123,10 @@ def _jumps(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> 
         row, k = np.argwhere(torn & ~by_state)[0]
         raise UsageError(_jump_problem(_row_name(eqs, names, int(row)), float(times[k])))
     least = (AT_REST * fastest + rounded / problem.scales.time)[:, np.newaxis]
-    found: list[float] = times[(np.abs(rates) > least).any(axis=0) | by_state.any(axis=0)].tolist()
+    is_jump = np.abs(rates) > least
+    places = np.flatnonzero(is_jump.any(axis=0) | by_state.any(axis=0))
+    outputs = (*(f"{name}_dot" for name in names), *closed[1:])
+    found = [prescribed.first_behind(outputs, float(times[k]), is_jump[:, k]) for k in places]
     return found if span[1] >= span[0] else found[::-1], margin
 
 
@@ -189,6 +194,17 @@ class _PrescribedMotions:
             self._values(outputs, self.times + self.margin),
         )
         return behind - before, np.abs(self._values(outputs, self.samples)).max(axis=1)
+
+    def first_behind(self, outputs: tuple[str, ...], t: float, jumping: Flags) -> float:
+        """Return the first time, as a number, at which outputs that jump have the values behind the jump."""
+        low, high = t - self.margin, t + self.margin
+        ends = self._values(outputs, np.array([low, high]))[jumping]
+        while jumping.any() and math.nextafter(low, high) < high:
+            middle = low + 0.5 * (high - low)
+            here = self._values(outputs, np.array([middle]))[jumping, 0]
+            passed = (here - ends[:, 0]) / (ends[:, 1] - ends[:, 0])
+            low, high = (low, middle) if passed.mean() > 0.5 else (middle, high)
+        return high if jumping.any() else t
 
     def _values(self, outputs: tuple[str, ...], t: Floats) -> Floats:
         columns = []

@@ -177,7 +177,8 @@ class _PieceSearch:
         rows = len(functions.operations) + self._open.size
         self._least, self._most = np.full((self._cases, rows), np.inf), np.full((self._cases, rows), -np.inf)
         self._cuts: list[tuple[Floats, Places, Floats]] = []
-        self._leaves: list[_Pieces] = []
+        # spans may be too short for any
+        self._leaves = [_Pieces(np.zeros(0), np.zeros(0), np.zeros(0, dtype=np.intp))]
         self._is_complete = True
 
     def divide(self) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
+from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.model.tables.csv_columns import read_points
 
 Floats = NDArray[np.float64]
@@ -133,7 +134,9 @@ class Table:
             Naming the input.
         """
         first, last = float(np.min(self.t)), float(np.max(self.t))
-        if self.outside == "error" and not (first <= min(start, end) and max(start, end) <= last):
+        rounded = ONE_INSTANT * max(abs(first), abs(last))  # 3*0.1 is 0.3 but for the last bit
+        covers = first - rounded <= min(start, end) and max(start, end) <= last + rounded
+        if self.outside == "error" and not covers:
             raise UsageError(
                 Problem("simulation.table_range", f"input {name}",
                         f"the table covers {first:g} to {last:g} s, the motion {start:g} to {end:g} s",

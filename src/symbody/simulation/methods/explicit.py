@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
+from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -25,8 +26,6 @@ from symbody.simulation.native.segments import HeldValues, Watch
 Floats = NDArray[np.float64]
 
 _NOTHING: Final = np.zeros(0)
-# Shares of an end within which a time is that end: what sums and products of a few decimals are off by.
-_ROUNDED: Final = 8 * float(np.finfo(np.float64).eps)
 NO_FUNCTION: Final = RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0)
 NOTHING_TO_PROJECT: Final = Projector(
     0, 0, _NOTHING, _NOTHING, _NOTHING, 0, 0, _NOTHING, math.inf, _NOTHING, 0.0, 0
@@ -212,7 +211,7 @@ def check_times(times: ArrayLike | None, start: float, end: float) -> Floats | N
         )
     direction = 1.0 if end >= start else -1.0
     for bound in (start, end):  # 3*0.1 is 0.3 but for the last bit
-        samples[np.abs(samples - bound) <= _ROUNDED * abs(bound)] = bound
+        samples[np.abs(samples - bound) <= ONE_INSTANT * abs(bound)] = bound
     if not (direction * np.diff(samples) > 0.0).all():
         word = "increase" if direction > 0.0 else "decrease"
         raise _usage(

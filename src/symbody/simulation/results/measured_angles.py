@@ -34,7 +34,7 @@ def count_turns(
         If the angle turns by more than half a turn between two samples, which then do not tell by how much.
     """
     symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
-    if symbol not in getattr(evaluate, "measured_angles", ()):
+    if symbol not in getattr(evaluate, "wrapped_angles", ()):
         return values
     angle = evaluate(f"({symbol})", t, positions, speeds)
     if angle.shape != values.shape or not np.array_equal(angle, values, equal_nan=True):

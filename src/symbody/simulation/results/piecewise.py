@@ -36,9 +36,9 @@ class Piecewise:
     modes: tuple[tuple[int, ...], ...] = ()
 
     @property
-    def measured_angles(self) -> tuple[str, ...]:
+    def wrapped_angles(self) -> tuple[str, ...]:
         """Angles of cut joints, which are given within half a turn."""
-        found: tuple[str, ...] = getattr(self.parts[0], "measured_angles", ()) if self.parts else ()
+        found: tuple[str, ...] = getattr(self.parts[0], "wrapped_angles", ()) if self.parts else ()
         return found
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:

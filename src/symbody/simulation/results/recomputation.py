@@ -51,9 +51,9 @@ class Recomputation:
     _made: SingleFlight[None, Evaluator] = field(default_factory=SingleFlight, repr=False)
 
     @property
-    def measured_angles(self) -> tuple[str, ...]:
+    def wrapped_angles(self) -> tuple[str, ...]:
         """Angles of cut joints, which are given within half a turn."""
-        return self._made.get(None, self._evaluator).measured_angles
+        return self._made.get(None, self._evaluator).wrapped_angles
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N).

@@ -86,6 +86,10 @@ class Steps(Protocol):
         """See above."""
         ...
 
+    def check(self) -> None:
+        """Refuse a step that must not be taken, before anything moves."""
+        ...
+
     def restart(self, initial: Mapping[str, Value]) -> None:
         """Begin anew from the numbers of the stepper; other values of before samples are among `initial`."""
         ...
@@ -200,7 +204,7 @@ class CompiledSteps:
         """Return the shortest way to take a step."""
         if self._laws is not None:
             return self._go_on_with_laws
-        if self._problem.own_laws.tables:
+        if self._problem.settings.bounded_tables:
             return self._go_on_with_tables
         if self._depends_on_time:
             return self._go_on_in_window
@@ -219,12 +223,13 @@ class CompiledSteps:
 
     def _go_on_with_tables(self) -> int:
         """Take a step whose inputs are tables, which it may not leave."""
-        self._check_tables()
+        self.check()
         if self._depends_on_time:
             self._look_ahead()
         return self._call()
 
-    def _check_tables(self) -> None:
+    def check(self) -> None:
+        """Refuse a step that leaves a table which must not be left."""
         start = self._numbers.t
         self._problem.check_tables(start, start + float(self._numbers.array[stepping.DURATION]))
 
@@ -240,7 +245,7 @@ class CompiledSteps:
         """Take a step whose inputs are computed by functions of Python."""
         laws, array = self._laws, self._numbers.array
         assert laws is not None
-        self._check_tables()
+        self.check()
         if not array[stepping.UNDER_WAY]:
             array[stepping.DERIVED] = 0.0
         with python_laws(laws):
@@ -298,13 +303,13 @@ class CompiledSteps:
 
     @property
     def reads_time(self) -> bool:
-        """Whether something has to be looked at before each step."""
-        return bool(self._problem.own_laws.tables) or self._depends_on_time
+        """Whether what depends on time has to be looked at before steps."""
+        return self._depends_on_time
 
     @property
     def window_end(self) -> float:
-        """Until when what depends on time has been looked at [s]; tables are looked at before each step."""
-        return -math.inf if self._problem.own_laws.tables else self._window_end
+        """Until when what depends on time has been looked at [s]."""
+        return self._window_end
 
     @property
     def block(self) -> Floats:
@@ -317,8 +322,7 @@ class CompiledSteps:
         self._use_block(room[: self._block.size])
 
     def look_ahead(self) -> None:
-        """Look ahead for the next step where nobody has looked yet, and check that tables reach so far."""
-        self._check_tables()
+        """Look ahead for the next step where nobody has looked yet."""
         if self._depends_on_time:
             self._look_ahead()
 

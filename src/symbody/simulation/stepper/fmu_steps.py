@@ -108,6 +108,10 @@ class FmuSteps:
             self._inner.occurrences = happened
         return at.FINISHED if self._ending is None else OTHERWISE
 
+    def check(self) -> None:
+        """Refuse a step that must not be taken, before anything moves."""
+        self._inner.check()
+
     def end(self, code: int) -> Ending:
         """Return how the last step ended."""
         return self._inner.end(code) if self._ending is None else self._ending

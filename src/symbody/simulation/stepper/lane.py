@@ -60,6 +60,21 @@ class Lane(Stepper):
         """Take note that all inputs have values."""
         self._missing.clear()
 
+    @property
+    def is_bounded(self) -> bool:
+        """Whether steps may leave tables that must not be left."""
+        return bool(self._settings.bounded_tables)
+
+    def check(self) -> None:
+        """Refuse a step that must not be taken, before anything moves.
+
+        Raises
+        ------
+        UsageError
+            See above.
+        """
+        self._steps.check()
+
     def conclude(self, code: int) -> None:
         """Take note of how a step ended that was taken together with others.
 

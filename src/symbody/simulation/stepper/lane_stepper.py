@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any, Final, Self
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, SimulationError, UsageError
+from symbody.errors import Problem, SimulationError, SymbodyError, UsageError
 from symbody.kernels import stepping
 from symbody.model.first_values import FirstValue
 from symbody.simulation.events.events import Event, Occurrence
@@ -27,6 +26,7 @@ from symbody.simulation.stepper.lane_values import (
     LaneValue,
     chosen_lane,
     chosen_lanes,
+    in_lane,
     input_columns,
     join_saved,
     split_saved,
@@ -67,7 +67,7 @@ class LaneStepper(OwnCopies):
         If names, values or tables make no sense, or initial values do not fit.
     """
 
-    _failed: dict[int, Problem]  # of the last step
+    _failed: dict[int, SymbodyError]  # of the last step
 
     @checked_arguments
     def __init__(
@@ -109,22 +109,23 @@ class LaneStepper(OwnCopies):
         Raises
         ------
         UsageError
-            If an input is unknown, has no value, or values that are not finite or do not fit the lanes;
-            nothing has moved then.
-        SimulationError
-            If motions cannot continue. They stay at the time they reached; all others are at the end of
-            the step.
+            If an input is unknown, has no value, or values that are not finite or do not fit the lanes, or a
+            step leaves a table that must not be left; nothing has moved then.
+        SimulationError, UsageError
+            If motions cannot continue, or `simulate` rejects them. They stay at the time they reached; all
+            others are at the end of the step.
         """
         if values is not None or inputs:
             for place, column in input_columns(values, inputs, self._places, len(self)):
                 self._rows[:, place] = column
         self._check_inputs()
+        if self._lanes[0].is_bounded:
+            _raise_first(self._conclude(lambda _, lane: lane.check()))
         blocks = self._blocks
         self._failed = (
             self._conclude(lambda _, lane: lane.step()) if blocks is None else self._step_together(blocks)
         )
-        if self._failed:
-            raise SimulationError(*list(self._failed.values())[:_MOST_NAMED])
+        _raise_first(self._failed)
         return self
 
     def __len__(self) -> int:
@@ -301,7 +302,7 @@ class LaneStepper(OwnCopies):
             lane.begin()
         self._has_all_inputs = True
 
-    def _step_together(self, blocks: LaneBlocks) -> dict[int, Problem]:
+    def _step_together(self, blocks: LaneBlocks) -> dict[int, SymbodyError]:
         """Take a step in all lanes at once; return what is wrong with those that broke off."""
         if self._reads_time and self._t.max() + 1.5 * self.dt > self._seen_until:
             blocks = self._look_ahead(blocks)
@@ -323,15 +324,14 @@ class LaneStepper(OwnCopies):
         self._has_all_inputs = True
         return self._blocks or blocks
 
-    def _conclude(self, end: Callable[[int, Lane], object]) -> dict[int, Problem]:
+    def _conclude(self, end: Callable[[int, Lane], object]) -> dict[int, SymbodyError]:
         """End the step of each lane; return what is wrong with those that broke off."""
-        failed = {}
+        failed: dict[int, SymbodyError] = {}
         for place, lane in enumerate(self._lanes):
             try:
                 end(place, lane)
-            except SimulationError as error:
-                first = error.problems[0]
-                failed[place] = replace(first, where=f"lane {place}, {first.where}")
+            except (SimulationError, UsageError) as error:
+                failed[place] = in_lane(place, error)
         return failed
 
     def _change(self, only: ArrayLike | None, values: Mapping[str, Any], call: Callable[..., object]) -> Self:
@@ -355,3 +355,16 @@ class LaneStepper(OwnCopies):
             raise
         finally:
             self._settle(places)
+
+
+def _raise_first(failed: Mapping[int, SymbodyError]) -> None:
+    """Raise what is wrong with the first lanes, if anything is.
+
+    Raises
+    ------
+    SymbodyError
+        Of the kind of the first one.
+    """
+    errors = list(failed.values())[:_MOST_NAMED]
+    if errors:
+        raise type(errors[0])(*(error.problems[0] for error in errors))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.formation.names import Value
-from symbody.errors import Problem, UsageError
+from symbody.errors import Problem, SymbodyError, UsageError
 from symbody.model.first_values import FirstValue
 from symbody.simulation.stepper.saved_stepper import not_saved, other_kind
 from symbody.simulation.stepper.settings import unknown_name
@@ -67,6 +68,12 @@ def input_columns(
     if problems:
         raise UsageError(*problems)
     return columns
+
+
+def in_lane(place: int, error: SymbodyError) -> SymbodyError:
+    """Return the first problem of an error as one of a lane."""
+    first = error.problems[0]
+    return type(error)(replace(first, where=f"lane {place}, {first.where}"))
 
 
 def chosen_lanes(only: ArrayLike | None, lanes: int) -> tuple[int, ...]:

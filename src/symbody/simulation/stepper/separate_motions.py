@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.kernels import block as at
+from symbody.kernels import stepping
 from symbody.simulation.drive import Driven, drive
 from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.hybrid.rate_jumps import may_jump
@@ -79,6 +80,7 @@ class SeparateMotions:
         """Take a step; return `OTHERWISE` where it did not come to its end."""
         numbers, settings = self._numbers, self._problem.settings
         start = numbers.t
+        self.check()
         with numbers.unless_it_fails():
             end = numbers.next_end()
             run, _, sides = self._run(start, end)
@@ -96,13 +98,17 @@ class SeparateMotions:
     def _run(self, start: float, end: float) -> Driven:
         """Return the motion of a step."""
         settings = self._problem.settings
-        self._problem.check_tables(start, end)
         if self._sampler is not None:
             self._sampler.begin_anew()
         x = np.append(self._numbers.x[:-1], 0.0)
         integration = self._problem.integration(x, (start, end), self._pose())
         integration = replace(integration, sides=self._sides)
-        return drive(MotionPlan(integration, settings.integrator, settings.constraints), goes_on=True)
+        return drive(MotionPlan(integration, settings.integrator, settings.constraints))
+
+    def check(self) -> None:
+        """Refuse a step that leaves a table which must not be left."""
+        start = self._numbers.t
+        self._problem.check_tables(start, start + float(self._numbers.array[stepping.DURATION]))
 
     def end(self, code: int) -> Ending:
         """Return how the last step ended; `code` says only that it was not as usual."""

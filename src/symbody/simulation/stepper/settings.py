@@ -15,6 +15,7 @@ from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law, laws_of_tables
+from symbody.simulation.inputs.tables import Table
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -65,6 +66,13 @@ class StepperSettings:
     def inputs_of_steps(self) -> tuple[str, ...]:
         """Inputs that steps give."""
         return tuple(name for name in self.held if name not in self.fmus)
+
+    @property
+    def bounded_tables(self) -> dict[str, Table]:
+        """Inputs by tables that no step may leave."""
+        laws = {name: Table(*law) if isinstance(law, tuple) else law for name, law in self.laws.items()}
+        tables = {name: law for name, law in laws.items() if isinstance(law, Table)}
+        return {name: table for name, table in tables.items() if table.outside == "error"}
 
     @property
     def method(self) -> Explicit | FixedStep:

@@ -91,9 +91,8 @@ class StepProblem:
         UsageError
             Naming the input.
         """
-        names = tuple(self.own_laws.callbacks)
-        for place, table in self.own_laws.tables.items():
-            table.check_span(names[place], start, end)
+        for name, table in self.settings.bounded_tables.items():
+            table.check_span(name, start, end)
 
 
 def own_laws(settings: StepperSettings, t: float) -> InputLaws:

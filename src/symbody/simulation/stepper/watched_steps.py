@@ -95,7 +95,7 @@ class WatchedSteps(CompiledSteps):
         """Take a step; return `OTHERWISE` where it did not come to its end."""
         numbers = self._numbers
         start = numbers.t
-        self._check_tables()
+        self.check()
         self._look_ahead()
         end = numbers.next_end()
         watch = EventWatch(self._functions, end - start, self._sides)

@@ -64,7 +64,7 @@ class Evaluation:
         values = self._values(name, case, t[sample], rows[:, n_u:], rows[:, :n_u])
         whole: Floats = np.full((*is_known.shape, *values.shape[1:]), np.nan)
         whole[case, sample] = values
-        for k, known in enumerate(is_known if name in self.eqs.measured_angles else ()):
+        for k, known in enumerate(is_known if name in self.eqs.wrapped_angles else ()):
             own, at_k, states = CaseEvaluator(self, k), whole[k, known], x[k][:, known]
             whole[k, known] = count_turns(own, name, at_k, t[known], states[n_u:], states[:n_u])
         return np.moveaxis(whole, 1, -1)
@@ -193,9 +193,9 @@ class CaseEvaluator:
     case: int
 
     @property
-    def measured_angles(self) -> tuple[str, ...]:
+    def wrapped_angles(self) -> tuple[str, ...]:
         """Angles of cut joints, which are given within half a turn."""
-        return self.evaluation.eqs.measured_angles
+        return self.evaluation.eqs.wrapped_angles
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
