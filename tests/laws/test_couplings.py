@@ -21,10 +21,7 @@ from tests.laws.motion_fragments import save_controller, slide
 from tests.laws.test_combinations import (
     ALWAYS,
     FMUS,
-    IMPLICIT,
     PROGRAMS,
-    SIMULATE,
-    STEPPERS,
     SWEEPS,
     NotYetError,
 )

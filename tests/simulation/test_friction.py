@@ -206,9 +206,6 @@ def test_less_friction_lets_the_rod_pass() -> None:
 
 def test_what_cannot_go_with_sticking_is_refused() -> None:
     eqs = sb.form_equations(dragged())
-    bounce = sb.Event("x - 1", action={"x_dot": "-x_dot"})
-    with pytest.raises(sb.UsageError, match=r"simulation\.stick_slip_event"):
-        sb.simulate(eqs, 1.0, events=bounce)
     with pytest.raises(sb.UsageError, match=r"simulation\.stick_slip_backwards"):
         sb.simulate(eqs, (1.0, 0.0))
 

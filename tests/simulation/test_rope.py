@@ -343,3 +343,34 @@ def test_as_many_slack_ropes_as_speeds() -> None:
     model = sb.Model("swing", [body, place, *ropes], (0, -G, 0), {"m": M, "L": L}, ground=hooks)
     run = sb.simulate(sb.form_equations(model), 0.1, {"x": 0.1, "y": -0.1})
     assert run.success and run["y"][-1] == pytest.approx(-0.1 - G * 0.1**2 / 2)
+
+
+def test_an_action_cannot_lengthen_a_rope() -> None:
+    parts = [
+        sb.Prismatic("way", "ground", sb.Body("Ball", mass=1), axis="x", coordinate="x"),
+        sb.Distance("leash", "ground", "Ball", 1.0, rope=True),
+    ]
+    eqs = sb.form_equations(sb.Model("leashed", parts))
+    far = sb.Event("t - 0.5", action={"x": "1.5"}, name="far")
+    run = sb.simulate(eqs, 1.0, {"x_dot": 0.2}, events=far)
+    assert run.status is sb.Status.UNMET_ACTION
+    assert run.t[-1] == pytest.approx(0.5)
+    assert (
+        "action of event 'far' moves the ends of leash farther apart than the rope is long" in run.notes[-1]
+    )
+
+
+def test_an_action_at_a_taut_rope_is_a_shock() -> None:
+    """A ball whose rate is doubled on a taut rope is stopped by it at once, and the work counts."""
+    parts = [
+        sb.Prismatic("way", "ground", sb.Body("Ball", mass=2), axis="x", coordinate="x"),
+        sb.Distance("leash", "ground", "Ball", 1.0, rope=True),
+    ]
+    eqs = sb.form_equations(sb.Model("leashed", parts))
+    kick = sb.Event("t - 0.5", action={"x_dot": "3"}, name="kick")
+    run = sb.simulate(eqs, 1.0, {"x": 1.0, "x_dot": 0.0}, events=kick)
+    assert run.success
+    assert abs(run["x_dot"][-1]) < 1e-12
+    assert run["x"][-1] == pytest.approx(1.0, abs=1e-9)
+    assert any("9 J are lost" in note for note in run.notes)
+    assert run.energy_drift < 1e-9

@@ -27,6 +27,7 @@ from symbody.simulation.hybrid.rate_jumps import (
     jump_notes,
     jump_times,
     momentum_jump,
+    neglect_note,
     no_speeds,
     strikes,
 )
@@ -115,7 +116,7 @@ class _Motion:
         self._changes: list[float] = []
         if self._modes is not None:
             check_backwards(span)
-        if self._times:
+        if self._modes is not None and self._times:
             check_strike(problem.eqs.formed, self._times[0])
 
     @property
@@ -277,12 +278,14 @@ class _Motion:
 
     def _whole(self) -> Trajectory:
         """Return the motion so far."""
+        problem = self._plan.integration.problem
         run = self._pieces.trajectory()
         notes = run.notes
         if np.isfinite(self._held.due) and len(notes) > _MOST_NOTES:
             notes = (*notes[:_MOST_NOTES], f"{len(notes) - _MOST_NOTES} more notes on values between samples")
         impacts = () if self._modes is None else self._modes.notes
-        return replace(run, notes=(*notes, *jump_notes(self._jumped), *impacts))
+        jumps = (*jump_notes(self._jumped), *neglect_note(problem.eqs.formed)) if self._jumped else ()
+        return replace(run, notes=(*notes, *jumps, *impacts))
 
 
 def _energy(problem: SimulationProblem, t: float, x: Floats) -> float:

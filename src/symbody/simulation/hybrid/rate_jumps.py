@@ -229,8 +229,10 @@ def _jump_problem(name: str, t: float) -> Problem:
     )  # fmt: skip
 
 
-def struck_friction(formed: EquationsOfMotion) -> list[str]:
+def struck_friction(formed: EquationsOfMotion, *, switches: bool) -> list[str]:
     """Return the joints whose friction depends on reactions to which jumps of prescribed rates may be passed.
+
+    Those that stick and slip by events, or those of smooth friction.
 
     Joints and constraints pass impulses from body to body, but not through the ground.
     """
@@ -247,7 +249,8 @@ def struck_friction(formed: EquationsOfMotion) -> list[str]:
         if TIME in {symbols[formed.graph.left[place]] for place in read}:
             sources.update(tied)
     reached = sources | {node for start in sources for _, _, node in breadth_first(edges, start)}
-    loaded = [law.joint.name for law in formed.friction if law.reads_reaction]
+    laws = [law for law in formed.friction if law.reads_reaction and law.switches == switches]
+    loaded = [law.joint.name for law in laws]
     return [name for name in loaded if body[name] in reached]
 
 
@@ -263,6 +266,16 @@ def momentum_jump(problem: SimulationProblem, x: Floats, before: float, behind: 
     with_momenta = replace(problem, eqs=with_outputs(problem.eqs, [momenta]))
     given = [np.ravel(evaluate_outputs(with_momenta, (_MOMENTA,), t, x)[0]) for t in (before, behind)]
     return given[1] - given[0]
+
+
+def neglect_note(formed: EquationsOfMotion) -> Iterator[str]:
+    """Yield what to note about smooth friction where prescribed rates jump."""
+    names = struck_friction(formed, switches=False)
+    if names:
+        yield (
+            f"friction of {', '.join(names)} is neglected where prescribed rates jump, though its reactions "
+            f"are infinite there; prescribe a motion without corners, for instance with smoothstep"
+        )
 
 
 def strikes(problem: SimulationProblem, change: Floats) -> bool:

@@ -287,7 +287,7 @@ def check_strike(formed: EquationsOfMotion, t: float) -> None:
     UsageError
         See above.
     """
-    names = struck_friction(formed)
+    names = struck_friction(formed, switches=True)
     if names:
         raise UsageError(
             Problem("simulation.struck_friction", "motion", f"prescribed rates jump at t = {t:.9g} s",
