@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.kernels.record_layout import RecordLayout
+from symbody.kernels.record_layout import RecordField, RecordLayout
 
 Floats = NDArray[np.float64]
 
@@ -19,14 +19,25 @@ def pack(kind: type[RecordLayout], **values: Any) -> Floats:
     ----------
     **values : numbers and arrays
         Of fields by their names. What is not given is zero, and a single record that is not given is nowhere.
+        A record in line is the array that `pack` returns for it.
     """
     numbers = [0.0] * kind.size
+    inner: list[tuple[RecordField, Floats]] = []
     for name, value in values.items():
         field = kind.fields[name]
-        if field.pointer is None:
+        if field.pointer is None and field.is_record:
+            whole = np.asarray(value, dtype=np.float64)
+            numbers[field.place : field.place + field.size] = whole[: field.size].tolist()
+            inner.append((field, whole[field.size :]))
+        elif field.pointer is None:
             numbers[field.place] = float(value)
-    record, end = kind(numbers), kind.size
+    record, end = kind(numbers), kind.round_up(kind.size)
     arrays: list[tuple[int, Floats]] = []
+    for field, rest in inner:  # what it stores lies behind the whole record
+        for place in _pointer_places(field.kind, field.place):
+            numbers[place] += (numbers[place] != 0.0) * (end - field.place - field.size)
+        arrays.append((end, rest))
+        end = kind.round_up(end + rest.size)
     for field in kind.pointers:
         given = values.get(field.name)
         array = None if given is None else np.asarray(given, dtype=np.float64)
@@ -35,9 +46,20 @@ def pack(kind: type[RecordLayout], **values: Any) -> Floats:
             numbers[field.place] = end
         if array is not None and size:
             arrays.append((end, array.ravel()))
-        end += size
+        end = kind.round_up(end + size)
     block = np.zeros(end)
     block[: kind.size] = numbers
     for begin, array in arrays:
         block[begin : begin + array.size] = array
     return block
+
+
+def _pointer_places(kind: type[RecordLayout], begin: int) -> list[int]:
+    """Return where a record that begins somewhere, and those in line with it, keep where something lies."""
+    places: list[int] = []
+    for field in kind.fields.values():
+        if field.pointer is not None:
+            places.append(begin + field.place)
+        elif field.is_record:
+            places += _pointer_places(field.kind, begin + field.place)
+    return places

@@ -18,7 +18,7 @@ reader of kernels, ask the class for its fields.
 import inspect
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar, get_args, get_origin
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar, get_args, get_origin
 
 from symbody.kernels.language import Reals
 
@@ -82,7 +82,7 @@ class RecordField:
             if self.is_record:
                 return self.kind(record.entries, record.offset + self.place)
             return self.kind(value)
-        begin = record.offset + int(value)
+        begin = record.offset + int(value) if value else 0
         if self.is_row:
             return Rows(record.entries, begin, self.kind, self.count(record))
         if self.is_record:
@@ -116,14 +116,20 @@ class RecordLayout(Reals):
     fields : mapping of name to RecordField
     pointers : tuple of RecordField
         Those of them that say where something lies.
+    layout : mapping of name to int
+        Where each number and pointer lies, those of records in line by names such as ``counts.steps``.
     size : int
         How many entries the fields take.
+    alignment : int
+        What lies elsewhere begins at a multiple of so many entries.
     """
 
     __slots__ = ()
     fields: ClassVar[Mapping[str, RecordField]] = MappingProxyType({})
     pointers: ClassVar[tuple[RecordField, ...]] = ()
+    layout: ClassVar[Mapping[str, int]] = MappingProxyType({})
     size: ClassVar[int] = 0
+    alignment: ClassVar[int] = 1
 
     def __init__(self, entries: Any, offset: int = 0) -> None:
         self.entries, self.offset = entries, offset  # a NumPy array is seen through, not copied
@@ -131,12 +137,25 @@ class RecordLayout(Reals):
     def __init_subclass__(cls) -> None:
         """Lay out the fields."""
         fields: dict[str, RecordField] = {}
+        layout: dict[str, int] = {}
         for name, annotation in inspect.get_annotations(cls).items():
             fields[name] = field = RecordField(name, annotation, cls.size, cls.__dict__.get(name))
+            inner = field.kind.layout if field.is_record and field.pointer is None else {"": 0}
+            layout |= {f"{name}.{key}".rstrip("."): cls.size + place for key, place in inner.items()}
             cls.size += field.size
             setattr(cls, name, field)
-        cls.fields = MappingProxyType(fields)
+        cls.fields, cls.layout = MappingProxyType(fields), MappingProxyType(layout)
         cls.pointers = tuple(field for field in fields.values() if field.pointer is not None)
+
+    @classmethod
+    def round_up(cls, place: int) -> int:
+        """Return a place, or the next one where something may begin."""
+        return -(-place // cls.alignment) * cls.alignment
+
+    @classmethod
+    def view(cls, array: Reals, place: int) -> Self:
+        """Return the record that begins at a place of an array."""
+        return cls(array.entries, array.offset + place)
 
 
 class Rows(Generic[R]):
