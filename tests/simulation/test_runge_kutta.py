@@ -77,11 +77,11 @@ def defects(A: Floats, weights: Floats, order: int, value: float = 1.0, share: f
 def coefficients(tableau: Tableau) -> tuple[Floats, Floats, Floats]:
     """Return A, error estimates and dense output as the compiled loop gets them, with their zeros."""
     method, size = Method(method_numbers(tableau, 1)), len(tableau.A)
-    firsts, stages = (np.asarray(array).astype(int) for array in (method.rows, method.begins))
-    assert len(firsts) == size + 2 + len(tableau.dense) + 1
+    firsts, pairs = np.asarray(method.rows).astype(int), np.asarray(method.weights).reshape(-1, 2)
+    firsts = firsts[: size + 2 + len(tableau.dense) + 1]
     full = np.zeros((len(firsts) - 1, size))
     for row, (start, end) in zip(full, pairwise(firsts), strict=True):
-        row[stages[start:end]] = np.asarray(method.weights)[start:end]
+        row[pairs[start:end, 0].astype(int)] = pairs[start:end, 1]
     return full[:size], full[size : size + 2], full[size + 2 :]
 
 

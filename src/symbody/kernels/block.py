@@ -3,7 +3,7 @@
 from typing import Final
 
 from symbody.kernels.language import Reals
-from symbody.kernels.record_layout import RecordLayout, Rows, pointer
+from symbody.kernels.record_layout import RecordLayout, Rows, inline, pointer
 
 # What `begin` and `advance` return.
 RUNNING: Final = 0
@@ -107,12 +107,9 @@ class Method(RecordLayout):
     growth: float
     stiff_bound: float
     split: float
-    row_count: int
-    weight_count: int
-    nodes: Reals = pointer("stage_rows")
-    rows: Reals = pointer("row_count")  # where each row begins among the weights, and where the last ends
-    begins: Reals = pointer("weight_count")  # where the derivative of the stage of each weight begins
-    weights: Reals = pointer("weight_count")
+    nodes: Reals = inline(20)
+    rows: Reals = inline(32)  # which weight each row begins with, and where the last ends
+    weights: Reals = inline(448)  # pairs: where the derivative of a stage begins, and its weight
 
 
 class FunctionNumbers(RecordLayout):

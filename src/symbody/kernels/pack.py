@@ -21,16 +21,7 @@ def pack(kind: type[RecordLayout], **values: Any) -> Floats:
         Of fields by their names. What is not given is zero, and a single record that is not given is nowhere.
         A record in line is the array that `pack` returns for it.
     """
-    numbers = [0.0] * kind.size
-    inner: list[tuple[RecordField, Floats]] = []
-    for name, value in values.items():
-        field = kind.fields[name]
-        if field.pointer is None and field.is_record:
-            whole = np.asarray(value, dtype=np.float64)
-            numbers[field.place : field.place + field.size] = whole[: field.size].tolist()
-            inner.append((field, whole[field.size :]))
-        elif field.pointer is None:
-            numbers[field.place] = float(value)
+    numbers, inner = _in_line(kind, values)
     record, end = kind(numbers), kind.round_up(kind.size)
     arrays: list[tuple[int, Floats]] = []
     for field, rest in inner:  # what it stores lies behind the whole record
@@ -52,6 +43,35 @@ def pack(kind: type[RecordLayout], **values: Any) -> Floats:
     for begin, array in arrays:
         block[begin : begin + array.size] = array
     return block
+
+
+def _in_line(
+    kind: type[RecordLayout], values: dict[str, Any]
+) -> tuple[list[float], list[tuple[RecordField, Floats]]]:
+    """Return the numbers of a record, and what records in line with it store, each with its field.
+
+    Raises
+    ------
+    ValueError
+        More reals than a field has room for.
+    """
+    numbers = [0.0] * kind.size
+    inner: list[tuple[RecordField, Floats]] = []
+    for name, value in values.items():
+        field = kind.fields[name]
+        if field.pointer is not None:
+            continue
+        if not (field.is_record or field.inline):
+            numbers[field.place] = float(value)
+            continue
+        entries = np.asarray(value, dtype=np.float64).ravel()
+        own = entries[: field.size]
+        numbers[field.place : field.place + own.size] = own.tolist()
+        if field.is_record:
+            inner.append((field, entries[field.size :]))
+        elif entries.size > field.size:
+            raise ValueError(f"{name} has room for {field.size} reals, not for {entries.size}")
+    return numbers, inner
 
 
 def _pointer_places(kind: type[RecordLayout], begin: int) -> list[int]:

@@ -43,7 +43,6 @@ def combine(n: int, row: int, method: Method, K: Reals, factor: float, base: Rea
         combine_few(n, row, method, K, factor, base, target)
         return
     rows = method.rows
-    begins = method.begins
     weights = method.weights
     first = int(rows[row])
     stop = int(rows[row + 1])
@@ -55,8 +54,8 @@ def combine(n: int, row: int, method: Method, K: Reals, factor: float, base: Rea
         c = 0.0
         d = 0.0
         for entry in range(first, stop):
-            at = int(begins[entry]) + i
-            weight = weights[entry]
+            at = int(weights[2 * entry]) + i
+            weight = weights[2 * entry + 1]
             a = a + weight * K[at]
             b = b + weight * K[at + 1]
             c = c + weight * K[at + 2]
@@ -84,11 +83,10 @@ def combine_few(
     b = 0.0
     c = 0.0
     rows = method.rows
-    begins = method.begins
     weights = method.weights
     for entry in range(int(rows[row]), int(rows[row + 1])):
-        at = int(begins[entry])
-        weight = weights[entry]
+        at = int(weights[2 * entry])
+        weight = weights[2 * entry + 1]
         a = a + weight * K[at]
         b = b + weight * K[at + j]
         c = c + weight * K[at + k]

@@ -11,17 +11,18 @@ from symbody.codegen.kernels.reader import read_text
 from symbody.codegen.kernels.source import KernelError
 from symbody.codegen.kernels.tree import Apply, ArrayEntry, KernelTree, Literal, Part, Return, Type, Variable
 from symbody.codegen.llvm.kernel_library import compile_kernels
+from symbody.kernels.block import Run
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent, Zero
 from symbody.kernels.language import Reals
 from symbody.kernels.pack import pack
-from symbody.kernels.record_layout import RecordLayout, exists, pointer
+from symbody.kernels.record_layout import RecordLayout, exists, inline, pointer
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.native.machine import address
 
 HEAD = """
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
 from symbody.kernels.language import Reals
-from symbody.kernels.record_layout import RecordLayout, exists, pointer
+from symbody.kernels.record_layout import RecordLayout, exists, inline, pointer
 from symbody.kernels.samples.sample_hold import SampleHold
 """
 HOLD = Variable("hold", Type.ARRAY)
@@ -173,6 +174,30 @@ def test_what_records_in_line_store_lies_behind_the_whole() -> None:
     assert dict(Nested.layout) == {
         "first.count": 0, "first.values": 1, "second.count": 2, "second.values": 3, "own": 4, "other": 5,
     }  # fmt: skip
+
+
+class Filled(RecordLayout):
+    before: float
+    rates: Reals = inline(3)
+    after: float
+
+
+def test_reals_in_line_are_part_of_the_record() -> None:
+    numbers = pack(Filled, before=1.0, rates=[2.0, 3.0], after=5.0)
+    assert numbers.tolist() == [1.0, 2.0, 3.0, 0.0, 5.0]
+    for entries in (numbers, numbers.tolist()):
+        Filled(entries).rates[2] = 4.0
+        assert entries[3] == 4.0 and Filled(entries).after == 5.0
+    with pytest.raises(ValueError, match="rates has room for 3 reals, not for 4"):
+        pack(Filled, rates=np.zeros(4))
+
+
+def test_reals_in_line_lie_at_a_fixed_place() -> None:
+    text = "from symbody.kernels.block import Run\ndef f(run: Run, k: int) -> float:\n    return run.method.nodes[k]\n"
+    (end,) = read(text).body
+    assert isinstance(end, Return) and isinstance(end.value, ArrayEntry)
+    place = Literal(Run.layout["method.nodes"], Type.INTEGER)
+    assert end.value.index == Apply("+", (place, Variable("k", Type.INTEGER)), Type.INTEGER)
 
 
 def test_arrays_of_a_record_begin_at_multiples_of_its_alignment() -> None:

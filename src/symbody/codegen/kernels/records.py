@@ -55,6 +55,10 @@ class RecordPlace:
         """Return the reals that a field stores."""
         return Part(self.array, self.begin(field), self._count(field))
 
+    def inline(self, field: RecordField) -> Part:
+        """Return the reals that a field is."""
+        return Part(self.array, add(self.offset, field.place), Literal(field.inline, Type.INTEGER))
+
     def inner(self, field: RecordField, index: Expression | None = None) -> RecordPlace:
         """Return the record that a field is or stores; of several the one with an index."""
         if field.pointer is None:
@@ -130,6 +134,8 @@ class RecordReader:
         place, field = self._field(node)
         if field.is_row:
             self._source.refuse(node, f"{field.name} are several records", "take one of them by its index")
+        if field.inline:
+            return place.inline(field)
         return place.number(field) if field.pointer is None else place.reals(field)
 
     def number(self, node: ast.Attribute) -> tuple[ArrayEntry, Type]:

@@ -8,7 +8,7 @@ from typing import Final
 
 from symbody.kernels.block import Method
 from symbody.kernels.language import Reals
-from symbody.kernels.record_layout import RecordLayout, pointer
+from symbody.kernels.record_layout import RecordLayout, inline, pointer
 
 # Registers have at most so many lanes.
 WIDEST: Final = 8
@@ -19,7 +19,7 @@ class LaneNumbers(RecordLayout):
 
     alignment = WIDEST  # what begins at a multiple of it is loaded by one access
 
-    times: Reals = pointer(WIDEST)
+    times: Reals = inline(WIDEST)
     inputs: Reals = pointer()
     parameters: Reals = pointer()
     constants: Reals = pointer()
@@ -32,6 +32,17 @@ class LaneGroup(RecordLayout):
 
     alignment = WIDEST
 
+    # The steps that are tried: beginning, length and error, the evaluations they took, numbers on the way,
+    # which lanes are meant, ones.
+    start: Reals = inline(WIDEST)
+    length: Reals = inline(WIDEST)
+    error: Reals = inline(WIDEST)
+    calls: Reals = inline(WIDEST)
+    first: Reals = inline(WIDEST)
+    second: Reals = inline(WIDEST)
+    mask: Reals = inline(WIDEST)
+    ones: Reals = inline(WIDEST)
+
     states: int
     speeds: int
     rtol: float
@@ -40,17 +51,6 @@ class LaneGroup(RecordLayout):
     cases_ended: int
     run_size: int  # of the run of each lane
     method: Method  # for registers of states
-
-    # The steps that are tried: beginning, length and error, the evaluations they took, numbers on the way,
-    # which lanes are meant, ones.
-    start: Reals = pointer(WIDEST)
-    length: Reals = pointer(WIDEST)
-    error: Reals = pointer(WIDEST)
-    calls: Reals = pointer(WIDEST)
-    first: Reals = pointer(WIDEST)
-    second: Reals = pointer(WIDEST)
-    mask: Reals = pointer(WIDEST)
-    ones: Reals = pointer(WIDEST)
 
     # As in a run.
     state_old: Reals = pointer()

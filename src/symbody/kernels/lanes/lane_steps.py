@@ -15,7 +15,6 @@ def combine_lanes(
 ) -> None:
     """Set `target` to `base` plus `factor` times a row of the method times K, four states at a time."""
     rows = method.rows
-    begins = method.begins
     weights = method.weights
     first = int(rows[row])
     stop = int(rows[row + 1])
@@ -31,8 +30,8 @@ def combine_lanes(
         c = spread(0.0)
         d = spread(0.0)
         for entry in range(first, stop):
-            at = int(begins[entry])
-            weight = spread(weights[entry])
+            at = int(weights[2 * entry])
+            weight = spread(weights[2 * entry + 1])
             a = a + weight * take(K, at + i)
             b = b + weight * take(K, at + j)
             c = c + weight * take(K, at + k)

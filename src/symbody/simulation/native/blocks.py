@@ -60,19 +60,17 @@ def method_numbers(tableau: Tableau, n: int) -> Floats:
 
 
 def _method_numbers(tableau: Tableau, n: int) -> Floats:
-    begins: list[float] = []
-    weights: list[float] = []
+    weights: list[tuple[float, float]] = []
     rows = [0]
     for row in (*tableau.A, *tableau.error, *tableau.dense):
-        begins += [stage * n for stage, weight in enumerate(row) if weight != 0.0]
-        weights += [weight for weight in row if weight != 0.0]
+        weights += [(stage * n, weight) for stage, weight in enumerate(row) if weight != 0.0]
         rows.append(len(weights))
     return pack(
         Method, order=tableau.order, stages=tableau.stages, stage_rows=len(tableau.A),
         dense_rows=4 + len(tableau.dense), error_reads_end=tableau.error_reads_end,
         exponent=tableau.exponent, memory=tableau.memory, shrink=tableau.shrink, growth=tableau.growth,
-        stiff_bound=tableau.stiff_bound, split=tableau.split, row_count=len(rows),
-        weight_count=len(weights), nodes=tableau.c, rows=rows, begins=begins, weights=weights,
+        stiff_bound=tableau.stiff_bound, split=tableau.split, nodes=tableau.c, rows=rows,
+        weights=np.ravel(weights),
     )  # fmt: skip
 
 
