@@ -52,7 +52,7 @@ def begin_of_step(run: Run, t: float) -> float:
 
 
 def bound_step(run: Run, t: float, h: float) -> int:
-    """Set `LENGTH` to how long a step of length h may be; return the breakpoint where it has to end, or -1.
+    """Set `length` to how long a step of length h may be; return the breakpoint where it has to end, or -1.
 
     A step is no longer than every piece that it enters allows; it ends where it would enter one that allows
     less than the way there. Steps of one length end at jumps only that lie on their raster.
@@ -89,7 +89,7 @@ def end_motion(run: Run, t: float, bound: int) -> None:
 
 
 def plan_trial(run: Run, t: float, h: float) -> None:
-    """Set `LENGTH` and `T_NEW` of the next trial; the length is 0 where steps are too short to go on.
+    """Set `length` and `t_new` of the next trial; the length is 0 where steps are too short to go on.
 
     Before a jump the step is shorter than its end tells, by the margin of the jump.
     """

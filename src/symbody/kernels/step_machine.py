@@ -80,7 +80,7 @@ def store_samples(g: Function, run: Run, F: Reals, times: Reals, t: Reals, x: Re
 
 
 def failure(run: Run) -> int:
-    """Return why the last trial failed, and set `STATE` to the state that is to blame."""
+    """Return why the last trial failed, and set `blamed_state` to the state that is to blame."""
     if run.counts.failed_kernel != 0:
         return SINGULAR
     n = run.states

@@ -84,7 +84,7 @@ def smooth(n: int, S: Reals, pivots: Reals, y: Reals, scratch: Reals) -> None:
 
 
 def turn(k: Function, run: Run, implicit: ImplicitStep, t: float, x: Reals) -> int:
-    """Set `TURN` to the rates of coordinates at a state; return 0 if all went well."""
+    """Set `turn` to the rates of coordinates at a state; return 0 if all went well."""
     return call(k, run.speeds, implicit.rate_numbers, t, x, implicit.turn)
 
 

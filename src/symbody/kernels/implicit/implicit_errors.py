@@ -11,7 +11,7 @@ from symbody.kernels.runge_kutta import error_scale
 
 
 def raw_errors(run: Run, implicit: ImplicitStep, h: float) -> None:
-    """Set `ERROR_1` to how far a rule of order 3 through the slopes leads from the new state."""
+    """Set `error_1` to how far a rule of order 3 through the slopes leads from the new state."""
     n = run.states
     K = run.slopes
     past = implicit.slopes_before
