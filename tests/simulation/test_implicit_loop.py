@@ -9,7 +9,8 @@ import pytest
 
 from symbody.codegen.llvm.kernel_library import compile_kernels
 from symbody.kernels import block as at
-from symbody.kernels.implicit import implicit_block as beside
+from symbody.kernels.block import Run
+from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.implicit.implicit_machine import advance_implicit, begin_implicit
 from symbody.kernels.language import Reals
 from symbody.kernels.linear.dense_factors import factor_dense, solve_dense
@@ -44,7 +45,7 @@ def test_python_runs_the_text_to_the_same_bits(step: float | None) -> None:
     times = np.linspace(0.0, END, 11)
     record = fresh_record(run, times, dense=False)
     show_room(run.block, record)
-    block, array = (Reals(numbers.tolist()) for numbers in (run.block, run.array))
+    block, array = Run(run.block.tolist()), ImplicitStep(run.array.tolist())
     t, x = Reals.zeros(11), Reals.zeros(33)
     f, k, d = implicit_kernels.slopes, implicit_kernels.turns, implicit_kernels.derivatives
     nothing, samples = Reals.zeros(1), Reals(times.tolist())
@@ -53,7 +54,7 @@ def test_python_runs_the_text_to_the_same_bits(step: float | None) -> None:
     assert code == at.FINISHED
     assert run.begin(record) == at.RUNNING and run.advance(record, 10_000) == at.FINISHED
     assert record.x.ravel().tolist() == [x[i] for i in range(33)]
-    assert run.block[: at.COUNTS].tolist() == [block[i] for i in range(at.COUNTS)]
+    assert run.block.tolist() == block.entries and run.array.tolist() == array.entries
 
 
 def test_copies_of_block_and_array_are_a_copy_of_the_run() -> None:
@@ -75,10 +76,11 @@ def test_factors_are_kept_while_the_method_converges() -> None:
     record = fresh_record(run, np.array([END]), dense=False)
     run.begin(record)
     assert run.advance(record, 10_000) == at.FINISHED
-    assert run.block[at.ACCEPTED] == 300
-    assert run.array[beside.DERIVATIVES_MADE] <= 3
-    assert run.array[beside.FACTORS_MADE] <= 3 + run.array[beside.DERIVATIVES_MADE]
-    assert run.array[beside.ROUNDS] <= 3 * run.block[at.ACCEPTED]
+    counts, implicit = Run(run.block).counts, ImplicitStep(run.array)
+    assert counts.accepted == 300
+    assert implicit.derivatives_made <= 3
+    assert implicit.factors_made <= 3 + implicit.derivatives_made
+    assert implicit.rounds <= 3 * counts.accepted
 
 
 def test_factors_solve_and_singular_ones_are_seen() -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from symbody.kernels import block as at
+from symbody.kernels.block import Run
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS
 from symbody.simulation.methods.explicit import NO_FUNCTION, NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.native.blocks import make_block, state_of
@@ -77,17 +78,18 @@ def test_a_copy_of_the_block_is_a_copy_of_the_run() -> None:
             break
     assert code == at.FINISHED
     np.testing.assert_array_equal(state_of(other.block), state_of(whole.block))
-    np.testing.assert_array_equal(other.block[: at.COUNTS], whole.block[: at.COUNTS])
-    assert whole.block[at.ACCEPTED] > 20
+    np.testing.assert_array_equal(other.block[: Run.size], whole.block[: Run.size])
+    assert Run(whole.block).counts.accepted > 20
 
 
 def test_a_motion_goes_on_beyond_its_first_end() -> None:
     there = fresh_run()
     record = fresh_record(there, np.zeros(0), dense=False)
-    there.block[at.T_END] = 10.0
+    own = Run(there.block)
+    own.t_end = 10.0
     assert there.begin(record) == at.RUNNING
-    assert there.advance(record, 1000) == at.FINISHED and there.block[at.TIME] == 10.0
-    there.block[at.T_END] = 30.0
+    assert there.advance(record, 1000) == at.FINISHED and own.time == 10.0
+    own.t_end = 30.0
     assert there.advance(record, 1000) == at.FINISHED
     expected = run(pendulum, 1, 1, [0.0, 2.0], (0.0, 30.0), rtol=1e-12, atol=1e-12).x[:, -1]
     np.testing.assert_allclose(state_of(there.block), expected, atol=1e-6)

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import RK45
 
-from symbody.kernels import block as at
+from symbody.kernels.block import Method
 from symbody.simulation.native.blocks import method_numbers
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
@@ -76,12 +76,12 @@ def defects(A: Floats, weights: Floats, order: int, value: float = 1.0, share: f
 
 def coefficients(tableau: Tableau) -> tuple[Floats, Floats, Floats]:
     """Return A, error estimates and dense output as the compiled loop gets them, with their zeros."""
-    numbers, size = method_numbers(tableau, 1), len(tableau.A)
-    firsts = numbers[at.ROWS :][: size + 2 + len(tableau.dense) + 1].astype(int)
+    method, size = Method(method_numbers(tableau, 1)), len(tableau.A)
+    firsts, pairs = np.asarray(method.rows).astype(int), np.asarray(method.weights).reshape(-1, 2)
+    firsts = firsts[: size + 2 + len(tableau.dense) + 1]
     full = np.zeros((len(firsts) - 1, size))
     for row, (start, end) in zip(full, pairwise(firsts), strict=True):
-        stages, weights = numbers[at.ENTRIES + 2 * start : at.ENTRIES + 2 * end].reshape(-1, 2).T
-        row[stages.astype(int)] = weights
+        row[pairs[start:end, 0].astype(int)] = pairs[start:end, 1]
     return full[:size], full[size : size + 2], full[size + 2 :]
 
 

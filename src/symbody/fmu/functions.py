@@ -17,7 +17,7 @@ from symbody.expr.sequences.folding import fold_constants
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Sequence
 from symbody.fmu.freezing import Branches
-from symbody.kernels import block
+from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import RightHandSide
 
 Floats = NDArray[np.float64]
@@ -53,13 +53,7 @@ class ModelFunction:
     @property
     def numbers(self) -> Floats:
         """The numbers of a call, as a block holds them."""
-        given = self.arguments
-        places = block.R_PLACE + np.cumsum([given.inputs.size, given.parameters.size, given.constants.size])
-        head = np.zeros(block.R_PLACE)
-        head[[block.P_PLACE, block.C_PLACE, block.WORK_PLACE]] = places
-        return np.concatenate(
-            [head, given.inputs, given.parameters, given.constants, np.zeros(given.work_size)]
-        )
+        return function_numbers(self.arguments)
 
     @property
     def size(self) -> int:

@@ -16,9 +16,11 @@ from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import block
+from symbody.kernels.block import Breakpoint, FunctionNumbers, Run, StateProjection
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
-from symbody.kernels.implicit import implicit_block
+from symbody.kernels.implicit.implicit_block import ImplicitStep
+from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
@@ -36,17 +38,15 @@ _KERNELS: Final = (
 )
 _ACTING_KERNELS: Final = (("acting_events", ("starting_event", "end_action")),)
 _IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
-_BLOCK_PLACES: Final = (
-    "P_PLACE", "C_PLACE", "R_PLACE", "TIME", "STEP", "T_NEW", "T_END", "T_START", "FIRST_STEP", "MAX_STEP",
-    "RTOL",
-    "VECTORS", "STATE_OLD", "KERNEL", "STEPS", "SAMPLES", "AFTER_REJECTION", "STIFF_VOTES", "OTHER_VOTES",
-    "UNJUDGED", "NEXT_BREAK", "FIRST_BREAK", "BREAK_TIME", "BREAK_JUMPS", "BREAK_MARGIN", "BREAK_SIZE",
-    "PROJECTOR", "P_FUNCTION", "P_OUT", "P_OUT_SIZE", "P_RESIDUALS", "P_SCALES", "RUNNING", "FINISHED",
-    "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "LENGTH",
-)  # fmt: skip
+_CODES: Final = ("RUNNING", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY")
+# What the names of the places of a record begin with.
+_RECORDS: Final[Mapping[str, type[RecordLayout]]] = {
+    "RUN": Run, "BREAK": Breakpoint, "NUMBERS": FunctionNumbers, "PROJECTOR": StateProjection,
+    "W": EventMonitor, "E": MonitoredEvent, "Z": SampleHold,
+}  # fmt: skip
 _IMPLICIT_FUNCTIONS: Final = {
-    "turn": implicit_block.RATE_FUNCTION,
-    "jacobian": implicit_block.DERIVATIVE_FUNCTION,
+    "turn": ImplicitStep.layout["rate_numbers"],
+    "jacobian": ImplicitStep.layout["derivative_numbers"],
 }
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
@@ -110,15 +110,16 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     motion, assembly = program.block(), program.assembly()
     sampler = program.samples.block(len(program.eqs.speed_names))
     implicit, watch = program.implicit(), program.watch()
-    parts, places = [motion, assembly, sampler, implicit, watch], {"motion": int(motion[block.FUNCTION])}
+    parts = [motion, assembly, sampler, implicit, watch]
+    places = {"motion": int(motion[Run.layout["numbers"]])}
     places["sampler"] = motion.size + assembly.size
     places["implicit"] = places["sampler"] + sampler.size
     places["watch"] = places["implicit"] + implicit.size
     size = places["watch"] + watch.size
     for name, function in program.functions.items():
         if name == "projection":
-            projector = int(motion[block.PROJECTOR])
-            places[name] = projector + int(motion[projector + block.P_FUNCTION])
+            begin = int(motion[Run.layout["projection"]])
+            places[name] = begin + int(motion[begin + StateProjection.layout["numbers"]])
         elif name == "assembly":
             places[name] = motion.size + int(assembly[AssemblyProblem.fields["numbers"].place])
         elif name in _IMPLICIT_FUNCTIONS:
@@ -139,7 +140,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     n, n_r = len(eqs.state_names), len(eqs.input_names)
     output = functions["output"]
     rows = output.size + n if "derivatives" in functions else 0
-    dense = int(program.block()[block.METHOD + block.DENSE_ROWS])
+    dense = Run(program.block()).method.dense_rows
     numbers = {
         "SB_X": n, "SB_U": len(eqs.speed_names), "SB_Q": len(eqs.coordinate_names),
         "SB_R": n_r, "SB_SAMPLED": len(program.samples.values), "SB_SAMPLER": places["sampler"],
@@ -162,10 +163,13 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         word: list(functions).index(name) if name in functions else 0 for name, word in _PURPOSES.items()
     }
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
-    numbers |= {f"SB_{name}": getattr(block, name) for name in _BLOCK_PLACES}
-    for letter, record in (("W", EventMonitor), ("E", MonitoredEvent), ("Z", SampleHold)):
-        numbers |= {f"SB_{letter}_{name.upper()}": field.place for name, field in record.fields.items()}
-    numbers["SB_EVENT_SIZE"] = MonitoredEvent.size
+    numbers |= {f"SB_{name}": getattr(block, name) for name in _CODES}
+    for prefix, record in _RECORDS.items():
+        numbers |= {
+            f"SB_{prefix}_{name.replace('.', '_').upper()}": place for name, place in record.layout.items()
+        }
+    numbers["SB_RUN_BREAKS"] = Run.fields["breaks"].place
+    numbers["SB_EVENT_SIZE"], numbers["SB_BREAK_SIZE"] = MonitoredEvent.size, Breakpoint.size
     texts = {
         "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
         "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),

@@ -17,7 +17,7 @@ from symbody.fmu.functions import Floats, ModelFunction
 from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
-from symbody.kernels import block
+from symbody.kernels.block import Run
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.simulation.events.event_functions import numbers_of_events
 from symbody.simulation.events.events import Event
@@ -185,11 +185,12 @@ class FmuProgram:
         goal = goal._replace(max_trials=MOST_TRIALS, stop_when_stiff=False)
         motion = self.functions["motion"].arguments
         made = make_block(motion, self._projector(), tableau, goal, self.x0, 0.0, first or 0.0)
-        made[block.KEEP_DENSE] = made[block.STEP_ROOM] = 1.0
+        room = Run(made).room
+        room.keep_dense, room.steps = 1.0, 1
         return made
 
     def implicit(self) -> Floats:
-        """Return the array of `symbody.kernels.implicit.implicit_block`; empty for explicit methods."""
+        """Return the array of an `ImplicitStep`; empty for explicit methods."""
         if not isinstance(self.method, GeneralizedAlpha):
             return np.zeros(0)
         functions = ImplicitFunctions(

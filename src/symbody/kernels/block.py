@@ -1,14 +1,9 @@
-"""Where a run keeps what it needs: places in its block, and the codes that its functions return.
-
-All of a run lies in one array of reals: what it is to reach, the method, the state, counters as whole
-numbers. A copy of the block is a copy of the run. Behind the `HEADER` follow the method, vectors of the n
-states x = (u, q), the derivatives of the stages, the dense output of one step; then, where the header says,
-breakpoints and the numbers of both functions.
-"""
-
-from __future__ import annotations
+"""`Run`: all that a run of the integrator keeps, and the codes that its functions return."""
 
 from typing import Final
+
+from symbody.kernels.language import Reals
+from symbody.kernels.record_layout import RecordLayout, Rows, inline, pointer
 
 # What `begin` and `advance` return.
 RUNNING: Final = 0
@@ -32,116 +27,162 @@ SPOILED: Final = 14
 # The same where the constraints do not admit what an action sets.
 UNMET: Final = 15
 
-# Counters, first in the block.
-ACCEPTED: Final = 0
-REJECTED: Final = 1
-EVALUATIONS: Final = 2
-SAMPLES: Final = 3
-STEPS: Final = 4  # whose dense output is kept
-KERNEL: Final = 5  # which one of the right-hand side failed, from 1; 0 for none
-STATE: Final = 6  # which state is to blame
-AFTER_REJECTION: Final = 7
-STIFF_VOTES: Final = 8
-OTHER_VOTES: Final = 9
-NEXT_BREAK: Final = 10
-FIRST_BREAK: Final = 11  # of this motion
-UNJUDGED: Final = 12  # steps since the last that was judged for stiffness
-COUNTS: Final = 13
+# The code in a verdict that has not been reached.
+NOT_ENDED: Final = -1
 
-# The step under way.
-TIME: Final = 13
-STEP: Final = 14  # the length to try next
-ERROR: Final = 15  # norm of the error of the step before
-LENGTH: Final = 16  # of the step that is tried, and its end
-T_NEW: Final = 17
 
-# What is to be reached, how carefully, and what is kept.
-T_END: Final = 18
-DIRECTION: Final = 19
-RTOL: Final = 20
-MAX_STEP: Final = 21
-MAX_TRIALS: Final = 22
-STOP_WHEN_STIFF: Final = 23
-FIRST_STEP: Final = 24  # 0 where it follows from the first derivatives
-EVERY_STEP: Final = 25  # whether each is a sample
-KEEP_DENSE: Final = 26
-TIMES: Final = 27  # how many samples there are to be
-SAMPLE_ROOM: Final = 28
-STEP_ROOM: Final = 29
+class Counts(RecordLayout):
+    """What a run counts, and what is to blame where it ends early.
 
-# Sizes, and where things lie.
-N: Final = 30
-N_U: Final = 31
-BREAKS: Final = 32
-FUNCTION: Final = 33
-PROJECTOR: Final = 34  # 0 where nothing is projected
-T_START: Final = 35
-CASE: Final = 36  # of many, the one that is computed, whether it has begun, and how many have ended
-CASE_BEGUN: Final = 37
-CASES_ENDED: Final = 38
-LANE_CODE: Final = 39  # of side by side motions: what `advance` would have returned
-HEADER: Final = 40
+    What grows without end is a real: integers of C end at 2^31.
+    """
 
-# The method, behind the header: places in it, then nodes c, where each row begins, and its entries.
-METHOD: Final = HEADER
-ORDER: Final = 0
-STAGES: Final = 1
-STAGE_ROWS: Final = 2  # rows of A, those for dense output alone among them
-DENSE_ROWS: Final = 3  # rows of the dense output
-ERROR_READS_END: Final = 4
-EXPONENT: Final = 5
-MEMORY: Final = 6
-SHRINK: Final = 7
-GROWTH: Final = 8
-STIFF_BOUND: Final = 9
-SPLIT: Final = 10
-NODES: Final = 12
-ROWS: Final = 32
-# Pairs: where the derivative of a stage begins, and its weight.
-ENTRIES: Final = 64
-METHOD_SIZE: Final = 512
+    accepted: float
+    rejected: float
+    evaluations: float
+    samples: int
+    steps: int  # whose dense output is kept
+    failed_kernel: int  # which one of the right-hand side failed, from 1; 0 for none
+    blamed_state: int
 
-# Vectors behind the method; K, the derivatives, follow them.
-VECTORS: Final = METHOD + METHOD_SIZE
-STATE_OLD: Final = 0
-STAGE: Final = 1
-STATE_NEW: Final = 2
-ERROR_1: Final = 3
-ERROR_2: Final = 4
-NOTHING: Final = 5  # zeros
-TOLERANCES: Final = 6  # absolute, of each state
-VECTOR_ROWS: Final = 7
 
-# A breakpoint: when, how long a step before it may be, whether something jumps, and within what of its time.
-BREAK_SIZE: Final = 4
-BREAK_TIME: Final = 0
-BREAK_LONGEST: Final = 1
-BREAK_JUMPS: Final = 2
-BREAK_MARGIN: Final = 3
+class RunGoal(RecordLayout):
+    """What is to be reached, and how carefully. It stays the same from step to step."""
 
-# The numbers of a function: its time, where p, c, its scratch and its tables begin (0: it has none), then r
-# and these.
-CLOCK: Final = 0
-P_PLACE: Final = 1
-C_PLACE: Final = 2
-WORK_PLACE: Final = 3
-TABLES_PLACE: Final = 4
-R_PLACE: Final = 8
+    direction: float
+    rtol: float
+    max_step: float
+    max_trials: float
+    stop_when_stiff: float
 
-# What projects: sizes and limits, where the numbers of its function begin; then the scales of the position
-# residuals, the sizes of the coordinates, and what the function writes.
-P_COORDINATES: Final = 0
-P_RESIDUALS: Final = 1
-P_OUT: Final = 2
-P_OUT_SIZE: Final = 3
-P_FUNCTION: Final = 4
-P_LIMIT: Final = 5
-P_ROUNDING: Final = 6
-P_SCALES: Final = 8
 
-# A row of a table of verdicts: the code, -1 without one, up to when the motion is known, the counters.
-NOT_ENDED: Final = -1.0
-CODE: Final = 0
-REACHED: Final = 1
-VERDICT_COUNTS: Final = 2
-VERDICT_SIZE: Final = VERDICT_COUNTS + COUNTS
+class SampleRoom(RecordLayout):
+    """What is stored of a run, and how much room there is. What is asked by *whether* is 1 or 0."""
+
+    every_step: float  # whether each is a sample
+    keep_dense: float
+    times: int  # how many samples there are to be
+    samples: int
+    steps: int
+
+
+class CaseCursor(RecordLayout):
+    """Of many motions, the one that is computed."""
+
+    start: float  # when all begin [s]
+    current: int  # -1 for none
+    begun: float
+    ended: int  # how many have
+    lane_code: int  # of side by side motions: what `advance` would have returned
+
+
+class Breakpoint(RecordLayout):
+    """When something that depends on time alone changes."""
+
+    time: float
+    longest: float  # how long a step before it may be
+    jumps: float  # whether something jumps
+    margin: float  # within what of its time
+
+
+class BreakpointTable(RecordLayout):
+    """All breakpoints of a motion, the last at an infinite time."""
+
+    next: int
+    count: int
+    points: Rows[Breakpoint] = pointer("count")
+
+
+class Method(RecordLayout):
+    """An explicit Runge-Kutta method for states of a given number."""
+
+    order: int
+    stages: int
+    stage_rows: int  # rows of A, those for dense output alone among them
+    dense_rows: int  # rows of the dense output
+    error_reads_end: float
+    exponent: float
+    memory: float
+    shrink: float
+    growth: float
+    stiff_bound: float
+    split: float
+    nodes: Reals = inline(20)
+    rows: Reals = inline(32)  # which weight each row begins with, and where the last ends
+    weights: Reals = inline(448)  # pairs: where the derivative of a stage begins, and its weight
+
+
+class FunctionNumbers(RecordLayout):
+    """The arguments of a function of generated code: its time, r, p and c, and its scratch."""
+
+    time: float
+    input_count: int
+    parameter_count: int
+    constant_count: int
+    work_size: int
+    inputs: Reals = pointer("input_count")
+    parameters: Reals = pointer("parameter_count")
+    constants: Reals = pointer("constant_count")
+    work: Reals = pointer("work_size")
+    tables: Reals = pointer()  # inputs that are tables, see `tables`; nowhere if there are none
+
+
+class StateProjection(RecordLayout):
+    """What brings states back onto the constraints."""
+
+    coordinates: int
+    residuals: int
+    out_size: int
+    limit: float  # moves above so many tolerated errors reject a step
+    rounding: float  # how exactly residuals are known, over what counts as closed
+    scales: Reals = pointer("residuals")  # the largest position residuals that count as closed
+    sizes: Reals = pointer("coordinates")  # what counts as a large coordinate
+    out: Reals = pointer("out_size")  # what the function writes
+    numbers: FunctionNumbers = pointer()
+
+
+class Run(RecordLayout):
+    """All of a run: a copy is a copy of the run.
+
+    Its own numbers and `counts` change from step to step; those of its other records do not, but where the
+    search for the next breakpoint begins.
+    """
+
+    counts: Counts
+    time: float
+    step: float  # the length to try next
+    error: float  # norm of the error of the step before
+    length: float  # of the step that is tried, and its end
+    t_new: float
+    t_end: float
+    first_step: float  # 0 where it follows from the first derivatives
+    after_rejection: float
+    stiff_votes: int
+    other_votes: int
+    unjudged: int  # steps since the last that was judged for stiffness
+    states: int
+    speeds: int
+    goal: RunGoal
+    room: SampleRoom
+    cases: CaseCursor
+    breaks: BreakpointTable
+    method: Method
+    state_old: Reals = pointer("states")
+    stage: Reals = pointer("states")
+    state_new: Reals = pointer("states")
+    error_1: Reals = pointer("states")
+    error_2: Reals = pointer("states")
+    zero_state: Reals = pointer("states")
+    tolerances: Reals = pointer("states")  # absolute
+    slopes: Reals = pointer()  # derivatives of the stages
+    dense: Reals = pointer()  # dense output of one step
+    numbers: FunctionNumbers = pointer()  # of the right-hand side
+    projection: StateProjection = pointer()  # nowhere if nothing is projected
+
+
+class Verdict(RecordLayout):
+    """How a case ended."""
+
+    code: int  # -1 without one
+    reached: float  # up to when the motion is known [s]
+    counts: Counts

@@ -7,48 +7,33 @@ Differential Equations I, 2nd ed., section II.6.
 
 from __future__ import annotations
 
-from symbody.kernels.block import (
-    DENSE_ROWS,
-    ERROR_1,
-    METHOD,
-    METHOD_SIZE,
-    NODES,
-    NOTHING,
-    STAGE_ROWS,
-    STAGES,
-    STATE_NEW,
-    STATE_OLD,
-    VECTOR_ROWS,
-    VECTORS,
-    N,
-)
+from symbody.kernels.block import Run
 from symbody.kernels.language import Function, Reals, half, part
 from symbody.kernels.runge_kutta import all_finite, combine, evaluate
 
 
-def form_dense_output(f: Function, B: Reals, t: float, h: float, F: Reals) -> int:
+def form_dense_output(f: Function, run: Run, t: float, h: float, F: Reals) -> int:
     """Fill F (rows, n) for the step just tried; return 1 if all of it is finite, else 0."""
-    n = int(B[N])
-    M = part(B, METHOD, METHOD_SIZE)
-    V = part(B, VECTORS, VECTOR_ROWS * n)
-    end = int(M[STAGES])
-    stage_rows = int(M[STAGE_ROWS])
-    K = part(B, VECTORS + VECTOR_ROWS * n, stage_rows * n)
-    old = part(V, STATE_OLD * n, n)
-    new = part(V, STATE_NEW * n, n)
-    scratch = part(V, ERROR_1 * n, n)  # the last stage is still needed to judge stiffness
+    n = run.states
+    method = run.method
+    end = method.stages
+    stage_rows = method.stage_rows
+    K = run.slopes
+    old = run.state_old
+    new = run.state_new
+    scratch = run.error_1  # the last stage is still needed to judge stiffness
     for k in range(end + 1, stage_rows):
-        combine(n, k, M, K, h, old, scratch)
-        evaluate(f, B, t + M[NODES + k] * h, ERROR_1, k)
+        combine(n, k, method, K, h, old, scratch)
+        evaluate(f, run, t + method.nodes[k] * h, scratch, part(K, k * n, n))
     for i in range(n):
         move = new[i] - old[i]
         F[i] = old[i]
         F[n + i] = move
         F[2 * n + i] = h * K[i] - move
         F[3 * n + i] = 2.0 * move - h * (K[i] + K[end * n + i])
-    for row in range(4, int(M[DENSE_ROWS])):
-        combine(n, stage_rows + row - 2, M, K, h, part(V, NOTHING * n, n), part(F, row * n, n))
-    return all_finite(n * (int(M[DENSE_ROWS]) - 4), part(F, 4 * n, n))
+    for row in range(4, method.dense_rows):
+        combine(n, stage_rows + row - 2, method, K, h, run.zero_state, part(F, row * n, n))
+    return all_finite(n * (method.dense_rows - 4), part(F, 4 * n, n))
 
 
 def interpolate(n: int, rows: int, F: Reals, s: float, x: Reals) -> None:

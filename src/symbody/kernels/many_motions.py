@@ -8,123 +8,108 @@ samples (cases, times, n); rows of samples that were not reached stay as they we
 from __future__ import annotations
 
 from symbody.kernels.block import (
-    ACCEPTED,
-    BREAKS,
-    CASE,
-    CASE_BEGUN,
-    CASES_ENDED,
-    CODE,
-    COUNTS,
-    ERROR,
     FINISHED,
-    FIRST_BREAK,
-    FUNCTION,
-    NEXT_BREAK,
     NOT_ENDED,
-    P_COORDINATES,
-    P_FUNCTION,
-    P_PLACE,
-    P_RESIDUALS,
-    P_SCALES,
-    PROJECTOR,
-    REACHED,
-    REJECTED,
     RUNNING,
-    STATE_OLD,
-    STEP,
-    T_START,
-    TIME,
-    TIMES,
-    TOLERANCES,
-    VECTOR_ROWS,
-    VECTORS,
-    VERDICT_COUNTS,
-    VERDICT_SIZE,
-    WORK_PLACE,
-    N,
+    Breakpoint,
+    Counts,
+    FunctionNumbers,
+    Run,
+    Verdict,
 )
 from symbody.kernels.language import Function, Reals, part
+from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.step_machine import advance, begin
 
 
-def set_numbers(numbers: Reals, row: Reals) -> int:
+def set_numbers(numbers: FunctionNumbers, row: Reals) -> int:
     """Set p and c of a function; return how many numbers these are."""
-    first = int(numbers[P_PLACE])
-    size = int(numbers[WORK_PLACE]) - first
-    copy(size, row, part(numbers, first, size))
-    return size
+    p = numbers.parameter_count
+    c = numbers.constant_count
+    copy(p, row, numbers.parameters)
+    copy(c, part(row, p, c), numbers.constants)
+    return p + c
 
 
-def set_case(B: Reals, row: Reals) -> None:
+def set_case(run: Run, row: Reals) -> None:
     """Set the numbers of a case that are not part of its state."""
-    n = int(B[N])
-    copy(n, part(row, n, n), part(B, VECTORS + TOLERANCES * n, n))
+    n = run.states
+    copy(n, part(row, n, n), run.tolerances)
     place = 2 * n
-    breaks = int(B[FUNCTION]) - int(B[BREAKS])
-    copy(breaks, part(row, place, breaks), part(B, int(B[BREAKS]), breaks))
+    breaks = Breakpoint.size * run.breaks.count
+    copy(breaks, part(row, place, breaks), run.breaks.points[0])
     place = place + breaks
-    place = place + set_numbers(part(B, int(B[FUNCTION]), 1), part(row, place, 1))
-    if B[PROJECTOR] != 0.0:
-        P = part(B, int(B[PROJECTOR]), 1)
-        place = place + set_numbers(part(P, int(P[P_FUNCTION]), 1), part(row, place, 1))
-        size = int(P[P_RESIDUALS]) + int(P[P_COORDINATES])
-        copy(size, part(row, place, size), part(P, P_SCALES, size))
+    place = place + set_numbers(run.numbers, part(row, place, 1))
+    if exists(run.projection):
+        projection = run.projection
+        place = place + set_numbers(projection.numbers, part(row, place, 1))
+        copy(projection.residuals, part(row, place, projection.residuals), projection.scales)
+        place = place + projection.residuals
+        copy(projection.coordinates, part(row, place, projection.coordinates), projection.sizes)
 
 
-def prepare(B: Reals, row: Reals) -> None:
-    """Set the block to the beginning of a case."""
-    n = int(B[N])
-    set_case(B, row)
-    copy(n, row, part(B, VECTORS + STATE_OLD * n, n))
+def clear(n: int, x: Reals) -> None:
+    """Set an array to zeros."""
+    for i in range(n):
+        x[i] = 0.0
+
+
+def prepare(run: Run, row: Reals) -> None:
+    """Set a run to the beginning of a case."""
+    n = run.states
+    set_case(run, row)
+    copy(n, row, run.state_old)
     # What a case before left there would decide whose fault a failure is.
-    for i in range(int(B[BREAKS]) - VECTORS - VECTOR_ROWS * n):
-        B[VECTORS + VECTOR_ROWS * n + i] = 0.0
-    for k in range(COUNTS):
-        B[k] = 0.0
-    B[TIME] = B[T_START]
-    B[STEP] = 0.0
-    B[ERROR] = 0.0
-    B[FIRST_BREAK] = B[BREAKS]
-    B[NEXT_BREAK] = B[BREAKS]
+    clear(run.method.stage_rows * n, run.slopes)
+    clear(run.method.dense_rows * n, run.dense)
+    clear(Counts.size, run.counts)
+    run.time = run.cases.start
+    run.step = 0.0
+    run.error = 0.0
+    run.after_rejection = 0.0
+    run.stiff_votes = 0
+    run.other_votes = 0
+    run.unjudged = 0
+    run.breaks.next = 0
 
 
-def conclude(B: Reals, code: int, verdict: Reals) -> None:
+def conclude(run: Run, code: int, verdict: Verdict) -> None:
     """Write down how far a case came, and how it ended unless it is still running."""
-    copy(COUNTS, B, part(verdict, VERDICT_COUNTS, COUNTS))
-    verdict[REACHED] = B[TIME]
+    copy(Counts.size, run.counts, verdict.counts)
+    verdict.reached = run.time
     if code != RUNNING:
-        verdict[CODE] = float(code)
-        B[CASES_ENDED] = B[CASES_ENDED] + 1.0
+        verdict.code = code
+        run.cases.ended = run.cases.ended + 1
 
 
 def run_cases(
-    f: Function, g: Function, B: Reals, count: int, size: int, cases: Reals, times: Reals, t: Reals, x: Reals,
-    verdicts: Reals, trials: int,
+    f: Function, g: Function, run: Run, count: int, size: int, cases: Reals, times: Reals, t: Reals,
+    x: Reals, verdicts: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps of the cases without a verdict; return `RUNNING` or `FINISHED`.
 
     `size` is that of a row of `cases`; `t` (times,) is scratch.
     """
-    n = int(B[N])
+    n = run.states
     left = trials
-    while int(B[CASE]) < count:
-        k = int(B[CASE])
-        verdict = part(verdicts, k * VERDICT_SIZE, VERDICT_SIZE)
-        if verdict[CODE] == NOT_ENDED:
-            samples = part(x, k * int(B[TIMES]) * n, int(B[TIMES]) * n)
+    while run.cases.current < count:
+        k = run.cases.current
+        verdict = Verdict.view(verdicts, k * Verdict.size)
+        if verdict.code == NOT_ENDED:
+            samples = part(x, k * run.room.times * n, run.room.times * n)
             code = RUNNING
-            if B[CASE_BEGUN] == 0.0:
-                prepare(B, part(cases, k * size, size))
-                B[CASE_BEGUN] = 1.0
-                code = begin(f, B, times, t, samples, t)
-            before = B[ACCEPTED] + B[REJECTED]
+            if run.cases.begun == 0.0:
+                prepare(run, part(cases, k * size, size))
+                run.cases.begun = 1.0
+                code = begin(f, run, times, t, samples, t)
+            before = run.counts.accepted + run.counts.rejected
             if code == RUNNING:
-                code = advance(f, g, B, times, t, samples, t, t, left)
-            left = left - int(B[ACCEPTED] + B[REJECTED] - before)
-            conclude(B, code, verdict)
+                code = advance(f, g, run, times, t, samples, t, t, left)
+            left = left - int(run.counts.accepted + run.counts.rejected - before)
+            conclude(run, code, verdict)
             if code == RUNNING:
                 return RUNNING
-        B[CASE] = float(k + 1)
-        B[CASE_BEGUN] = 0.0
+        run.cases.current = k + 1
+        run.cases.begun = 0.0
     return FINISHED

@@ -6,6 +6,7 @@ A record is a class whose annotations are its fields, in the order of the array:
 ``x: float``        a real
 ``k: int``          a whole number, kept as a real below 2^53
 ``m: Method``       another record, in line
+``w: Reals``        ``= inline(20)``: so many reals, in line: the quickest to read
 ``v: Reals``        ``= pointer("count")``: so many reals elsewhere in the array; the field holds where
 ``p: Numbers``      ``= pointer()``: a record elsewhere in the array, or nothing where the field is 0
 ``e: Rows[Event]``  ``= pointer("events")``: so many records elsewhere, one after the other
@@ -18,7 +19,7 @@ reader of kernels, ask the class for its fields.
 import inspect
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar, get_args, get_origin
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar, get_args, get_origin
 
 from symbody.kernels.language import Reals
 
@@ -36,6 +37,17 @@ def pointer(*factors: str | int) -> Any:
     return Pointer(factors)
 
 
+class Inline(NamedTuple):
+    """How many reals lie in line."""
+
+    reals: int
+
+
+def inline(reals: int) -> Any:
+    """Declare that a field is so many reals."""
+    return Inline(reals)
+
+
 class RecordField:
     """One field of a record.
 
@@ -49,23 +61,27 @@ class RecordField:
         None for what lies in line.
     sizes : tuple of str and int
         The factors of how much the field points to.
+    inline : int
+        How many reals lie in line where the field is an array that does.
     is_record, is_row : bool
         Whether it is a record or points to some, and whether to several.
     """
 
-    __slots__ = ("is_record", "is_row", "kind", "name", "place", "pointer", "sizes")
+    __slots__ = ("inline", "is_record", "is_row", "kind", "name", "place", "pointer", "sizes")
 
-    def __init__(self, name: str, annotation: Any, place: int, size: Pointer | None) -> None:
-        self.name, self.place, self.pointer = name, place, size
+    def __init__(self, name: str, annotation: Any, place: int, size: Pointer | Inline | None) -> None:
+        self.name, self.place = name, place
+        self.inline = size.reals if isinstance(size, Inline) else 0
+        self.pointer = size if isinstance(size, Pointer) else None
         self.is_row = get_origin(annotation) is Rows
         self.kind: Any = get_args(annotation)[0] if self.is_row else annotation
         self.is_record = issubclass(self.kind, RecordLayout)
-        self.sizes = () if size is None else size.factors
+        self.sizes = () if self.pointer is None else self.pointer.factors
 
     @property
     def size(self) -> int:
         """How many entries the field takes in line."""
-        return self.entry_size if self.pointer is None else 1
+        return self.inline or (self.entry_size if self.pointer is None else 1)
 
     @property
     def entry_size(self) -> int:
@@ -78,19 +94,23 @@ class RecordField:
         if record is None:
             return self
         value = record.entries[record.offset + self.place]
+        if self.inline:
+            return self._reals(record, record.offset + self.place, self.inline)
         if self.pointer is None:
             if self.is_record:
                 return self.kind(record.entries, record.offset + self.place)
             return self.kind(value)
-        begin = record.offset + int(value)
+        begin = record.offset + int(value) if value else 0
         if self.is_row:
             return Rows(record.entries, begin, self.kind, self.count(record))
         if self.is_record:
             return self.kind(record.entries, begin)
+        return self._reals(record, begin, self.count(record) if self.sizes or value == 0.0 else None)
+
+    def _reals(self, record: "RecordLayout", begin: int, size: int | None) -> Any:
         if isinstance(record.entries, list):
             return Reals(record.entries, begin)
-        end = begin + self.count(record) if self.sizes or value == 0.0 else None
-        return record.entries[begin:end]
+        return record.entries[begin : None if size is None else begin + size]
 
     def __set__(self, record: "RecordLayout", value: float) -> None:
         """Change a number."""
@@ -116,14 +136,20 @@ class RecordLayout(Reals):
     fields : mapping of name to RecordField
     pointers : tuple of RecordField
         Those of them that say where something lies.
+    layout : mapping of name to int
+        Where each number and pointer lies, those of records in line by names such as ``counts.steps``.
     size : int
         How many entries the fields take.
+    alignment : int
+        What lies elsewhere begins at a multiple of so many entries.
     """
 
     __slots__ = ()
     fields: ClassVar[Mapping[str, RecordField]] = MappingProxyType({})
     pointers: ClassVar[tuple[RecordField, ...]] = ()
+    layout: ClassVar[Mapping[str, int]] = MappingProxyType({})
     size: ClassVar[int] = 0
+    alignment: ClassVar[int] = 1
 
     def __init__(self, entries: Any, offset: int = 0) -> None:
         self.entries, self.offset = entries, offset  # a NumPy array is seen through, not copied
@@ -131,12 +157,25 @@ class RecordLayout(Reals):
     def __init_subclass__(cls) -> None:
         """Lay out the fields."""
         fields: dict[str, RecordField] = {}
+        layout: dict[str, int] = {}
         for name, annotation in inspect.get_annotations(cls).items():
             fields[name] = field = RecordField(name, annotation, cls.size, cls.__dict__.get(name))
+            inner = field.kind.layout if field.is_record and field.pointer is None else {"": 0}
+            layout |= {f"{name}.{key}".rstrip("."): cls.size + place for key, place in inner.items()}
             cls.size += field.size
             setattr(cls, name, field)
-        cls.fields = MappingProxyType(fields)
+        cls.fields, cls.layout = MappingProxyType(fields), MappingProxyType(layout)
         cls.pointers = tuple(field for field in fields.values() if field.pointer is not None)
+
+    @classmethod
+    def round_up(cls, place: int) -> int:
+        """Return a place, or the next one where something may begin."""
+        return -(-place // cls.alignment) * cls.alignment
+
+    @classmethod
+    def view(cls, array: Reals, place: int) -> Self:
+        """Return the record that begins at a place of an array."""
+        return cls(array.entries, array.offset + place)
 
 
 class Rows(Generic[R]):

@@ -4,23 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import (
-    AFTER_REJECTION,
-    BREAK_JUMPS,
-    BREAK_LONGEST,
-    BREAK_MARGIN,
-    BREAK_SIZE,
-    BREAK_TIME,
-    DIRECTION,
-    FIRST_BREAK,
-    GROWTH,
-    LENGTH,
-    MAX_STEP,
-    METHOD,
-    NEXT_BREAK,
-    T_END,
-    T_NEW,
-)
+from symbody.kernels.block import Run
 from symbody.kernels.language import INFINITY, Reals
 
 EPSILON: Final = 2.220446049250313e-16
@@ -28,146 +12,154 @@ RASTER: Final = 1e-9  # of a step: what lies so close to its end lies there
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 
 
-def next_break(B: Reals, t: float) -> int:
+def next_break(run: Run, t: float) -> int:
     """Return where the next breakpoint after a time lies in the block, one that is at hand left behind."""
-    direction = B[DIRECTION]
-    place = int(B[NEXT_BREAK])
-    first = int(B[FIRST_BREAK])
-    while place > first:
-        before = place - BREAK_SIZE
-        if not (B[before + BREAK_TIME] - t) * direction > 2.0 * B[before + BREAK_MARGIN]:
+    breaks = run.breaks
+    direction = run.goal.direction
+    place = breaks.next
+    while place > 0:
+        before = place - 1
+        if not (breaks.points[before].time - t) * direction > 2.0 * breaks.points[before].margin:
             break
         place = before  # an event led back
-    while (B[place + BREAK_TIME] - t) * direction <= 2.0 * B[place + BREAK_MARGIN]:
-        place = place + BREAK_SIZE
-    B[NEXT_BREAK] = float(place)
+    while (breaks.points[place].time - t) * direction <= 2.0 * breaks.points[place].margin:
+        place = place + 1
+    breaks.next = place
     return place
 
 
-def find_jump_at_end(B: Reals, t: float, length: float) -> int:
+def find_jump_at_end(run: Run, t: float, length: float) -> int:
     """Return the breakpoint of a jump that lies at the end of a step of a given length, or -1."""
-    place = next_break(B, t)
-    while abs(B[place + BREAK_TIME] - t) < length * (1.0 - RASTER):
-        place = place + BREAK_SIZE
-    if B[place + BREAK_JUMPS] != 0.0 and abs(B[place + BREAK_TIME] - t) <= length * (1.0 + RASTER):
+    breaks = run.breaks
+    place = next_break(run, t)
+    while abs(breaks.points[place].time - t) < length * (1.0 - RASTER):
+        place = place + 1
+    if breaks.points[place].jumps != 0.0 and abs(breaks.points[place].time - t) <= length * (1.0 + RASTER):
         return place
     return -1
 
 
-def begin_of_step(B: Reals, t: float) -> float:
+def begin_of_step(run: Run, t: float) -> float:
     """Return when a step begins: at the jump that it begins just behind, else at its time."""
-    place = int(B[NEXT_BREAK])
-    if place > int(B[FIRST_BREAK]):
-        before = place - BREAK_SIZE
-        time = B[before + BREAK_TIME]
-        if B[before + BREAK_JUMPS] != 0.0 and abs(time - t) <= 2.0 * B[before + BREAK_MARGIN]:
+    breaks = run.breaks
+    place = breaks.next
+    if place > 0:
+        before = place - 1
+        time = breaks.points[before].time
+        if breaks.points[before].jumps != 0.0 and abs(time - t) <= 2.0 * breaks.points[before].margin:
             return time
     return t
 
 
-def bound_step(B: Reals, t: float, h: float) -> int:
-    """Set `LENGTH` to how long a step of length h may be; return the breakpoint where it has to end, or -1.
+def bound_step(run: Run, t: float, h: float) -> int:
+    """Set `length` to how long a step of length h may be; return the breakpoint where it has to end, or -1.
 
     A step is no longer than every piece that it enters allows; it ends where it would enter one that allows
     less than the way there. Steps of one length end at jumps only that lie on their raster.
     """
-    place = next_break(B, t)
-    if B[METHOD + GROWTH] == 1.0:
-        B[LENGTH] = abs(h)
-        return find_jump_at_end(B, t, abs(h))
-    length = min(abs(h), B[place + BREAK_LONGEST])
-    while abs(B[place + BREAK_TIME] - t) < length:
-        way = abs(B[place + BREAK_TIME] - t)
-        if B[place + BREAK_JUMPS] != 0.0 or B[place + BREAK_SIZE + BREAK_LONGEST] < way:
-            B[LENGTH] = way
+    breaks = run.breaks
+    place = next_break(run, t)
+    if run.method.growth == 1.0:
+        run.length = abs(h)
+        return find_jump_at_end(run, t, abs(h))
+    length = min(abs(h), breaks.points[place].longest)
+    while abs(breaks.points[place].time - t) < length:
+        way = abs(breaks.points[place].time - t)
+        if breaks.points[place].jumps != 0.0 or breaks.points[place + 1].longest < way:
+            run.length = way
             return place
-        place = place + BREAK_SIZE
-        length = min(length, B[place + BREAK_LONGEST])
-    B[LENGTH] = length
+        place = place + 1
+        length = min(length, breaks.points[place].longest)
+    run.length = length
     return -1
 
 
-def end_motion(B: Reals, t: float, bound: int) -> None:
+def end_motion(run: Run, t: float, bound: int) -> None:
     """Let the next trial lead to the end of the motion, or to just before a jump there."""
-    ahead = B[T_END] - t
+    breaks = run.breaks
+    ahead = run.t_end - t
     place = bound
-    if bound < 0 or B[METHOD + GROWTH] == 1.0:  # the last step may be shorter, or longer by the stretch
-        place = find_jump_at_end(B, t, abs(ahead))
-    B[LENGTH] = ahead
-    B[T_NEW] = B[T_END]
-    if place >= 0 and B[place + BREAK_JUMPS] != 0.0:
-        if abs(B[place + BREAK_TIME] - B[T_END]) <= B[place + BREAK_MARGIN]:
-            before = B[place + BREAK_TIME] - B[DIRECTION] * B[place + BREAK_MARGIN]
-            if (before - t) * B[DIRECTION] > 0.0 and (B[T_END] - before) * B[DIRECTION] > 0.0:
-                B[LENGTH] = before - t
+    if bound < 0 or run.method.growth == 1.0:  # the last step may be shorter, or longer by the stretch
+        place = find_jump_at_end(run, t, abs(ahead))
+    run.length = ahead
+    run.t_new = run.t_end
+    if place >= 0 and breaks.points[place].jumps != 0.0:
+        jump = breaks.points[place]
+        if abs(jump.time - run.t_end) <= jump.margin:
+            before = jump.time - run.goal.direction * jump.margin
+            if (before - t) * run.goal.direction > 0.0 and (run.t_end - before) * run.goal.direction > 0.0:
+                run.length = before - t
 
 
-def plan_trial(B: Reals, t: float, h: float) -> None:
-    """Set `LENGTH` and `T_NEW` of the next trial; the length is 0 where steps are too short to go on.
+def plan_trial(run: Run, t: float, h: float) -> None:
+    """Set `length` and `t_new` of the next trial; the length is 0 where steps are too short to go on.
 
     Before a jump the step is shorter than its end tells, by the margin of the jump.
     """
-    t_end = B[T_END]
-    direction = B[DIRECTION]
+    breaks = run.breaks
+    t_end = run.t_end
+    direction = run.goal.direction
     ahead = t_end - t
-    place = bound_step(B, t, h)
-    length = B[LENGTH]
+    place = bound_step(run, t, h)
+    length = run.length
     # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed,
     # and a step that ends beside the end by the rounding of times alone ends there
     allowed = length + 4.0 * EPSILON * abs(t_end)
-    if length == abs(h) and abs(ahead) <= abs(B[int(B[NEXT_BREAK]) + BREAK_TIME] - t):
+    if length == abs(h) and abs(ahead) <= abs(breaks.points[breaks.next].time - t):
         allowed = max(allowed, 1.01 * length)
-    if B[AFTER_REJECTION] == 0.0 and abs(ahead) <= 10.0 * EPSILON * abs(t_end):
+    if run.after_rejection == 0.0 and abs(ahead) <= 10.0 * EPSILON * abs(t_end):
         allowed = abs(ahead)  # an event that acts may lie so close to the end
-    if abs(ahead) <= allowed and abs(ahead) <= B[MAX_STEP] * (1.0 + 1e-9):
-        end_motion(B, t, place)
+    if abs(ahead) <= allowed and abs(ahead) <= run.goal.max_step * (1.0 + 1e-9):
+        end_motion(run, t, place)
         return
     if place >= 0:
-        end = B[place + BREAK_TIME]
-        B[LENGTH] = end - t
-        if B[place + BREAK_JUMPS] != 0.0:
-            B[LENGTH] = end - t - direction * B[place + BREAK_MARGIN]
-        B[T_NEW] = end
+        end = breaks.points[place].time
+        run.length = end - t
+        if breaks.points[place].jumps != 0.0:
+            run.length = end - t - direction * breaks.points[place].margin
+        run.t_new = end
         return
     if length <= max(10.0 * EPSILON * abs(t), SMALLEST_STEP):
-        B[LENGTH] = 0.0
-        B[T_NEW] = t
+        run.length = 0.0
+        run.t_new = t
         return
-    B[LENGTH] = direction * length
-    B[T_NEW] = t + direction * length
-    if B[METHOD + GROWTH] == 1.0:
-        begin = begin_of_step(B, t)
+    run.length = direction * length
+    run.t_new = t + direction * length
+    if run.method.growth == 1.0:
+        begin = begin_of_step(run, t)
         if begin != t:
-            B[T_NEW] = begin + direction * length
-            B[LENGTH] = B[T_NEW] - t
+            run.t_new = begin + direction * length
+            run.length = run.t_new - t
 
 
-def behind_jump(B: Reals, t: float) -> float:
+def behind_jump(run: Run, t: float) -> float:
     """Return a time just behind a jump that lies at this time; the time itself without one before the end."""
-    place = next_break(B, t)
-    if place <= int(B[FIRST_BREAK]) or t == B[T_END]:
+    breaks = run.breaks
+    place = next_break(run, t)
+    if place <= 0 or t == run.t_end:
         return t
-    direction = B[DIRECTION]
-    before = place - BREAK_SIZE
-    margin = B[before + BREAK_MARGIN]
-    if B[before + BREAK_JUMPS] != 0.0 and (B[before + BREAK_TIME] - t) * direction >= -margin:
-        behind = B[before + BREAK_TIME] + direction * margin
-        if (B[T_END] - behind) * direction > 0.0:  # motions may end just before a jump
+    direction = run.goal.direction
+    before = place - 1
+    margin = breaks.points[before].margin
+    if breaks.points[before].jumps != 0.0 and (breaks.points[before].time - t) * direction >= -margin:
+        behind = breaks.points[before].time + direction * margin
+        if (run.t_end - behind) * direction > 0.0:  # motions may end just before a jump
             return behind
     return t
 
 
-def longest_step(B: Reals, t: float, ends: Reals) -> None:
+def longest_step(run: Run, t: float, ends: Reals) -> None:
     """Set `ends` (3,) to where the longest step at a time begins and ends, and when it is said to end."""
-    start = behind_jump(B, t)
-    plan_trial(B, start, B[DIRECTION] * INFINITY)
-    end = B[T_NEW]
-    place = next_break(B, end)
+    breaks = run.breaks
+    start = behind_jump(run, t)
+    plan_trial(run, start, run.goal.direction * INFINITY)
+    end = run.t_new
+    place = next_break(run, end)
     ends[0] = start
     ends[1] = end
     ends[2] = end
-    if end != B[T_END] and place > int(B[FIRST_BREAK]):
-        before = place - BREAK_SIZE
-        if B[before + BREAK_JUMPS] != 0.0 and B[before + BREAK_TIME] == end:
-            ends[1] = end - B[DIRECTION] * B[before + BREAK_MARGIN]
-    B[NEXT_BREAK] = B[FIRST_BREAK]
+    if end != run.t_end and place > 0:
+        before = place - 1
+        if breaks.points[before].jumps != 0.0 and breaks.points[before].time == end:
+            ends[1] = end - run.goal.direction * breaks.points[before].margin
+    breaks.next = 0

@@ -8,31 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import (
-    ACCEPTED,
-    AFTER_REJECTION,
-    DIRECTION,
-    ERROR,
-    FINISHED,
-    FIRST_STEP,
-    FUNCTION,
-    GROWTH,
-    KERNEL,
-    LENGTH,
-    MAX_STEP,
-    METHOD,
-    R_PLACE,
-    REJECTED,
-    RUNNING,
-    STATE_NEW,
-    STATE_OLD,
-    STEP,
-    T_END,
-    TIME,
-    VECTOR_ROWS,
-    VECTORS,
-    N,
-)
+from symbody.kernels.block import FINISHED, RUNNING, Run
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import all_finite, copy, evaluate
 from symbody.kernels.step_bounds import behind_jump
@@ -49,75 +25,75 @@ INPUTS: Final = 7  # how many
 STATE_AT: Final = 8
 
 
-def renew_inputs(B: Reals, S: Reals) -> None:
+def renew_inputs(run: Run, S: Reals) -> None:
     """Set the inputs of the right-hand side to those of the caller."""
-    given = part(S, STATE_AT + int(B[N]), int(S[INPUTS]))
-    r = part(B, int(B[FUNCTION]) + R_PLACE, int(S[INPUTS]))
+    given = part(S, STATE_AT + run.states, int(S[INPUTS]))
+    r = run.numbers.inputs
     for i in range(int(S[INPUTS])):
         if r[i] != given[i]:
             r[i] = given[i]
             S[DERIVED] = 0.0
 
 
-def set_off(f: Function, B: Reals, S: Reals) -> int:
+def set_off(f: Function, run: Run, S: Reals) -> int:
     """Begin a step: set its end, and the derivative at its beginning unless it is known."""
-    n = int(B[N])
+    n = run.states
     S[UNDER_WAY] = 1.0
     S[COUNT] = S[COUNT] + 1.0
-    B[T_END] = S[START] + S[COUNT] * S[DURATION]
-    B[ACCEPTED] = 0.0
-    B[REJECTED] = 0.0
-    B[AFTER_REJECTION] = 0.0
-    B[KERNEL] = 0.0
-    renew_inputs(B, S)
-    begin = behind_jump(B, B[TIME])
-    if begin != B[TIME]:
-        B[TIME] = begin
+    run.t_end = S[START] + S[COUNT] * S[DURATION]
+    run.counts.accepted = 0.0
+    run.counts.rejected = 0.0
+    run.after_rejection = 0.0
+    run.counts.failed_kernel = 0
+    renew_inputs(run, S)
+    begin = behind_jump(run, run.time)
+    if begin != run.time:
+        run.time = begin
         S[DERIVED] = 0.0
     if S[DERIVED] == 0.0:
-        evaluate(f, B, begin, STATE_OLD, 0)
-        if B[KERNEL] != 0.0 or all_finite(n, part(B, VECTORS + VECTOR_ROWS * n, n)) == 0:
-            return failure(B)
+        evaluate(f, run, begin, run.state_old, run.slopes)
+        if run.counts.failed_kernel != 0 or all_finite(n, run.slopes) == 0:
+            return failure(run)
         S[DERIVED] = 1.0
-    if B[METHOD + GROWTH] == 1.0:
-        B[STEP] = B[DIRECTION] * B[MAX_STEP]
-    elif B[STEP] == 0.0:
-        copy(n, part(B, VECTORS + STATE_OLD * n, n), part(B, VECTORS + STATE_NEW * n, n))
-        B[ERROR] = 1e-4
-        length = B[FIRST_STEP]
+    if run.method.growth == 1.0:
+        run.step = run.goal.direction * run.goal.max_step
+    elif run.step == 0.0:
+        copy(n, run.state_old, run.state_new)
+        run.error = 1e-4
+        length = run.first_step
         if not length > 0.0:
-            length = first_step(f, B)
-        B[STEP] = B[DIRECTION] * min(length, B[MAX_STEP])
+            length = first_step(f, run)
+        run.step = run.goal.direction * min(length, run.goal.max_step)
     return RUNNING
 
 
-def conclude_step(B: Reals, S: Reals, code: int) -> None:
+def conclude_step(run: Run, S: Reals, code: int) -> None:
     """Go on from the end of a step, or from where it broke off."""
     S[UNDER_WAY] = 0.0
     if code != FINISHED:
-        S[START] = B[TIME]
+        S[START] = run.time
         S[COUNT] = 0.0
         S[DERIVED] = 0.0
-        B[STEP] = 0.0
-    elif abs(B[LENGTH]) < abs(S[PLANNED]) and abs(B[STEP]) < abs(S[PLANNED]):
-        B[STEP] = S[PLANNED]  # a step that only the end cut short says nothing of the next
+        run.step = 0.0
+    elif abs(run.length) < abs(S[PLANNED]) and abs(run.step) < abs(S[PLANNED]):
+        run.step = S[PLANNED]  # a step that only the end cut short says nothing of the next
 
 
-def step(f: Function, g: Function, B: Reals, S: Reals, trials: int) -> int:
+def step(f: Function, g: Function, run: Run, S: Reals, trials: int) -> int:
     """Go on with a step by at most so many of the integrator's; return one of the codes of `block`."""
-    n = int(B[N])
+    n = run.states
     code = RUNNING
     if S[UNDER_WAY] == 0.0:
-        code = set_off(f, B, S)
+        code = set_off(f, run, S)
     nothing = part(S, 0, 1)
     left = trials
     while code == RUNNING and left > 0:
         left = left - 1
-        if B[TIME] != B[T_END]:
-            S[PLANNED] = B[STEP]
-        code = advance(f, g, B, nothing, nothing, nothing, nothing, nothing, 1)
+        if run.time != run.t_end:
+            S[PLANNED] = run.step
+        code = advance(f, g, run, nothing, nothing, nothing, nothing, nothing, 1)
     if code != RUNNING:
-        conclude_step(B, S, code)
-    S[NOW] = B[TIME]
-    copy(n, part(B, VECTORS + STATE_OLD * n, n), part(S, STATE_AT, n))
+        conclude_step(run, S, code)
+    S[NOW] = run.time
+    copy(n, run.state_old, part(S, STATE_AT, n))
     return code

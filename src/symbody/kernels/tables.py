@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import R_PLACE, TABLES_PLACE
+from symbody.kernels.block import FunctionNumbers
 from symbody.kernels.language import Reals, half, part
 
 # A table: how many pieces, numbers of each polynomial, first and last time, the piece of the last time.
@@ -57,9 +57,9 @@ def read_table(T: Reals, t: float) -> float:
     return value
 
 
-def read_tables(numbers: Reals, t: float) -> None:
+def read_tables(numbers: FunctionNumbers, t: float) -> None:
     """Set the inputs of a function that are tables to their values at a time."""
-    D = part(numbers, int(numbers[TABLES_PLACE]), 1)
+    D = numbers.tables
     for k in range(int(D[0])):
         value = read_table(part(D, int(D[2 + 2 * k]), 1), t)
-        numbers[R_PLACE + int(D[1 + 2 * k])] = value
+        numbers.inputs[int(D[1 + 2 * k])] = value

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from symbody.simulation.co_simulation.held_inputs import HeldInputs
 from symbody.simulation.events.event_watch import chattering_note
 from symbody.simulation.events.events import EventSide
-from symbody.simulation.execution import Piece, execute
+from symbody.simulation.execution import MotionPiece, execute
 from symbody.simulation.hybrid.impact import impact
 from symbody.simulation.hybrid.modes import evaluate_outputs
 from symbody.simulation.hybrid.rate_jumps import (
@@ -33,7 +33,7 @@ from symbody.simulation.hybrid.rate_jumps import (
 )
 from symbody.simulation.hybrid.switching import (
     DeadEndError,
-    Stage,
+    PieceStart,
     SwitchingModes,
     check_backwards,
     check_strike,
@@ -42,7 +42,7 @@ from symbody.simulation.hybrid.switching import (
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
 from symbody.simulation.methods.integration import MotionPlan
-from symbody.simulation.pieces import Instant, Pieces
+from symbody.simulation.pieces import MotionInstant, Pieces
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -84,14 +84,14 @@ def drive(plan: MotionPlan, inputs: Mapping[str, object] | None = None) -> Drive
     sampler = None if problem.sampler is None or samples_on_the_way(plan) else problem.sampler
     with ExitStack() as stack:
         held = HeldInputs(problem, fmus, span, x, stack, sampler)
-        motion = _Motion(plan, held)
+        motion = _MotionByPieces(plan, held)
         if not motion.has_instants:
             piece = execute(plan)
             return Driven(piece.run, problem, piece.sides)
         return motion.go()
 
 
-class _Motion:
+class _MotionByPieces:
     """A motion under way.
 
     Parameters
@@ -139,17 +139,17 @@ class _Motion:
     def _march(self) -> Trajectory:
         """Go from instant to instant until the motion ends."""
         integration = self._plan.integration
-        stage: Stage | None = Stage(integration.span[0], integration.state, {})
+        stage: PieceStart | None = PieceStart(integration.span[0], integration.state, {})
         try:
             while stage is not None:
                 x = self._settle(stage)
                 until = self._next_instant(stage.t)
-                stage = self._behind(self._move(x, stage.t, until), until)
+                stage = self._end_piece(self._move(x, stage.t, until), until)
         except DeadEndError as end:
             return self._dead_end(end)
         return self._whole()
 
-    def _settle(self, stage: Stage) -> Floats:
+    def _settle(self, stage: PieceStart) -> Floats:
         """Take the samples that are due, and decide the modes; return the state with which a piece begins."""
         if self._held.is_due(stage.t):
             self._held.sample(stage.t, stage.x)
@@ -157,25 +157,25 @@ class _Motion:
                 self._modes.use(self._held.problem)
         return stage.x if self._modes is None else self._modes.settle(stage)
 
-    def _next_instant(self, t: float) -> Instant:
+    def _next_instant(self, t: float) -> MotionInstant:
         """Return when more happens than events."""
         end = self._plan.integration.span[1]
         way = 1.0 if self._step >= 0.0 else -1.0
         if way * (end - t) <= 0.0:  # behind a jump at the end
-            return Instant("end", t, t, t)
-        found = Instant("end", end, end, end)
+            return MotionInstant("end", t, t, t)
+        found = MotionInstant("end", end, end, end)
         due = self._held.due
         if due < end - self._held.width:
-            found = Instant("sample", due, due, due, self._held.width)
+            found = MotionInstant("sample", due, due, due, self._held.width)
         if self._passed < len(self._times):
             jump, step = self._times[self._passed], self._step
             before = max(jump - step, t, key=lambda time: way * time)
             if way * before <= way * found.at:
                 behind = min(jump + step, end, key=lambda time: way * time)
-                found = Instant("jump", jump, before, behind)
+                found = MotionInstant("jump", jump, before, behind)
         return found
 
-    def _move(self, x: Floats, t: float, until: Instant) -> Piece:
+    def _move(self, x: Floats, t: float, until: MotionInstant) -> MotionPiece:
         """Add the piece from a state to an instant, or to what ends it before."""
         modes = self._modes
         if modes is None:
@@ -190,7 +190,7 @@ class _Motion:
         self._pieces.add(piece._replace(run=replace(piece.run, events=events)), until, modes.modes)
         return piece
 
-    def _behind(self, piece: Piece, until: Instant) -> Stage | None:
+    def _end_piece(self, piece: MotionPiece, until: MotionInstant) -> PieceStart | None:
         """Let happen what ends a piece; return the state with which the motion goes on, if it does."""
         run, modes = piece.run, self._modes
         stops = {event.label for event in self._plan.integration.events if event.action == "stop"}
@@ -207,20 +207,20 @@ class _Motion:
         x = np.zeros(0) if run.dense_output is None else run.dense_output.at_end()
         if until.happens == "jump":
             self._passed += 1
-            return Stage(until.behind, self._jump(x, until), {})
+            return PieceStart(until.behind, self._jump(x, until), {})
         self._report(until.at)
-        return Stage(until.behind, x)
+        return PieceStart(until.behind, x)
 
-    def _act(self, piece: Piece, after: Floats) -> Stage:
+    def _act(self, piece: MotionPiece, after: Floats) -> PieceStart:
         """Go on from a state that actions set."""
         t = piece.happened[-1].t
         self._pieces.add_energy(float(after[-1] - piece.run.stored["work"][-1]))
         self._pieces.leave_out(t, is_replaced=True)
         if self._modes is not None:
             self._modes.check_ropes(t, after[:-1], piece.happened[-1].name)
-        return Stage(t, after[:-1], {})
+        return PieceStart(t, after[:-1], {})
 
-    def _check_chatter(self, piece: Piece) -> None:
+    def _check_chatter(self, piece: MotionPiece) -> None:
         """End a motion in which modes change, or events act, again and again within an instant.
 
         Raises
@@ -235,7 +235,7 @@ class _Motion:
         if len(self._changes) > _MOST_CHANGES and last.t - recent[0] < INSTANT * (end - start):
             raise DeadEndError(last.t, Status.CHATTERING, chattering_note(last.name, goes_on=False))
 
-    def _jump(self, x: Floats, until: Instant) -> Floats:
+    def _jump(self, x: Floats, until: MotionInstant) -> Floats:
         """Return the state behind a jump of prescribed rates."""
         problem, before, behind = self._held.problem, until.before, until.behind
         check_positions(problem, x, (before, behind))
@@ -271,7 +271,7 @@ class _Motion:
         if not self._pieces.runs:
             integration = self._plan.integration
             t, problem = integration.span[0], self._held.problem
-            start = Instant("start", t, t, t)
+            start = MotionInstant("start", t, t, t)
             self._pieces.add(execute(self._pieces.plan(problem, integration.state, t, start)), start)
         run = self._whole()
         return replace(run, status=end.status, notes=(*run.notes, f"at t = {end.t:.9g} s {end.why}"))

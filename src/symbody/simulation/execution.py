@@ -21,7 +21,7 @@ from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 Floats = NDArray[np.float64]
 
 
-class Piece(NamedTuple):
+class MotionPiece(NamedTuple):
     """A smooth motion, and what one that goes on has to know of it.
 
     Attributes
@@ -40,7 +40,7 @@ class Piece(NamedTuple):
     after: Floats | None = None
 
 
-def execute(plan: MotionPlan) -> Piece:
+def execute(plan: MotionPlan) -> MotionPiece:
     """Return the motion of equations that stay the same."""
     integration = plan.integration
     problem = integration.problem
@@ -54,8 +54,8 @@ def execute(plan: MotionPlan) -> Piece:
         run = judge_pivots(judge_friction(problem, run), pivots)
     watch, trajectory = run.watch, _trajectory(problem, run)
     if watch is None:
-        return Piece(trajectory)
-    return Piece(trajectory, watch.occurrences, watch.sides_at(run.raw.reached), watch.after)
+        return MotionPiece(trajectory)
+    return MotionPiece(trajectory, watch.occurrences, watch.sides_at(run.raw.reached), watch.acted_state)
 
 
 def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:

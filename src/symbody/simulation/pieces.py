@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.simulation.events.events import Event, EventSide, Occurrence
-from symbody.simulation.execution import Piece, execute
+from symbody.simulation.execution import MotionPiece, execute
 from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
@@ -23,7 +23,7 @@ from symbody.simulation.status import Status
 Floats = NDArray[np.float64]
 
 
-class Instant(NamedTuple):
+class MotionInstant(NamedTuple):
     """When more than smooth motion happens.
 
     Attributes
@@ -76,7 +76,7 @@ class Pieces:
         self._edge: float | None = None  # of the last piece, where it ends at a jump
 
     def plan(
-        self, problem: SimulationProblem, x: Floats, t: float, end: Instant, more: Sequence[Event] = (),
+        self, problem: SimulationProblem, x: Floats, t: float, end: MotionInstant, more: Sequence[Event] = (),
         free: SimulationProblem | None = None,
     ) -> MotionPlan:  # fmt: skip
         """Return the plan of the next piece.
@@ -96,7 +96,7 @@ class Pieces:
         part = whole.part(x, span, self._times(span, end), self._steps, problem, (*whole.events, *more))
         return replace(self._plan, integration=replace(part, sides=self.sides, free=free))
 
-    def _times(self, span: tuple[float, float], end: Instant) -> Floats | None:
+    def _times(self, span: tuple[float, float], end: MotionInstant) -> Floats | None:
         """Return the samples of a piece; one at an instant belongs to the piece at later times."""
         whole = self._plan.integration
         if whole.times is None or end.happens == "start":
@@ -109,7 +109,7 @@ class Pieces:
         clipped: Floats = np.clip(times[self._stored : last], min(span), max(span))
         return clipped
 
-    def add(self, piece: Piece, until: Instant, modes: tuple[int, ...] = ()) -> None:
+    def add(self, piece: MotionPiece, until: MotionInstant, modes: tuple[int, ...] = ()) -> None:
         """Add a piece that was to end at an instant.
 
         Where rates jump, pieces are computed beside the jump, and meet in it.
@@ -153,7 +153,7 @@ class Pieces:
         if self.runs:
             self.leave_out(t, is_replaced=True)
         elif self._plan.integration.times is None:
-            self.add(execute(first), Instant("start", t, t, t))
+            self.add(execute(first), MotionInstant("start", t, t, t))
 
     def add_energy(self, change: float) -> None:
         """Count what the energy jumps by before the next piece [J] as work."""

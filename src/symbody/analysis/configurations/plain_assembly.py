@@ -23,7 +23,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.output_roots import OF_STEPS
-from symbody.kernels import block
+from symbody.kernels.block import FunctionNumbers
 from symbody.kernels.configurations.assembly import ASSEMBLED as SOLVED
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.closing import closing_size
@@ -185,9 +185,7 @@ class PlainAssembly:
         four = [eqs.coordinate_names.index(name) for names in eqs.quaternions for name in names]
         closed = max(n_u, n_q) if residuals or rows or four else 0
         constants = function.constant_count
-        numbers = np.zeros(block.R_PLACE + constants + function.work_size)
-        numbers[[block.P_PLACE, block.C_PLACE]] = block.R_PLACE
-        numbers[block.WORK_PLACE] = block.R_PLACE + constants
+        numbers = pack(FunctionNumbers, constant_count=constants, work_size=function.work_size)
         self._template = pack(
             AssemblyProblem, speeds=n_u, coordinates=n_q, residuals=residuals, rows=rows, out_size=sum(sizes),
             quaternion_count=len(eqs.quaternions), share=ASSEMBLED, enough=EXACT, cosines=sizes[4],
@@ -200,7 +198,8 @@ class PlainAssembly:
             for name, field in AssemblyProblem.fields.items()
             if field.pointer is not None
         }
-        begin = self._begins["numbers"] + block.R_PLACE
+        begin = self._begins["numbers"]
+        begin += int(self._template[begin + FunctionNumbers.layout["constants"]])
         self._constants = slice(begin, begin + constants)
         self._outputs = np.cumsum([self._begins["out"], *sizes]).tolist()
         self._residuals = residuals

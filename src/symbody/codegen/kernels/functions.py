@@ -98,7 +98,7 @@ class FunctionReader:
         self._parameters, self._result = signatures[node.name]
         self._given = {parameter.name: parameter.type for parameter in self._parameters}
         classes = {p.name: p.record for p in self._parameters if p.record is not None}
-        self._records = RecordReader(source, classes, lambda index: self._convert(index, Type.INTEGER))
+        self._records = RecordReader(source, classes, self._convert)
         self._variables: dict[str, Type] = {}
         self._counters: set[str] = set()
 
@@ -330,6 +330,9 @@ class FunctionReader:
         return pairs[0] if len(pairs) == 1 else Apply("and", tuple(pairs), Type.TRUTH)
 
     def _call_or_word(self, node: ast.Call) -> Expression:
+        record = self._records.find(node)
+        if record is not None:
+            return record.whole
         name = node.func.id if isinstance(node.func, ast.Name) else ""
         if name in _CONVERSIONS and len(node.args) == 1:
             word, kind = _CONVERSIONS[name]

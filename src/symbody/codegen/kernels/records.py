@@ -55,6 +55,10 @@ class RecordPlace:
         """Return the reals that a field stores."""
         return Part(self.array, self.begin(field), self._count(field))
 
+    def inline(self, field: RecordField) -> Part:
+        """Return the reals that a field is."""
+        return Part(self.array, add(self.offset, field.place), Literal(field.inline, Type.INTEGER))
+
     def inner(self, field: RecordField, index: Expression | None = None) -> RecordPlace:
         """Return the record that a field is or stores; of several the one with an index."""
         if field.pointer is None:
@@ -87,19 +91,19 @@ class RecordReader:
     ----------
     classes : mapping of name to class
         Of the parameters and variables that are records; grows with assignments.
-    read_index : callable
-        Returns the tree of an integer.
+    read : callable
+        Returns the tree of an expression as a value of a type.
     """
 
     def __init__(
         self,
         source: KernelSource,
         classes: dict[str, type[RecordLayout]],
-        read_index: Callable[[ast.expr], Expression],
+        read: Callable[[ast.expr, Type], Expression],
     ) -> None:
         self.classes = classes
         self._source = source
-        self._read_index = read_index
+        self._read = read
 
     def find(self, node: ast.expr) -> RecordPlace | None:
         """Return where the record lies that an expression is; None if it is none."""
@@ -110,17 +114,28 @@ class RecordReader:
                 self.find(rows.value) is not None
             ):
                 place, field = self._field(rows)
-                return place.inner(field, self._read_index(index)) if field.is_row else None
+                return place.inner(field, self._read(index, Type.INTEGER)) if field.is_row else None
             case ast.Attribute() if self.find(node.value) is not None:
                 place, field = self._field(node)
                 return place.inner(field) if field.is_record and not field.is_row else None
+            case ast.Call(func=ast.Attribute(value=ast.Name(id=name), attr="view"), args=[array, begin]) if (
+                name in self._source.records
+            ):
+                whole, offset = self._read(array, Type.ARRAY), self._read(begin, Type.INTEGER)
+                return RecordPlace(self._source.records[name], whole, offset)
         return None
 
     def value(self, node: ast.Attribute) -> Expression:
-        """Return the number or the reals of a field."""
+        """Return the number or the reals of a field, or the size of a class of records."""
+        if isinstance(node.value, ast.Name) and node.attr == "size":
+            kind = self._source.records.get(node.value.id)
+            if kind is not None:
+                return Literal(kind.size, Type.INTEGER)
         place, field = self._field(node)
         if field.is_row:
             self._source.refuse(node, f"{field.name} are several records", "take one of them by its index")
+        if field.inline:
+            return place.inline(field)
         return place.number(field) if field.pointer is None else place.reals(field)
 
     def number(self, node: ast.Attribute) -> tuple[ArrayEntry, Type]:

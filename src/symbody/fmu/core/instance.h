@@ -122,9 +122,8 @@ static int enter_initialization(Instance *instance, double start, int has_stop, 
     double *B = m->pool + SB_BLOCK;
     m->time = start;
     if (has_stop && stop > start) m->stop = stop;
-    if (tolerance > 0.0) B[SB_RTOL] = tolerance > 1e-13 ? tolerance : 1e-13;
-    B[SB_T_END] = isfinite(m->stop) ? m->stop : start + SB_SPAN;
-    B[SB_T_START] = start;
+    if (tolerance > 0.0) B[SB_RUN_GOAL_RTOL] = tolerance > 1e-13 ? tolerance : 1e-13;
+    B[SB_RUN_T_END] = isfinite(m->stop) ? m->stop : start + SB_SPAN;
     if (start != 0.0) m->is_settled = !SB_IS_CLOSED; /* constraints may depend on time */
     m->valid = 0;
     m->mode = INITIALIZATION;

@@ -83,10 +83,10 @@ static double slow_rate(const Motion *m, int k) { return AT_REST * m->fastest * 
 static void fit_speeds(Motion *m, double *x)
 {
     if (SB_PROJECTED) {
-        double *P = m->pool + SB_BLOCK + (int)m->pool[SB_BLOCK + SB_PROJECTOR], *out = P + (int)P[SB_P_OUT];
-        int k, first = (int)P[SB_P_OUT_SIZE] - SB_U;
+        double *P = m->pool + SB_BLOCK + (int)m->pool[SB_BLOCK + SB_RUN_PROJECTION], *out = P + (int)P[SB_PROJECTOR_OUT];
+        int k, first = (int)P[SB_PROJECTOR_OUT_SIZE] - SB_U;
         renew_arguments(m);
-        if (symbody_call(SB_PROJECTION, SB_U, P + (int)P[SB_P_FUNCTION], clock_of(m), x, out) != 0) return;
+        if (symbody_call(SB_PROJECTION, SB_U, P + (int)P[SB_PROJECTOR_NUMBERS], clock_of(m), x, out) != 0) return;
         for (k = 0; k < SB_U; k++) x[k] += out[first + k];
     }
 }

@@ -47,8 +47,8 @@ static void write_arguments(Motion *m, const SbFunction *f)
 {
     static const double none[1] = {0.0};
     double *numbers = m->pool + f->numbers;
-    double *p = numbers + (int)numbers[SB_P_PLACE], *c = numbers + (int)numbers[SB_C_PLACE];
-    memcpy(numbers + SB_R_PLACE, m->r, SB_R * sizeof(double));
+    double *p = numbers + (int)numbers[SB_NUMBERS_PARAMETERS], *c = numbers + (int)numbers[SB_NUMBERS_CONSTANTS];
+    memcpy(numbers + (int)numbers[SB_NUMBERS_INPUTS], m->r, SB_R * sizeof(double));
     memcpy(p, m->p, SB_P * sizeof(double));
     memcpy(p + SB_P, m->modes, SB_MODES * sizeof(double));
     memcpy(p + SB_P + SB_MODES, m->side_of_condition, SB_CONDITIONS * sizeof(double));
@@ -209,13 +209,13 @@ static int project_state(Motion *m)
 static int is_open(Motion *m)
 {
     if (SB_PROJECTED) {
-        double *P = m->pool + SB_BLOCK + (int)m->pool[SB_BLOCK + SB_PROJECTOR];
-        double *out = P + (int)P[SB_P_OUT];
-        int k, count = (int)P[SB_P_RESIDUALS];
+        double *P = m->pool + SB_BLOCK + (int)m->pool[SB_BLOCK + SB_RUN_PROJECTION];
+        double *out = P + (int)P[SB_PROJECTOR_OUT];
+        int k, count = (int)P[SB_PROJECTOR_RESIDUALS];
         renew_arguments(m);
-        if (symbody_call(SB_PROJECTION, SB_U, P + (int)P[SB_P_FUNCTION], clock_of(m), m->x, out) != 0) return 0;
+        if (symbody_call(SB_PROJECTION, SB_U, P + (int)P[SB_PROJECTOR_NUMBERS], clock_of(m), m->x, out) != 0) return 0;
         for (k = 0; k < count; k++)
-            if (fabs(out[k]) / P[SB_P_SCALES + k] * SB_CLOSED > SB_OPEN) return 1;
+            if (fabs(out[k]) / P[(int)P[SB_PROJECTOR_SCALES] + k] * SB_CLOSED > SB_OPEN) return 1;
     }
     return 0;
 }

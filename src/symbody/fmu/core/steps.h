@@ -5,7 +5,7 @@
 static void look_for_jump(Motion *m)
 {
     const double *B = m->pool + SB_BLOCK;
-    int place = (int)B[SB_FIRST_BREAK];
+    int place = SB_RUN_BREAKS + (int)B[SB_RUN_BREAKS_POINTS];
     if (m->time >= m->jump - m->jump_margin) m->past_jump = m->jump + m->jump_margin;
     m->jump = HUGE_VAL;
     m->jump_margin = 0.0;
@@ -23,11 +23,11 @@ static void begin_steps(Motion *m)
 {
     double *B = m->pool + SB_BLOCK, nothing[1] = {0.0};
     renew_arguments(m); /* events and samples may have changed them */
-    B[SB_TIME] = m->time;
-    memcpy(B + SB_VECTORS + SB_STATE_OLD * SB_X, m->x, SB_X * sizeof(double));
-    B[SB_KERNEL] = B[SB_STEPS] = B[SB_SAMPLES] = 0.0;
-    B[SB_AFTER_REJECTION] = B[SB_STIFF_VOTES] = B[SB_OTHER_VOTES] = B[SB_UNJUDGED] = 0.0;
-    B[SB_NEXT_BREAK] = B[SB_FIRST_BREAK];
+    B[SB_RUN_TIME] = m->time;
+    memcpy(B + (int)B[SB_RUN_STATE_OLD], m->x, SB_X * sizeof(double));
+    B[SB_RUN_COUNTS_FAILED_KERNEL] = B[SB_RUN_COUNTS_STEPS] = B[SB_RUN_COUNTS_SAMPLES] = 0.0;
+    B[SB_RUN_AFTER_REJECTION] = B[SB_RUN_STIFF_VOTES] = B[SB_RUN_OTHER_VOTES] = B[SB_RUN_UNJUDGED] = 0.0;
+    B[SB_RUN_BREAKS_NEXT] = 0.0;
     m->from = m->to = m->time;
     m->is_fresh = 0;
 #if SB_IS_IMPLICIT
@@ -36,14 +36,14 @@ static void begin_steps(Motion *m)
 #else
     m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->ends);
 #endif
-    B[SB_FIRST_STEP] = SB_IS_FIXED ? B[SB_MAX_STEP] : fabs(B[SB_STEP]);
+    B[SB_RUN_FIRST_STEP] = SB_IS_FIXED ? B[SB_RUN_GOAL_MAX_STEP] : fabs(B[SB_RUN_STEP]);
 }
 
 static void take_step(Motion *m)
 {
-    double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_TIME];
-    double end = B[SB_T_END], planned = B[SB_STEP], stop = SB_SAMPLED ? symbody_piece_end(B, sampler_of(m), end) : end;
-    B[SB_T_END] = stop;
+    double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_RUN_TIME];
+    double end = B[SB_RUN_T_END], planned = B[SB_RUN_STEP], stop = SB_SAMPLED ? symbody_piece_end(B, sampler_of(m), end) : end;
+    B[SB_RUN_T_END] = stop;
 #if SB_IS_IMPLICIT
     m->code = symbody_advance_implicit(mechanism_motion, mechanism_turn, mechanism_jacobian, SB_PROJECTION, B,
         m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->ends, m->pieces, 1);
@@ -51,16 +51,16 @@ static void take_step(Motion *m)
     m->code = symbody_advance(
         mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
 #endif
-    B[SB_T_END] = end;
+    B[SB_RUN_T_END] = end;
     /* a step that only the sample cut short says nothing of the next */
-    if (stop != end && B[SB_TIME] == stop && fabs(B[SB_LENGTH]) < fabs(planned) && fabs(B[SB_STEP]) < fabs(planned))
-        B[SB_STEP] = planned;
-    if (B[SB_STEPS] != 0.0) {
-        B[SB_STEPS] = 0.0;
+    if (stop != end && B[SB_RUN_TIME] == stop && fabs(B[SB_RUN_LENGTH]) < fabs(planned) && fabs(B[SB_RUN_STEP]) < fabs(planned))
+        B[SB_RUN_STEP] = planned;
+    if (B[SB_RUN_COUNTS_STEPS] != 0.0) {
+        B[SB_RUN_COUNTS_STEPS] = 0.0;
         m->from = before;
-        m->to = B[SB_T_NEW];
+        m->to = B[SB_RUN_T_NEW];
         if (SB_ELEMENTS) note_rates(m);
-        if (!SB_IS_FIXED) B[SB_FIRST_STEP] = fabs(B[SB_STEP]);
+        if (!SB_IS_FIXED) B[SB_RUN_FIRST_STEP] = fabs(B[SB_RUN_STEP]);
     }
 }
 
@@ -71,7 +71,7 @@ static void state_at(Motion *m, double time, double *x)
     if (time < m->to)
         symbody_interpolate(SB_X, SB_DENSE_ROWS, m->pieces, (time - m->from) / (m->to - m->from), x);
     else
-        memcpy(x, B + SB_VECTORS + SB_STATE_OLD * SB_X, SB_X * sizeof(double));
+        memcpy(x, B + (int)B[SB_RUN_STATE_OLD], SB_X * sizeof(double));
 }
 
 static int show_state(Motion *m, double time)
@@ -138,7 +138,7 @@ static int go_to(Motion *m, double target, int *must_stop)
     if (m->is_fresh && SB_ELEMENTS && act(m, must_stop) < 0) return SB_NOT_FINITE; /* inputs may have jumped */
     while (!has_come(m, target)) {
         double end;
-        if (B[SB_T_END] < target) B[SB_T_END] = target + SB_SPAN;
+        if (B[SB_RUN_T_END] < target) B[SB_RUN_T_END] = target + SB_SPAN;
         if (m->is_fresh) {
             if (act_at_start(m) < 0) return SB_NOT_FINITE;
             begin_steps(m);

@@ -1,5 +1,6 @@
 """`AssemblyProblem`: what closes a state, and how it is to be closed."""
 
+from symbody.kernels.block import FunctionNumbers
 from symbody.kernels.language import Reals
 from symbody.kernels.record_layout import RecordLayout, pointer
 
@@ -25,7 +26,7 @@ class AssemblyProblem(RecordLayout):
     scales: Reals = pointer("residuals")  # what counts as a large residual of each constraint on positions
     out: Reals = pointer("out_size")
     matrices: Reals = pointer()  # scratch
-    numbers: Reals = pointer()  # of the function
+    numbers: FunctionNumbers = pointer()  # of the function
     old: Reals = pointer("coordinates")  # coordinates before a move
     quaternion_places: Reals = pointer("quaternion_count", 4)  # in q
     limited: Reals = pointer("coordinates")  # 1 for each coordinate that moves by a size at most in a step

@@ -1,29 +1,10 @@
-"""Projection of a state onto the constraints."""
+"""StateProjection of a state onto the constraints."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import (
-    ERROR_2,
-    N_U,
-    P_COORDINATES,
-    P_FUNCTION,
-    P_LIMIT,
-    P_OUT,
-    P_OUT_SIZE,
-    P_RESIDUALS,
-    P_ROUNDING,
-    P_SCALES,
-    PROJECTOR,
-    RTOL,
-    STATE_NEW,
-    STATE_OLD,
-    TIME,
-    TOLERANCES,
-    VECTORS,
-    N,
-)
+from symbody.kernels.block import Run, StateProjection
 from symbody.kernels.language import INFINITY, Function, Reals, half, is_finite, part, sqrt
 from symbody.kernels.runge_kutta import call
 
@@ -33,21 +14,21 @@ ROUNDED_STATES: Final = 4
 ROUNDED: Final = 4.4e-16
 
 
-def project(g: Function, B: Reals, t: float, x: Reals) -> float:
+def project(g: Function, run: Run, t: float, x: Reals) -> float:
     """Move a state onto the constraints: positions by Newton's method, then velocities.
 
     Returns the root mean square of the moves over the tolerated errors, infinite if the constraints are out
     of reach.
     """
-    P = part(B, int(B[PROJECTOR]), P_SCALES)
-    n_u = int(B[N_U])
-    n_q = int(P[P_COORDINATES])
-    count = int(P[P_RESIDUALS])
-    out = part(P, int(P[P_OUT]), int(P[P_OUT_SIZE]))
-    numbers = part(P, int(P[P_FUNCTION]), 1)
-    scales = part(P, P_SCALES, count)
-    rtol = B[RTOL]
-    atol = part(B, VECTORS + TOLERANCES * int(B[N]), n_u + n_q)
+    projection = run.projection
+    n_u = run.speeds
+    n_q = projection.coordinates
+    count = projection.residuals
+    out = projection.out
+    numbers = projection.numbers
+    scales = projection.scales
+    rtol = run.goal.rtol
+    atol = run.tolerances
     moved = 0.0
     for turn in range(MOST_ROUNDS + 1):
         if call(g, n_u, numbers, t, x, out) != 0:
@@ -59,14 +40,14 @@ def project(g: Function, B: Reals, t: float, x: Reals) -> float:
             return INFINITY
         # Two rounds of Newton's method leave nothing of a drift but rounding, which may be what is left.
         if turn >= 2:
-            if worst <= resolution(n_u, n_q, P, x):
+            if worst <= resolution(n_u, n_q, projection, x):
                 break
         if turn == MOST_ROUNDS:
             return INFINITY
         for i in range(n_q):
             x[n_u + i] = x[n_u + i] + out[count + i]
         moved = moved + squares(rtol, atol, n_u, n_q, part(x, n_u, n_q), part(out, count, n_q))
-    first = int(P[P_OUT_SIZE]) - n_u
+    first = projection.out_size - n_u
     for i in range(n_u):
         x[i] = x[i] + out[first + i]
     moved = moved + squares(rtol, atol, 0, n_u, x, part(out, first, n_u))
@@ -84,22 +65,22 @@ def worst_residual(count: int, residuals: Reals, scales: Reals) -> float:
     return worst
 
 
-def rounding_move(g: Function, B: Reals, t: float, x: Reals, rounded: Reals) -> float:
+def rounding_move(g: Function, run: Run, t: float, x: Reals, rounded: Reals) -> float:
     """Return how far the constraints would move a state if rounding had it, in the measure of `project`.
 
     A closed state whose last digits change shows what rounding makes of small parts of large motions, such
     as the velocity across the plane in which a mechanism moves fast. The state itself says little: its moves
     have been taken out of it. `rounded` is scratch.
     """
-    P = part(B, int(B[PROJECTOR]), P_SCALES)
-    n_u = int(B[N_U])
-    n_q = int(P[P_COORDINATES])
-    count = int(P[P_RESIDUALS])
-    out = part(P, int(P[P_OUT]), int(P[P_OUT_SIZE]))
-    first = int(P[P_OUT_SIZE]) - n_u
-    numbers = part(P, int(P[P_FUNCTION]), 1)
-    rtol = B[RTOL]
-    atol = part(B, VECTORS + TOLERANCES * int(B[N]), n_u + n_q)
+    projection = run.projection
+    n_u = run.speeds
+    n_q = projection.coordinates
+    count = projection.residuals
+    out = projection.out
+    first = projection.out_size - n_u
+    numbers = projection.numbers
+    rtol = run.goal.rtol
+    atol = run.tolerances
     most = 0.0
     sign = 1.0
     for _state in range(ROUNDED_STATES):
@@ -123,13 +104,12 @@ def rounding_move(g: Function, B: Reals, t: float, x: Reals, rounded: Reals) -> 
     return size
 
 
-def resolution(n_u: int, n_q: int, P: Reals, x: Reals) -> float:
+def resolution(n_u: int, n_q: int, projection: StateProjection, x: Reals) -> float:
     """Return how small the residuals can get, over what counts as closed; 1 if that can be resolved."""
-    sizes = P_SCALES + int(P[P_RESIDUALS])
     farthest = 1.0
     for i in range(n_q):
-        farthest = max(farthest, abs(x[n_u + i]) / P[sizes + i])
-    return max(1.0, P[P_ROUNDING] * farthest)
+        farthest = max(farthest, abs(x[n_u + i]) / projection.sizes[i])
+    return max(1.0, projection.rounding * farthest)
 
 
 def squares(rtol: float, atol: Reals, first: int, size: int, x: Reals, moves: Reals) -> float:
@@ -141,17 +121,16 @@ def squares(rtol: float, atol: Reals, first: int, size: int, x: Reals, moves: Re
     return total
 
 
-def project_new_state(g: Function, B: Reals, t_new: float) -> float:
+def project_new_state(g: Function, run: Run, t_new: float) -> float:
     """Project the new state; return how far it moved, negative if that was too far.
 
     What the state before the step would need if rounded otherwise is not the fault of the step; a shorter one
     mends nothing.
     """
-    n = int(B[N])
-    moved = project(g, B, t_new, part(B, VECTORS + STATE_NEW * n, n))
-    limit = B[int(B[PROJECTOR]) + P_LIMIT]
+    moved = project(g, run, t_new, run.state_new)
+    limit = run.projection.limit
     if not moved <= limit:
-        old = part(B, VECTORS + STATE_OLD * n, n)
-        if not moved <= limit * rounding_move(g, B, B[TIME], old, part(B, VECTORS + ERROR_2 * n, n)):
+        old = run.state_old
+        if not moved <= limit * rounding_move(g, run, run.time, old, run.error_2):
             return -1.0
     return moved

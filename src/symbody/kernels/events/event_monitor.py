@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from symbody.kernels.block import FunctionNumbers
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.language import Reals
 from symbody.kernels.record_layout import RecordLayout, Rows, pointer
@@ -111,9 +112,9 @@ class EventMonitor(RecordLayout):
         2 * (DEEPEST + 2)
     )  # where later parts end, and how often the step was halved for them
     recent: Reals = pointer("event_count", MOST_RECENT)  # when each event happened last
-    numbers: Reals = pointer()  # of the function of the values
+    numbers: FunctionNumbers = pointer()  # of the function of the values
     values: Reals = pointer("event_count")
-    actions: Reals = pointer()  # numbers of the function of actions; nowhere if no event acts
+    actions: FunctionNumbers = pointer()  # numbers of the function of actions; nowhere if no event acts
     acted: Reals = pointer("action_values")  # what it writes
     closing: AssemblyProblem = (
         pointer()

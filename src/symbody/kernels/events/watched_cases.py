@@ -11,24 +11,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import (
-    ACCEPTED,
-    CASE,
-    CASE_BEGUN,
-    CODE,
-    FINISHED,
-    FIRST_STEP,
-    FULL,
-    NO_EVENT_ROOM,
-    NOT_ENDED,
-    REJECTED,
-    RUNNING,
-    SAMPLES,
-    TIMES,
-    VERDICT_COUNTS,
-    VERDICT_SIZE,
-    N,
-)
+from symbody.kernels.block import FINISHED, FULL, NO_EVENT_ROOM, NOT_ENDED, RUNNING, Run, Verdict
 from symbody.kernels.configurations.closing import set_metric
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.events.watched_motion import advance_watched
@@ -47,14 +30,14 @@ LOOK_EVENTS: Final = 3
 LOOK_SIZE: Final = 6
 
 
-def prepare_watch(B: Reals, monitor: EventMonitor, size: int, fresh: Reals, row: Reals) -> None:
+def prepare_watch(run: Run, monitor: EventMonitor, size: int, fresh: Reals, row: Reals) -> None:
     """Set a watch to the beginning of a case."""
     happened = monitor.happened
     room = monitor.happened_room
     copy(size, fresh, monitor)
     monitor.happened = happened
     monitor.happened_room = room
-    B[FIRST_STEP] = monitor.first_length
+    run.first_step = monitor.first_length
     place = set_numbers(monitor.numbers, row)
     if exists(monitor.actions):
         place = place + set_numbers(monitor.actions, part(row, place, 1))
@@ -80,7 +63,7 @@ def note_looks(monitor: EventMonitor, look: Reals) -> None:
 
 
 def run_watched_cases(
-    f: Function, g: Function, e: Function, a: Function, c: Function, B: Reals, monitor: EventMonitor,
+    f: Function, g: Function, e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor,
     watch_size: int, fresh: Reals, count: int, size: int, first: int, cases: Reals, times: Reals, t: Reals,
     x: Reals, samples: Reals, verdicts: Reals, breaks: Reals, pieces: Reals, H: Reals, looks: Reals,
     trials: int,
@@ -90,34 +73,35 @@ def run_watched_cases(
     `FULL` and `NO_EVENT_ROOM` want more room for steps, or for what happens. `fresh` is a watch that has not
     begun; `t` and `x` are room for the samples of one case and two more, `samples` holds those of all.
     """
-    n = int(B[N])
-    times_of_case = int(B[TIMES])
+    n = run.states
+    times_of_case = run.room.times
     left = trials
     look_size = LOOK_EVENTS + LOOK_SIZE * monitor.event_count
-    while int(B[CASE]) < count:
-        k = int(B[CASE])
-        verdict = part(verdicts, k * VERDICT_SIZE, VERDICT_SIZE)
-        if verdict[CODE] == NOT_ENDED:
+    while run.cases.current < count:
+        k = run.cases.current
+        verdict = Verdict.view(verdicts, k * Verdict.size)
+        if verdict.code == NOT_ENDED:
             code = RUNNING
-            if B[CASE_BEGUN] == 0.0:
+            if run.cases.begun == 0.0:
                 row = part(cases, k * size, size)
-                prepare(B, row)
-                prepare_watch(B, monitor, watch_size, fresh, part(row, first, 1))
-                B[CASE_BEGUN] = 1.0
-                code = begin(f, B, times, t, x, breaks)
-            before = B[ACCEPTED] + B[REJECTED]
+                prepare(run, row)
+                prepare_watch(run, monitor, watch_size, fresh, part(row, first, 1))
+                run.cases.begun = 1.0
+                code = begin(f, run, times, t, x, breaks)
+            before = run.counts.accepted + run.counts.rejected
             if code == RUNNING:
-                code = advance_watched(f, g, e, a, c, B, monitor, times, t, x, breaks, pieces, H, left)
-            left = left - int(B[ACCEPTED] + B[REJECTED] - before)
+                code = advance_watched(f, g, e, a, c, run, monitor, times, t, x, breaks, pieces, H, left)
+            left = left - int(run.counts.accepted + run.counts.rejected - before)
             if code == FULL or code == NO_EVENT_ROOM:
                 return code
-            conclude(B, code, verdict)
-            kept = min(int(B[SAMPLES]), times_of_case)  # a motion may stop behind all times that are wanted
-            verdict[VERDICT_COUNTS + SAMPLES] = float(kept)
+            conclude(run, code, verdict)
+            # a motion may stop behind all times that are wanted
+            kept = min(run.counts.samples, times_of_case)
+            verdict.counts.samples = kept
             copy(kept * n, x, part(samples, k * times_of_case * n, times_of_case * n))
             if code == RUNNING:
                 return RUNNING
             note_looks(monitor, part(looks, k * look_size, look_size))
-        B[CASE] = float(k + 1)
-        B[CASE_BEGUN] = 0.0
+        run.cases.current = k + 1
+        run.cases.begun = 0.0
     return FINISHED

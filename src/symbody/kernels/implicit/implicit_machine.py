@@ -1,7 +1,7 @@
 """The integrator by the generalized-alpha method: steps of one motion, as `step_machine` takes explicit ones.
 
 The functions are f, slopes of all states; k, rates of coordinates; d, derivatives of the slopes by the
-states; g, which closes the constraints. `A` is the array of `implicit_block`, the other arrays are those of
+states; g, which closes the constraints. `implicit` is what the method keeps, the other arrays are those of
 `step_machine`.
 """
 
@@ -9,47 +9,14 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import (
-    ACCEPTED,
-    AFTER_REJECTION,
-    DIRECTION,
-    EXPONENT,
-    GROWTH,
-    KERNEL,
-    LENGTH,
-    MAX_STEP,
-    METHOD,
-    PROJECTOR,
-    REJECTED,
-    RUNNING,
-    SHRINK,
-    STAGE,
-    STATE_NEW,
-    STATE_OLD,
-    STEP,
-    T_NEW,
-    TIME,
-    VECTOR_ROWS,
-    VECTORS,
-    N,
-)
+from symbody.kernels.block import RUNNING, Run
 from symbody.kernels.configurations.projection import project_new_state
 from symbody.kernels.implicit.generalized_alpha import finish_step, renew_turn, solve_step
-from symbody.kernels.implicit.implicit_block import (
-    CONTRACTION,
-    FACTORED_FOR,
-    HAS_DERIVATIVES,
-    LENGTH_BEFORE,
-    ONE_LENGTH,
-    RATES,
-    RATES_NEW,
-    SLOPES_BEFORE,
-    SLOPES_CHANGE,
-    UNKNOWNS,
-)
+from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.implicit.implicit_errors import local_error
 from symbody.kernels.language import INFINITY, Function, Reals, is_finite, part
 from symbody.kernels.power import power
+from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import all_finite, copy, evaluate
 from symbody.kernels.step_bounds import behind_jump, plan_trial
 from symbody.kernels.step_machine import begin, failure, keep_step, reached_limit
@@ -64,146 +31,146 @@ WORTHWHILE: Final = 1.2
 QUARTER: Final = 0.25
 
 
-def set_out(f: Function, B: Reals, A: Reals) -> None:
+def set_out(f: Function, run: Run, implicit: ImplicitStep) -> None:
     """Forget the steps before, and measure how the slopes change at the state from which motion starts."""
-    n = int(B[N])
-    V = part(B, VECTORS, VECTOR_ROWS * n)
-    K = part(B, VECTORS + VECTOR_ROWS * n, 2 * n)
-    change = part(A, int(A[SLOPES_CHANGE]), n)
-    h = PROBE * B[STEP]
-    A[LENGTH_BEFORE] = 0.0
-    A[HAS_DERIVATIVES] = 0.0
-    A[FACTORED_FOR] = 0.0
-    A[CONTRACTION] = 1.0
+    n = run.states
+    K = run.slopes
+    change = implicit.slopes_change
+    h = PROBE * run.step
+    implicit.length_before = 0.0
+    implicit.has_derivatives = 0.0
+    implicit.factored_for = 0.0
+    implicit.contraction = 1.0
     for i in range(n):
         change[i] = 0.0
-        V[STAGE * n + i] = V[STATE_OLD * n + i] + h * K[i]
+        run.stage[i] = run.state_old[i] + h * K[i]
     if h == 0.0:
         return
-    evaluate(f, B, B[TIME] + h, STAGE, 1)
-    if B[KERNEL] == 0.0 and all_finite(n, part(K, n, n)) == 1:
+    evaluate(f, run, run.time + h, run.stage, part(K, n, n))
+    if run.counts.failed_kernel == 0 and all_finite(n, part(K, n, n)) == 1:
         for i in range(n):
             change[i] = (K[n + i] - K[i]) / h
-    B[KERNEL] = 0.0
+    run.counts.failed_kernel = 0
 
 
-def begin_implicit(f: Function, B: Reals, A: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
+def begin_implicit(
+    f: Function, run: Run, implicit: ImplicitStep, times: Reals, t: Reals, x: Reals, breaks: Reals
+) -> int:
     """Begin as `step_machine.begin` does."""
-    code = begin(f, B, times, t, x, breaks)
+    code = begin(f, run, times, t, x, breaks)
     if code == RUNNING:
-        set_out(f, B, A)
+        set_out(f, run, implicit)
     return code
 
 
 def attempt_implicit(
-    f: Function, k: Function, d: Function, g: Function, B: Reals, A: Reals, h: float
+    f: Function, k: Function, d: Function, g: Function, run: Run, implicit: ImplicitStep, h: float
 ) -> float:
     """Try one step; return its error over the tolerance: infinite, or -1 where Newton's method fails."""
-    if solve_step(f, k, d, B, A, h) == 0:
+    if solve_step(f, k, d, run, implicit, h) == 0:
         return -1.0
-    if finish_step(k, B, A, h) == 0:
+    if finish_step(k, run, implicit, h) == 0:
         return -1.0
     error = 0.0
-    if A[ONE_LENGTH] == 0.0:
-        error = local_error(B, A, h)
-    if error <= 1.0 and B[PROJECTOR] != 0.0:
-        moved = project_new_state(g, B, B[T_NEW])
+    if implicit.one_length == 0.0:
+        error = local_error(run, implicit, h)
+    if error <= 1.0 and exists(run.projection):
+        moved = project_new_state(g, run, run.t_new)
         if moved < 0.0 or not is_finite(moved):
             return INFINITY
         if moved > 0.0:
-            if renew_turn(k, B, A, h) == 0:
+            if renew_turn(k, run, implicit, h) == 0:
                 return INFINITY
     return error
 
 
-def shorten_step(B: Reals, factor: float) -> None:
+def shorten_step(run: Run, factor: float) -> None:
     """Go on with a shorter step, after one in vain."""
-    B[REJECTED] = B[REJECTED] + 1.0
-    B[AFTER_REJECTION] = 1.0
-    B[STEP] = B[LENGTH] * factor
+    run.counts.rejected = run.counts.rejected + 1
+    run.after_rejection = 1.0
+    run.step = run.length * factor
 
 
-def step_factor(B: Reals, error: float) -> float:
+def step_factor(run: Run, error: float) -> float:
     """Return by how much the next step may be longer after an error."""
-    factor = B[METHOD + GROWTH]
+    factor = run.method.growth
     if error > 0.0 and is_finite(error):
-        factor = SAFETY / power(error, B[METHOD + EXPONENT])
+        factor = SAFETY / power(error, run.method.exponent)
     if not is_finite(error):
-        factor = B[METHOD + SHRINK]
-    return min(max(factor, B[METHOD + SHRINK]), B[METHOD + GROWTH])
+        factor = run.method.shrink
+    return min(max(factor, run.method.shrink), run.method.growth)
 
 
-def choose_step(B: Reals, A: Reals, error: float) -> None:
+def choose_step(run: Run, implicit: ImplicitStep, error: float) -> None:
     """Choose the length of the next step after one that was accepted."""
-    if A[ONE_LENGTH] != 0.0:
-        B[STEP] = B[DIRECTION] * B[MAX_STEP]
+    if implicit.one_length != 0.0:
+        run.step = run.goal.direction * run.goal.max_step
         return
-    factor = step_factor(B, error)
-    if B[AFTER_REJECTION] != 0.0:
+    factor = step_factor(run, error)
+    if run.after_rejection != 0.0:
         factor = min(factor, 1.0)
     if factor > NEARLY and factor < WORTHWHILE:
         factor = 1.0
-    h = B[LENGTH]
-    if factor >= 1.0 and abs(h) < abs(B[STEP]):
-        h = B[STEP]  # what lay ahead, not its error, made the step short
+    h = run.length
+    if factor >= 1.0 and abs(h) < abs(run.step):
+        h = run.step  # what lay ahead, not its error, made the step short
         factor = 1.0
-    B[STEP] = B[DIRECTION] * min(abs(h) * factor, B[MAX_STEP])
-    B[AFTER_REJECTION] = 0.0
+    run.step = run.goal.direction * min(abs(h) * factor, run.goal.max_step)
+    run.after_rejection = 0.0
 
 
-def accept_implicit(f: Function, B: Reals, A: Reals, error: float) -> None:
+def accept_implicit(f: Function, run: Run, implicit: ImplicitStep, error: float) -> None:
     """Go on to the end of a step, behind a jump that lies there."""
-    n = int(B[N])
-    n_v = int(A[UNKNOWNS])
-    first = VECTORS + VECTOR_ROWS * n
-    copy(n, part(B, first, n), part(A, int(A[SLOPES_BEFORE]), n))
-    copy(n, part(B, first + n, n), part(B, first, n))
-    copy(n, part(B, VECTORS + STATE_NEW * n, n), part(B, VECTORS + STATE_OLD * n, n))
-    copy(n_v, part(A, int(A[RATES_NEW]), n_v), part(A, int(A[RATES]), n_v))
-    A[LENGTH_BEFORE] = B[LENGTH]
-    B[ACCEPTED] = B[ACCEPTED] + 1.0
-    B[TIME] = B[T_NEW]
-    choose_step(B, A, error)
-    t = behind_jump(B, B[TIME])
-    if t != B[TIME]:
-        B[TIME] = t
-        evaluate(f, B, t, STATE_OLD, 0)
-        set_out(f, B, A)
+    n = run.states
+    n_v = implicit.unknowns
+    copy(n, run.slopes, implicit.slopes_before)
+    copy(n, part(run.slopes, n, n), run.slopes)
+    copy(n, run.state_new, run.state_old)
+    copy(n_v, implicit.rates_new, implicit.rates)
+    implicit.length_before = run.length
+    run.counts.accepted = run.counts.accepted + 1
+    run.time = run.t_new
+    choose_step(run, implicit, error)
+    t = behind_jump(run, run.time)
+    if t != run.time:
+        run.time = t
+        evaluate(f, run, t, run.state_old, run.slopes)
+        set_out(f, run, implicit)
 
 
 def try_implicit(
-    f: Function, k: Function, d: Function, g: Function, B: Reals, A: Reals, times: Reals, t: Reals, x: Reals,
-    breaks: Reals, pieces: Reals,
+    f: Function, k: Function, d: Function, g: Function, run: Run, implicit: ImplicitStep, times: Reals,
+    t: Reals, x: Reals, breaks: Reals, pieces: Reals,
 ) -> int:  # fmt: skip
     """Try one step; return why there is no other, or `RUNNING`."""
-    plan_trial(B, B[TIME], B[STEP])
-    h = B[LENGTH]
+    plan_trial(run, run.time, run.step)
+    h = run.length
     if h == 0.0:
-        return failure(B)
-    error = attempt_implicit(f, k, d, g, B, A, h)
+        return failure(run)
+    error = attempt_implicit(f, k, d, g, run, implicit, h)
     if error >= 0.0 and error <= 1.0:
-        error = keep_step(f, g, B, error, times, t, x, breaks, pieces)
+        error = keep_step(f, g, run, error, times, t, x, breaks, pieces)
     if error >= 0.0 and error <= 1.0:
-        accept_implicit(f, B, A, error)
+        accept_implicit(f, run, implicit, error)
         return RUNNING
-    if A[ONE_LENGTH] != 0.0:
-        return failure(B)
+    if implicit.one_length != 0.0:
+        return failure(run)
     factor = QUARTER
     if error >= 0.0:
-        factor = min(step_factor(B, error), SAFETY)
-    shorten_step(B, factor)
+        factor = min(step_factor(run, error), SAFETY)
+    shorten_step(run, factor)
     return RUNNING
 
 
 def advance_implicit(
-    f: Function, k: Function, d: Function, g: Function, B: Reals, A: Reals, times: Reals, t: Reals, x: Reals,
-    breaks: Reals, pieces: Reals, trials: int,
+    f: Function, k: Function, d: Function, g: Function, run: Run, implicit: ImplicitStep, times: Reals,
+    t: Reals, x: Reals, breaks: Reals, pieces: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps; return one of the codes of `block`, as `step_machine.advance` does."""
     for _trial in range(trials):
-        code = reached_limit(B)
+        code = reached_limit(run)
         if code == RUNNING:
-            code = try_implicit(f, k, d, g, B, A, times, t, x, breaks, pieces)
+            code = try_implicit(f, k, d, g, run, implicit, times, t, x, breaks, pieces)
         if code != RUNNING:
             return code
     return RUNNING

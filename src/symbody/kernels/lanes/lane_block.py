@@ -1,37 +1,69 @@
-"""Where motions side by side keep what they need, one in each lane of a register: places in their block.
+"""`LaneGroup`: motions side by side, one in each lane of a register.
 
-Every lane has a block of its own, as `block` describes. What is computed in all lanes at once lies in a
-common block: entry k of each of its arrays begins at k times `LANES`. Header and method are at the same
-places as in the block of one motion.
+Every lane has a run of its own. What is computed in all lanes at once lies beside: entry k of each array
+begins at k times `LANES`.
 """
-
-from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import VECTORS
+from symbody.kernels.block import Method
+from symbody.kernels.language import Reals
+from symbody.kernels.record_layout import RecordLayout, inline, pointer
 
-# Header: where the blocks of the lanes begin, the size of each, places for two vectors.
-LANE_BLOCKS: Final = 1
-LANE_SIZE: Final = 2
-SCRATCH: Final = 3
-
-# The steps that are tried, one row for each quantity: beginning, length and error, the evaluations they
-# took, numbers on the way, which lanes are meant, ones.
-TRIAL: Final = VECTORS
-T_ROW: Final = 0
-H_ROW: Final = 1
-ERROR_ROW: Final = 2
-CALLS_ROW: Final = 3
-FIRST_ROW: Final = 4
-SECOND_ROW: Final = 5
-MASK_ROW: Final = 6
-ONE_ROW: Final = 7
-TRIAL_ROWS: Final = 16
-
-# Vectors, derivatives and dense output, as in the block of one motion; registers have at most 8 lanes.
+# Registers have at most so many lanes.
 WIDEST: Final = 8
-LANE_VECTORS: Final = TRIAL + TRIAL_ROWS * WIDEST
-# The numbers of the function in lanes: its clock, behind the places, then r.
-LANE_CLOCK: Final = 8
-LANE_R: Final = LANE_CLOCK + WIDEST
+
+
+class LaneNumbers(RecordLayout):
+    """The arguments of a function in lanes: times, r, p and c, and its scratch."""
+
+    alignment = WIDEST  # what begins at a multiple of it is loaded by one access
+
+    times: Reals = inline(WIDEST)
+    inputs: Reals = pointer()
+    parameters: Reals = pointer()
+    constants: Reals = pointer()
+    work: Reals = pointer()
+    tables: Reals = pointer()  # the same in all lanes; nowhere if there are none
+
+
+class LaneGroup(RecordLayout):
+    """Motions side by side."""
+
+    alignment = WIDEST
+
+    # The steps that are tried: beginning, length and error, the evaluations they took, numbers on the way,
+    # which lanes are meant, ones.
+    start: Reals = inline(WIDEST)
+    length: Reals = inline(WIDEST)
+    error: Reals = inline(WIDEST)
+    calls: Reals = inline(WIDEST)
+    first: Reals = inline(WIDEST)
+    second: Reals = inline(WIDEST)
+    mask: Reals = inline(WIDEST)
+    ones: Reals = inline(WIDEST)
+
+    states: int
+    speeds: int
+    rtol: float
+    projects: float  # whether states are projected
+    next_case: int
+    cases_ended: int
+    run_size: int  # of the run of each lane
+    method: Method  # for registers of states
+
+    # As in a run.
+    state_old: Reals = pointer()
+    stage: Reals = pointer()
+    state_new: Reals = pointer()
+    error_1: Reals = pointer()
+    error_2: Reals = pointer()
+    zero_state: Reals = pointer()
+    tolerances: Reals = pointer()
+    slopes: Reals = pointer()
+    dense: Reals = pointer()
+
+    scratch: Reals = pointer()  # a state, and its derivative
+    scratch_slope: Reals = pointer()
+    numbers: LaneNumbers = pointer()
+    runs: Reals = pointer()  # of the lanes, one behind the other

@@ -7,55 +7,9 @@ one motion, which also try its step where the function fails.
 
 from __future__ import annotations
 
-from symbody.kernels.block import (
-    CASE,
-    CASES_ENDED,
-    CODE,
-    DENSE_ROWS,
-    EVALUATIONS,
-    FINISHED,
-    FUNCTION,
-    KERNEL,
-    LANE_CODE,
-    LENGTH,
-    METHOD,
-    NOT_ENDED,
-    P_PLACE,
-    PROJECTOR,
-    RUNNING,
-    STAGE_ROWS,
-    STAGES,
-    STATE_NEW,
-    STATE_OLD,
-    STEP,
-    STIFF,
-    STIFF_VOTES,
-    STOP_WHEN_STIFF,
-    T_END,
-    T_NEW,
-    TIME,
-    TIMES,
-    UNJUDGED,
-    VECTOR_ROWS,
-    VECTORS,
-    VERDICT_SIZE,
-    WORK_PLACE,
-    N,
-)
+from symbody.kernels.block import FINISHED, NOT_ENDED, RUNNING, STIFF, Run, Verdict
 from symbody.kernels.configurations.projection import project_new_state
-from symbody.kernels.lanes.lane_block import (
-    CALLS_ROW,
-    ERROR_ROW,
-    FIRST_ROW,
-    H_ROW,
-    LANE_BLOCKS,
-    LANE_SIZE,
-    LANE_VECTORS,
-    MASK_ROW,
-    SCRATCH,
-    T_ROW,
-    TRIAL,
-)
+from symbody.kernels.lanes.lane_block import LaneGroup
 from symbody.kernels.lanes.lane_steps import (
     attempt_lanes,
     call_lanes,
@@ -79,263 +33,279 @@ from symbody.kernels.step_machine import (
 )
 
 
-def gather(L: Reals, lane: int, first: int, size: int) -> None:
-    """Fill entries of the block of a lane, from place `first` of the vectors on, from the registers."""
-    B = int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]) + VECTORS
-    for i in range(first, first + size):
-        L[B + i] = L[LANE_VECTORS + i * LANES + lane]
+def gather(lane: int, n: int, registers: Reals, own: Reals) -> None:
+    """Fill an array of the run of a lane from its registers."""
+    for i in range(n):
+        own[i] = registers[i * LANES + lane]
 
 
-def scatter(L: Reals, lane: int, first: int, size: int) -> None:
-    """Fill the registers of a lane from its block, from place `first` of the vectors on."""
-    B = int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]) + VECTORS
-    for i in range(first, first + size):
-        L[LANE_VECTORS + i * LANES + lane] = L[B + i]
+def scatter(lane: int, n: int, own: Reals, registers: Reals) -> None:
+    """Fill the registers of a lane from an array of its run."""
+    for i in range(n):
+        registers[i * LANES + lane] = own[i]
 
 
-def state_size(L: Reals) -> int:
-    """Return how many numbers vectors and derivatives are."""
-    return (VECTOR_ROWS + int(L[METHOD + STAGE_ROWS])) * int(L[N])
+def gather_all(group: LaneGroup, lane: int) -> None:
+    """Fill all vectors and derivatives of the run of a lane."""
+    run = Run.view(group.runs, lane * group.run_size)
+    n = run.states
+    gather(lane, n, group.state_old, run.state_old)
+    gather(lane, n, group.stage, run.stage)
+    gather(lane, n, group.state_new, run.state_new)
+    gather(lane, n, group.error_1, run.error_1)
+    gather(lane, n, group.error_2, run.error_2)
+    gather(lane, group.method.stage_rows * n, group.slopes, run.slopes)
+
+
+def scatter_all(group: LaneGroup, lane: int) -> None:
+    """Fill all registers of a lane."""
+    run = Run.view(group.runs, lane * group.run_size)
+    n = run.states
+    scatter(lane, n, run.state_old, group.state_old)
+    scatter(lane, n, run.stage, group.stage)
+    scatter(lane, n, run.state_new, group.state_new)
+    scatter(lane, n, run.error_1, group.error_1)
+    scatter(lane, n, run.error_2, group.error_2)
+    scatter(lane, n, run.tolerances, group.tolerances)
+    scatter(lane, group.method.stage_rows * n, run.slopes, group.slopes)
 
 
 def refill(
-    f: Function, L: Reals, lane: int, count: int, size: int, cases: Reals, times: Reals, t: Reals, x: Reals,
-    verdicts: Reals,
+    f: Function, group: LaneGroup, lane: int, count: int, size: int, cases: Reals, times: Reals, t: Reals,
+    x: Reals, verdicts: Reals,
 ) -> None:  # fmt: skip
     """Begin the next case that has no verdict in a lane."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    k = int(L[CASE])
+    run = Run.view(group.runs, lane * group.run_size)
+    k = group.next_case
     while k < count:
-        if verdicts[k * VERDICT_SIZE + CODE] == NOT_ENDED:
+        if Verdict.view(verdicts, k * Verdict.size).code == NOT_ENDED:
             break
         k = k + 1
-    L[TRIAL + H_ROW * LANES + lane] = 0.0
-    L[CASE] = float(min(k + 1, count))
+    group.length[lane] = 0.0
+    group.next_case = min(k + 1, count)
     if k == count:
-        B[CASE] = -1.0
+        run.cases.current = -1
         return
-    n = int(B[N])
-    samples = int(B[TIMES]) * n
-    prepare(B, part(cases, k * size, size))
-    B[CASE] = float(k)
-    B[LANE_CODE] = float(begin(f, B, times, t, part(x, k * samples, samples), t))
-    scatter(L, lane, 0, state_size(L))
-    narrow = part(B, int(B[FUNCTION]), WORK_PLACE + 1)
-    wide = part(L, int(L[FUNCTION]), WORK_PLACE + 1)
-    first = int(narrow[P_PLACE])
-    for i in range(int(narrow[WORK_PLACE]) - first):
-        L[int(L[FUNCTION]) + int(wide[P_PLACE]) + i * LANES + lane] = B[int(B[FUNCTION]) + first + i]
+    n = run.states
+    samples = run.room.times * n
+    prepare(run, part(cases, k * size, size))
+    run.cases.current = k
+    run.cases.lane_code = begin(f, run, times, t, part(x, k * samples, samples), t)
+    scatter_all(group, lane)
+    narrow = run.numbers
+    wide = group.numbers
+    scatter(lane, narrow.parameter_count, narrow.parameters, wide.parameters)
+    scatter(lane, narrow.constant_count, narrow.constants, wide.constants)
 
 
-def plan_lane(L: Reals, lane: int) -> int:
+def plan_lane(group: LaneGroup, lane: int) -> int:
     """Set the next trial of a lane; return why there is none, as `step_machine.advance` does."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    code = int(B[LANE_CODE])
+    run = Run.view(group.runs, lane * group.run_size)
+    code = run.cases.lane_code
     if code == RUNNING:
-        code = reached_limit(B)
+        code = reached_limit(run)
     if code != RUNNING:
         return code
-    plan_trial(B, B[TIME], B[STEP])
-    L[TRIAL + T_ROW * LANES + lane] = B[TIME]
-    L[TRIAL + H_ROW * LANES + lane] = B[LENGTH]
-    if B[LENGTH] != 0.0:
+    plan_trial(run, run.time, run.step)
+    group.start[lane] = run.time
+    group.length[lane] = run.length
+    if run.length != 0.0:
         return RUNNING
-    gather(L, lane, 0, state_size(L))
-    return failure(B)
+    gather_all(group, lane)
+    return failure(run)
 
 
 def fill_lane(
-    f: Function, L: Reals, lane: int, count: int, size: int, cases: Reals, times: Reals, t: Reals, x: Reals,
-    verdicts: Reals,
+    f: Function, group: LaneGroup, lane: int, count: int, size: int, cases: Reals, times: Reals, t: Reals,
+    x: Reals, verdicts: Reals,
 ) -> int:  # fmt: skip
     """Plan the next trial of a lane, of another case where one has ended; return 1, or 0 if none is left."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    while B[CASE] >= 0.0 or L[CASE] < count:
-        if B[CASE] >= 0.0:
-            code = plan_lane(L, lane)
+    run = Run.view(group.runs, lane * group.run_size)
+    while run.cases.current >= 0 or group.next_case < count:
+        if run.cases.current >= 0:
+            code = plan_lane(group, lane)
             if code == RUNNING:
                 return 1
-            conclude(B, code, part(verdicts, int(B[CASE]) * VERDICT_SIZE, VERDICT_SIZE))
-            L[CASES_ENDED] = L[CASES_ENDED] + 1.0
-        refill(f, L, lane, count, size, cases, times, t, x, verdicts)
-    L[TRIAL + H_ROW * LANES + lane] = 0.0
+            conclude(run, code, Verdict.view(verdicts, run.cases.current * Verdict.size))
+            group.cases_ended = group.cases_ended + 1
+        refill(f, group, lane, count, size, cases, times, t, x, verdicts)
+    group.length[lane] = 0.0
     return 0
 
 
-def project_lanes(wide: Function, g: Function, L: Reals) -> int:
+def project_lanes(wide: Function, g: Function, group: LaneGroup) -> int:
     """Do what `step_machine.close` does in every lane whose error is tolerated.
 
     Returns the status of the function if it failed. The errors of lanes that had to move too far become
     infinite.
     """
-    n = int(L[N])
+    n = group.states
     some = 0
     for lane in range(LANES):
-        B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-        L[TRIAL + MASK_ROW * LANES + lane] = 0.0
-        if B[CASE] >= 0.0 and L[TRIAL + ERROR_ROW * LANES + lane] <= 1.0:
-            gather(L, lane, STATE_OLD * n, n)
-            gather(L, lane, STATE_NEW * n, n)
-            moved = project_new_state(g, B, B[T_NEW])
-            scatter(L, lane, STATE_NEW * n, n)
+        run = Run.view(group.runs, lane * group.run_size)
+        group.mask[lane] = 0.0
+        if run.cases.current >= 0 and group.error[lane] <= 1.0:
+            gather(lane, n, group.state_old, run.state_old)
+            gather(lane, n, group.state_new, run.state_new)
+            moved = project_new_state(g, run, run.t_new)
+            scatter(lane, n, run.state_new, group.state_new)
             if moved < 0.0:
-                L[TRIAL + ERROR_ROW * LANES + lane] = INFINITY
+                group.error[lane] = INFINITY
             elif moved > 0.0:
-                L[TRIAL + MASK_ROW * LANES + lane] = 1.0
-                L[TRIAL + CALLS_ROW * LANES + lane] = L[TRIAL + CALLS_ROW * LANES + lane] + 1.0
+                group.mask[lane] = 1.0
+                group.calls[lane] = group.calls[lane] + 1.0
                 some = 1
     if some == 0:
         return 0
-    return renew_derivatives(wide, L)
+    return renew_derivatives(wide, group)
 
 
-def renew_derivatives(wide: Function, L: Reals) -> int:
+def renew_derivatives(wide: Function, group: LaneGroup) -> int:
     """Renew the derivatives at the ends of the steps that are marked; return the status of the function.
 
     Other lanes compute the beginnings of theirs, where the function is known not to fail.
     """
-    n = int(L[N])
+    n = group.states
     size = n * LANES
-    V = part(L, LANE_VECTORS, VECTOR_ROWS * size)
-    x = part(L, int(L[SCRATCH]), size)
-    slopes = part(L, int(L[SCRATCH]) + size, size)
-    end = part(L, LANE_VECTORS + (VECTOR_ROWS + int(L[METHOD + STAGES])) * size, size)
-    copy_lanes(n, part(V, STATE_OLD * size, size), x)
-    take_marked(L, n, part(V, STATE_NEW * size, size), x)
-    marks = take(L, TRIAL + MASK_ROW * LANES)
-    start = take(L, TRIAL + T_ROW * LANES)
+    x = group.scratch
+    slopes = group.scratch_slope
+    end = part(group.slopes, group.method.stages * size, size)
+    copy_lanes(n, group.state_old, x)
+    take_marked(group, n, group.state_new, x)
+    marks = take(group.mask, 0)
+    start = take(group.start, 0)
     # a step that ends at a jump keeps the derivative before it
-    t = where(marks > 0.0, start + take(L, TRIAL + H_ROW * LANES), start)
-    status = call_lanes(wide, L, t, x, slopes)
+    t = where(marks > 0.0, start + take(group.length, 0), start)
+    status = call_lanes(wide, group, t, x, slopes)
     if status != 0:
         return status
-    take_marked(L, n, slopes, end)
-    mark_infinities(L, n, end)
+    take_marked(group, n, slopes, end)
+    mark_infinities(group, n, end)
     for lane in range(LANES):
-        if L[TRIAL + MASK_ROW * LANES + lane] != 0.0 and L[TRIAL + FIRST_ROW * LANES + lane] != 0.0:
-            L[TRIAL + ERROR_ROW * LANES + lane] = INFINITY
+        if group.mask[lane] != 0.0 and group.first[lane] != 0.0:
+            group.error[lane] = INFINITY
     return 0
 
 
-def mark_samples(L: Reals, times: Reals) -> int:
+def mark_samples(group: LaneGroup, times: Reals) -> int:
     """Mark the lanes whose steps have samples inside; return 1 if there are any, else 0."""
     some = 0
     for lane in range(LANES):
-        B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-        L[TRIAL + MASK_ROW * LANES + lane] = 0.0
-        if B[CASE] >= 0.0 and L[TRIAL + ERROR_ROW * LANES + lane] <= 1.0:
-            if is_sampled(B, times) == 1:
-                L[TRIAL + MASK_ROW * LANES + lane] = 1.0
+        run = Run.view(group.runs, lane * group.run_size)
+        group.mask[lane] = 0.0
+        if run.cases.current >= 0 and group.error[lane] <= 1.0:
+            if is_sampled(run, times) == 1:
+                group.mask[lane] = 1.0
                 some = 1
     return some
 
 
-def judge(L: Reals, lane: int) -> int:
+def judge(group: LaneGroup, lane: int) -> int:
     """Return 1 if the case of a lane is stiff and ends for that, as in `step_machine.try_step`, else 0."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    if B[STIFF_VOTES] != 0.0 or B[UNJUDGED] == 999.0:
-        gather(L, lane, 0, state_size(L))
-    stiff = count_stiff_votes(B, B[LENGTH])
-    if stiff != 0 and B[STOP_WHEN_STIFF] != 0.0 and B[T_NEW] != B[T_END]:
+    run = Run.view(group.runs, lane * group.run_size)
+    if run.stiff_votes != 0 or run.unjudged == 999:
+        gather_all(group, lane)
+    stiff = count_stiff_votes(run, run.length)
+    if stiff != 0 and run.goal.stop_when_stiff != 0.0 and run.t_new != run.t_end:
         return 1
     return 0
 
 
-def conclude_lane(g: Function, L: Reals, lane: int, times: Reals, t: Reals, x: Reals) -> None:
+def conclude_lane(g: Function, group: LaneGroup, lane: int, times: Reals, t: Reals, x: Reals) -> None:
     """Accept or reject the step of a lane, and mark the lane if it is accepted."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    error = L[TRIAL + ERROR_ROW * LANES + lane]
-    n = int(B[N])
-    B[KERNEL] = 0.0
-    B[EVALUATIONS] = B[EVALUATIONS] + L[TRIAL + CALLS_ROW * LANES + lane]
-    if L[TRIAL + MASK_ROW * LANES + lane] != 0.0:
-        B[EVALUATIONS] = B[EVALUATIONS] + (B[METHOD + STAGE_ROWS] - B[METHOD + STAGES] - 1.0)
-        if L[TRIAL + FIRST_ROW * LANES + lane] != 0.0:
+    run = Run.view(group.runs, lane * group.run_size)
+    error = group.error[lane]
+    n = run.states
+    run.counts.failed_kernel = 0
+    run.counts.evaluations = run.counts.evaluations + group.calls[lane]
+    if group.mask[lane] != 0.0:
+        run.counts.evaluations = run.counts.evaluations + (run.method.stage_rows - run.method.stages - 1)
+        if group.first[lane] != 0.0:
             error = INFINITY
-    L[TRIAL + MASK_ROW * LANES + lane] = 0.0
+    group.mask[lane] = 0.0
     if not error <= 1.0:
-        reject(B, B[LENGTH], error)
+        reject(run, run.length, error)
         return
-    if is_sampled(B, times) != 0:
-        rows = int(B[METHOD + DENSE_ROWS]) * n
-        gather(L, lane, state_size(L), rows)
-        gather(L, lane, STATE_NEW * n, n)
-        samples = int(B[TIMES]) * n
-        store_samples(
-            g, B, part(B, VECTORS + state_size(L), rows), times, t, part(x, int(B[CASE]) * samples, samples)
-        )
-    if judge(L, lane) != 0:
-        B[LANE_CODE] = float(STIFF)
-    accept(B, B[T_NEW], B[LENGTH], error)
-    L[TRIAL + MASK_ROW * LANES + lane] = 1.0
+    if is_sampled(run, times) != 0:
+        rows = run.method.dense_rows * n
+        gather(lane, rows, group.dense, run.dense)
+        gather(lane, n, group.state_new, run.state_new)
+        samples = run.room.times * n
+        store_samples(g, run, run.dense, times, t, part(x, run.cases.current * samples, samples))
+    if judge(group, lane) != 0:
+        run.cases.lane_code = STIFF
+    accept(run, run.t_new, run.length, error)
+    group.mask[lane] = 1.0
 
 
-def try_alone(f: Function, g: Function, L: Reals, lane: int, times: Reals, t: Reals, x: Reals) -> None:
+def try_alone(
+    f: Function, g: Function, group: LaneGroup, lane: int, times: Reals, t: Reals, x: Reals
+) -> None:
     """Try the step of a lane as that of one motion, from what it started from."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    samples = int(B[TIMES]) * int(B[N])
-    gather(L, lane, 0, state_size(L))
-    own = part(x, int(B[CASE]) * samples, samples)
-    B[LANE_CODE] = float(try_step(f, g, B, times, t, own, t, t))
-    scatter(L, lane, 0, state_size(L))
+    run = Run.view(group.runs, lane * group.run_size)
+    samples = run.room.times * run.states
+    gather_all(group, lane)
+    own = part(x, run.cases.current * samples, samples)
+    run.cases.lane_code = try_step(f, g, run, times, t, own, t, t)
+    scatter_all(group, lane)
 
 
 def conclude_all(
-    f: Function, wide: Function, g: Function, L: Reals, attempted: int, times: Reals, t: Reals, x: Reals
-) -> None:
+    f: Function, wide: Function, g: Function, group: LaneGroup, attempted: int, times: Reals, t: Reals,
+    x: Reals,
+) -> None:  # fmt: skip
     """Accept or reject the steps that `attempt_lanes` tried; with a status other than 0 it failed."""
     status = attempted
-    if status == 0 and L[PROJECTOR] != 0.0:
-        status = project_lanes(wide, g, L)
+    if status == 0 and group.projects != 0.0:
+        status = project_lanes(wide, g, group)
     dense_status = 0
     if status == 0:
-        if mark_samples(L, times) != 0:
-            dense_status = form_dense_outputs(wide, L)
-    n = int(L[N])
+        if mark_samples(group, times) != 0:
+            dense_status = form_dense_outputs(wide, group)
+    n = group.states
     for lane in range(LANES):
-        B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-        if B[CASE] < 0.0:
-            L[TRIAL + MASK_ROW * LANES + lane] = 0.0
-        elif status == 0 and (dense_status == 0 or L[TRIAL + MASK_ROW * LANES + lane] == 0.0):
-            conclude_lane(g, L, lane, times, t, x)
+        run = Run.view(group.runs, lane * group.run_size)
+        if run.cases.current < 0:
+            group.mask[lane] = 0.0
+        elif status == 0 and (dense_status == 0 or group.mask[lane] == 0.0):
+            conclude_lane(g, group, lane, times, t, x)
         else:
-            L[TRIAL + MASK_ROW * LANES + lane] = 0.0
-            try_alone(f, g, L, lane, times, t, x)
+            group.mask[lane] = 0.0
+            try_alone(f, g, group, lane, times, t, x)
     size = n * LANES
-    V = part(L, LANE_VECTORS, VECTOR_ROWS * size)
-    K = part(L, LANE_VECTORS + VECTOR_ROWS * size, int(L[METHOD + STAGE_ROWS]) * size)
-    take_marked(L, n, part(V, STATE_NEW * size, size), part(V, STATE_OLD * size, size))
-    take_marked(L, n, part(K, int(L[METHOD + STAGES]) * size, size), part(K, 0, size))
+    K = group.slopes
+    take_marked(group, n, group.state_new, group.state_old)
+    take_marked(group, n, part(K, group.method.stages * size, size), part(K, 0, size))
     for lane in range(LANES):
-        if L[TRIAL + MASK_ROW * LANES + lane] != 0.0:
-            pass_jump_in_lane(f, L, lane)
+        if group.mask[lane] != 0.0:
+            pass_jump_in_lane(f, group, lane)
 
 
-def pass_jump_in_lane(f: Function, L: Reals, lane: int) -> None:
+def pass_jump_in_lane(f: Function, group: LaneGroup, lane: int) -> None:
     """Go on behind a jump in a lane, as `step_machine.pass_jump` does."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    if behind_jump(B, B[TIME]) != B[TIME]:
-        n = int(B[N])
-        gather(L, lane, STATE_OLD * n, n)
-        pass_jump(f, B)
-        scatter(L, lane, VECTOR_ROWS * n, n)
+    run = Run.view(group.runs, lane * group.run_size)
+    if behind_jump(run, run.time) != run.time:
+        n = run.states
+        gather(lane, n, group.state_old, run.state_old)
+        pass_jump(f, run)
+        scatter(lane, n, run.slopes, group.slopes)
 
 
 def run_lanes(
-    f: Function, wide: Function, g: Function, L: Reals, count: int, size: int, cases: Reals, times: Reals,
-    t: Reals, x: Reals, verdicts: Reals, turns: int,
+    f: Function, wide: Function, g: Function, group: LaneGroup, count: int, size: int, cases: Reals,
+    times: Reals, t: Reals, x: Reals, verdicts: Reals, turns: int,
 ) -> int:  # fmt: skip
     """Try so many steps in all lanes, as `many_motions.run_cases`; return `RUNNING` or `FINISHED`."""
     for _turn in range(turns):
         running = 0
         for lane in range(LANES):
-            running = running + fill_lane(f, L, lane, count, size, cases, times, t, x, verdicts)
+            running = running + fill_lane(f, group, lane, count, size, cases, times, t, x, verdicts)
         if running == 0:
             return FINISHED
-        attempted = attempt_lanes(wide, L)
-        conclude_all(f, wide, g, L, attempted, times, t, x)
+        attempted = attempt_lanes(wide, group)
+        conclude_all(f, wide, g, group, attempted, times, t, x)
     for lane in range(LANES):
-        B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-        if B[CASE] >= 0.0:
-            conclude(B, RUNNING, part(verdicts, int(B[CASE]) * VERDICT_SIZE, VERDICT_SIZE))
+        run = Run.view(group.runs, lane * group.run_size)
+        if run.cases.current >= 0:
+            conclude(run, RUNNING, Verdict.view(verdicts, run.cases.current * Verdict.size))
     return RUNNING

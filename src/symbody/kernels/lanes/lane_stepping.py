@@ -7,96 +7,80 @@ hold the state and its derivative; the case of a lane that is under way is 0, el
 
 from __future__ import annotations
 
-from symbody.kernels.block import (
-    CASE,
-    FINISHED,
-    FUNCTION,
-    LANE_CODE,
-    R_PLACE,
-    RUNNING,
-    STATE_NEW,
-    STATE_OLD,
-    STEP,
-    T_END,
-    TIME,
-    VECTOR_ROWS,
-    VECTORS,
-    N,
-)
-from symbody.kernels.lanes.lane_block import H_ROW, LANE_BLOCKS, LANE_R, LANE_SIZE, T_ROW, TRIAL
-from symbody.kernels.lanes.lane_motions import conclude_all, gather, plan_lane, scatter, state_size
+from symbody.kernels.block import FINISHED, RUNNING, Run
+from symbody.kernels.lanes.lane_block import LaneGroup
+from symbody.kernels.lanes.lane_motions import conclude_all, gather, gather_all, plan_lane, scatter
 from symbody.kernels.lanes.lane_steps import attempt_lanes
 from symbody.kernels.language import LANES, Function, Reals, part
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.stepping import INPUTS, NOW, PLANNED, STATE_AT, UNDER_WAY, conclude_step, set_off
 
 
-def begin_lane(f: Function, L: Reals, lane: int, S: Reals) -> None:
+def begin_lane(f: Function, group: LaneGroup, lane: int, S: Reals) -> None:
     """Begin the step of a lane, or go on with one that is under way."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    n = int(B[N])
-    B[CASE] = 0.0
+    run = Run.view(group.runs, lane * group.run_size)
+    n = run.states
+    run.cases.current = 0
     if S[UNDER_WAY] != 0.0:
         return
-    B[LANE_CODE] = float(set_off(f, B, S))
-    scatter(L, lane, STATE_OLD * n, n)
-    scatter(L, lane, VECTOR_ROWS * n, n)
-    for k in range(int(S[INPUTS])):
-        L[int(L[FUNCTION]) + LANE_R + k * LANES + lane] = B[int(B[FUNCTION]) + R_PLACE + k]
+    run.cases.lane_code = set_off(f, run, S)
+    scatter(lane, n, run.state_old, group.state_old)
+    scatter(lane, n, run.slopes, group.slopes)
+    scatter(lane, int(S[INPUTS]), run.numbers.inputs, group.numbers.inputs)
 
 
-def show_state(L: Reals, lane: int, S: Reals) -> None:
+def show_state(group: LaneGroup, lane: int, S: Reals) -> None:
     """Give the caller the time and state that a lane has reached."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    S[NOW] = B[TIME]
-    copy(int(B[N]), part(B, VECTORS + STATE_OLD * int(B[N]), int(B[N])), part(S, STATE_AT, int(B[N])))
+    run = Run.view(group.runs, lane * group.run_size)
+    S[NOW] = run.time
+    copy(run.states, run.state_old, part(S, STATE_AT, run.states))
 
 
-def plan_step(L: Reals, lane: int, S: Reals) -> int:
+def plan_step(group: LaneGroup, lane: int, S: Reals) -> int:
     """Plan the next trial of a lane; return 1, or 0 if its step has ended."""
-    B = part(L, int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]), int(L[LANE_SIZE]))
-    if B[CASE] < 0.0:
+    run = Run.view(group.runs, lane * group.run_size)
+    if run.cases.current < 0:
         return 0
-    if B[TIME] != B[T_END]:
-        S[PLANNED] = B[STEP]
-    code = plan_lane(L, lane)
+    if run.time != run.t_end:
+        S[PLANNED] = run.step
+    code = plan_lane(group, lane)
     if code == RUNNING:
         return 1
-    n = int(B[N])
-    gather(L, lane, STATE_OLD * n, n)
-    gather(L, lane, STATE_NEW * n, n)
-    gather(L, lane, VECTOR_ROWS * n, n)
-    conclude_step(B, S, code)
-    B[LANE_CODE] = float(code)
-    B[CASE] = -1.0
-    L[TRIAL + T_ROW * LANES + lane] = B[TIME]
-    L[TRIAL + H_ROW * LANES + lane] = 0.0
-    show_state(L, lane, S)
+    n = run.states
+    gather(lane, n, group.state_old, run.state_old)
+    gather(lane, n, group.state_new, run.state_new)
+    gather(lane, n, group.slopes, run.slopes)
+    conclude_step(run, S, code)
+    run.cases.lane_code = code
+    run.cases.current = -1
+    group.start[lane] = run.time
+    group.length[lane] = 0.0
+    show_state(group, lane, S)
     return 0
 
 
 def step_lanes(
-    f: Function, wide: Function, g: Function, L: Reals, S: Reals, size: int, count: int, turns: int
+    f: Function, wide: Function, g: Function, group: LaneGroup, S: Reals, size: int, count: int, turns: int
 ) -> int:
     """Go on with the steps of the first `count` lanes; return `FINISHED` where all have ended."""
     nothing = part(S, 0, 1)
     for _turn in range(turns):
         running = 0
         for lane in range(count):
-            running = running + plan_step(L, lane, part(S, lane * size, size))
+            running = running + plan_step(group, lane, part(S, lane * size, size))
         if running == 0:
             return FINISHED
-        attempted = attempt_lanes(wide, L)
-        conclude_all(f, wide, g, L, attempted, nothing, nothing, nothing)
+        attempted = attempt_lanes(wide, group)
+        conclude_all(f, wide, g, group, attempted, nothing, nothing, nothing)
     for lane in range(count):
-        if L[int(L[LANE_BLOCKS]) + lane * int(L[LANE_SIZE]) + CASE] >= 0.0:
-            gather(L, lane, 0, state_size(L))
-            show_state(L, lane, part(S, lane * size, size))
+        if Run.view(group.runs, lane * group.run_size).cases.current >= 0:
+            gather_all(group, lane)
+            show_state(group, lane, part(S, lane * size, size))
     return RUNNING
 
 
 def step_all(
-    f: Function, wide: Function, g: Function, L: Reals, stride: int, S: Reals, size: int, count: int,
+    f: Function, wide: Function, g: Function, groups: Reals, stride: int, S: Reals, size: int, count: int,
     begins: int, turns: int,
 ) -> int:  # fmt: skip
     """Take a step in `count` lanes, whose common blocks lie one behind the other, `stride` numbers apart.
@@ -109,7 +93,7 @@ def step_all(
     first = 0
     place = 0
     while first < count:
-        own = part(L, place, stride)
+        own = LaneGroup.view(groups, place)
         rows = part(S, first * size, size * LANES)
         some = min(LANES, count - first)
         if begins != 0:
@@ -118,7 +102,7 @@ def step_all(
         if step_lanes(f, wide, g, own, rows, size, some, turns) == RUNNING:
             running = 1
         for lane in range(some):
-            ended = int(own[int(own[LANE_BLOCKS]) + lane * int(own[LANE_SIZE]) + LANE_CODE])
+            ended = Run.view(own.runs, lane * own.run_size).cases.lane_code
             if ended != FINISHED:
                 code = ended
         first = first + LANES

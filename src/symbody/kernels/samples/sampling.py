@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.block import R_PLACE, TIME
+from symbody.kernels.block import FunctionNumbers, Run
 from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.runge_kutta import call, copy
 from symbody.kernels.samples.sample_hold import SampleHold
@@ -44,13 +44,15 @@ def is_due(held: SampleHold, t: float) -> int:
     return is_instant(held, held.next, t)
 
 
-def show_values(held: SampleHold, numbers: Reals) -> None:
+def show_values(held: SampleHold, numbers: FunctionNumbers) -> None:
     """Write the held values among the inputs of a function."""
     for k in range(held.count):
-        numbers[R_PLACE + int(held.slots[k])] = held.values[k]
+        numbers.inputs[int(held.slots[k])] = held.values[k]
 
 
-def take_samples(h: Function, numbers: Reals, held: SampleHold, Y: Reals, t: float, x: Reals) -> int:
+def take_samples(
+    h: Function, numbers: FunctionNumbers, held: SampleHold, Y: Reals, t: float, x: Reals
+) -> int:
     """Compute the values that are due at a time, and record all; return the status of the function.
 
     `numbers` are those of the function h of new values; Y has room for one more row. What jumps at the same
@@ -68,7 +70,7 @@ def take_samples(h: Function, numbers: Reals, held: SampleHold, Y: Reals, t: flo
                 held.fault = status
                 return status
             held.values[k] = new[k]
-            numbers[R_PLACE + int(held.slots[k])] = new[k]
+            numbers.inputs[int(held.slots[k])] = new[k]
     for group in range(held.groups):
         when = instant_of(held, group)
         if when <= t or is_instant(held, when, t) != 0:
@@ -81,8 +83,8 @@ def take_samples(h: Function, numbers: Reals, held: SampleHold, Y: Reals, t: flo
     return 0
 
 
-def piece_end(B: Reals, held: SampleHold, end: float) -> float:
+def piece_end(run: Run, held: SampleHold, end: float) -> float:
     """Return where the motion has to stop for the next sample, `end` if that comes first."""
     if held.next >= end or is_instant(held, held.next, end) != 0:
         return end
-    return max(held.next, B[TIME])
+    return max(held.next, run.time)

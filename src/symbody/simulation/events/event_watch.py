@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.kernels import block as run_at
+from symbody.kernels.block import Run
 from symbody.kernels.events.event_monitor import (
     CHATTERS,
     FAILS,
@@ -131,7 +132,7 @@ class EventWatch:
         return tuple(sides)
 
     @property
-    def after(self) -> Floats | None:
+    def acted_state(self) -> Floats | None:
         """The state in which a motion goes on outside after actions at its end; None without any."""
         own = self._monitor
         return np.array(own.after) if own.hands_over and own.has_acted and not own.culprit else None
@@ -206,11 +207,12 @@ class EventWatch:
 
     def _prepare(self, block: Floats) -> None:
         """Fit the block to a run of the compiled loop."""
-        rows = int(block[run_at.METHOD + run_at.DENSE_ROWS])
+        run = Run(block)
+        rows = run.method.dense_rows
         if not exists(self._monitor.cut_fit):
             self._block = with_cut_fit(self._block, rows)
         monitor = self._monitor
-        monitor.direction, monitor.piece_rows = block[run_at.DIRECTION], rows
+        monitor.direction, monitor.piece_rows = run.goal.direction, rows
 
     def _note_ending(self) -> None:
         monitor = self._monitor

@@ -137,7 +137,7 @@ class RopeElements:
         values = np.array(evaluate_outputs(self.problem, self.motion_outputs, t, x), dtype=np.float64)
         return values.reshape(len(_MOTION), -1)
 
-    def overstretched(self, t: float, x: Floats) -> list[str]:
+    def longer_ropes(self, t: float, x: Floats) -> list[str]:
         """Return the ropes whose ends are farther apart than they are long."""
         motion = self.motion_values(t, x)
         longer = motion[_SLACKNESS] < -AT_LENGTH * motion[_LENGTH]

@@ -14,7 +14,7 @@ from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, Occurrence
-from symbody.simulation.execution import Piece
+from symbody.simulation.execution import MotionPiece
 from symbody.simulation.hybrid.impact import Impact, impact, separating_ropes
 from symbody.simulation.hybrid.modes import (
     HybridMechanism,
@@ -28,7 +28,7 @@ from symbody.simulation.hybrid.rate_jumps import struck_friction
 from symbody.simulation.hybrid.ropes import TAUT, RopeElements, rope_elements
 from symbody.simulation.hybrid.stick_slip import stick_slip_joints
 from symbody.simulation.methods.integration import MotionPlan
-from symbody.simulation.pieces import Instant, Pieces
+from symbody.simulation.pieces import MotionInstant, Pieces
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -65,7 +65,7 @@ class DeadEndError(Exception):
         self.t, self.status, self.why = t, status, why
 
 
-class Stage(NamedTuple):
+class PieceStart(NamedTuple):
     """A state between two pieces of a motion.
 
     Attributes
@@ -132,7 +132,7 @@ class SwitchingModes:
         """Go on with other values of inputs."""
         self.mechanism = hybrid_mechanism(problem)
 
-    def settle(self, state: Stage) -> Floats:
+    def settle(self, state: PieceStart) -> Floats:
         """Let ropes strike and decide the modes; return the state (u, q, s) with speeds that fit them.
 
         Raises
@@ -180,7 +180,7 @@ class SwitchingModes:
         self.ends = tuple(kind.end_event(trial, k, mode) for (kind, k), mode in pairs)
         return fitted
 
-    def state_behind(self, piece: Piece) -> Stage | None:
+    def state_behind(self, piece: MotionPiece) -> PieceStart | None:
         """Return the state in which one element ended its mode; None where none did."""
         labels = [event.label for event in self.ends]
         last = piece.happened[-1] if piece.happened else None
@@ -190,7 +190,7 @@ class SwitchingModes:
         x = np.array([last.state[name] for name in problem.eqs.state_names])
         kind, k = list(self.mechanism.elements)[place]
         forced = kind.forced_modes(ModeTrial(self.mechanism, self.modes, last.t, x), k, self.modes[place])
-        return Stage(last.t, x, None, forced)
+        return PieceStart(last.t, x, None, forced)
 
     def note_speeds(self, run: Trajectory) -> None:
         """Note how fast the mechanism was in a piece."""
@@ -228,7 +228,7 @@ class SwitchingModes:
     def _first_state(self, t: float, x: Floats) -> MotionPlan:
         """Return the plan of the motion that consists of one state."""
         default = tuple(kind.default for kind, _ in self.mechanism.elements)
-        return self._pieces.plan(self.mechanism.problem_in(default), x, t, Instant("start", t, t, t))
+        return self._pieces.plan(self.mechanism.problem_in(default), x, t, MotionInstant("start", t, t, t))
 
     def check_ropes(self, t: float, x: Floats, label: str) -> None:
         """Refuse a state, set by an event, in which a rope is longer than it can be.
@@ -240,7 +240,7 @@ class SwitchingModes:
         """
         if self.ropes is None:
             return
-        longer = self.ropes.overstretched(t, x)
+        longer = self.ropes.longer_ropes(t, x)
         if longer:
             why = (
                 f"the action of event {label!r} moves the ends of {', '.join(longer)} farther apart than the "

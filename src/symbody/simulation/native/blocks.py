@@ -6,7 +6,17 @@ from typing import Final
 
 import numpy as np
 
-from symbody.kernels import block as at
+from symbody.kernels.block import (
+    Breakpoint,
+    BreakpointTable,
+    CaseCursor,
+    FunctionNumbers,
+    Method,
+    Run,
+    RunGoal,
+    StateProjection,
+)
+from symbody.kernels.pack import pack
 from symbody.simulation.native.description import Floats, Goal, Projector, RightHandSide
 from symbody.simulation.native.runge_kutta import Tableau
 from symbody.single_flight import SingleFlight
@@ -25,28 +35,23 @@ def make_block(
 ) -> Floats:
     """Return the block of a motion at its first time [s] and state x = (u, q)."""
     n = x.size
-    size = at.VECTORS + (at.VECTOR_ROWS + len(tableau.A) + 4 + len(tableau.dense)) * n
-    breaks, function = goal.breaks.ravel(), function_numbers(rhs)
-    projection = _projection(projector) if projector.address else np.zeros(0)
-    block = np.concatenate([np.zeros(size), breaks, function, projection])
-    block[at.METHOD : at.METHOD + at.METHOD_SIZE] = method_numbers(tableau, n)
-    block[at.N], block[at.N_U] = n, rhs.n_u
-    block[at.BREAKS] = block[at.FIRST_BREAK] = block[at.NEXT_BREAK] = size
-    block[at.FUNCTION] = size + breaks.size
-    block[at.PROJECTOR] = size + breaks.size + function.size if projector.address else 0
-    vectors = block[at.VECTORS :][: at.VECTOR_ROWS * n].reshape(at.VECTOR_ROWS, n)
-    vectors[at.STATE_OLD], vectors[at.TOLERANCES] = x, goal.atol
-    block[at.TIME] = block[at.T_START] = t
-    block[at.T_END], block[at.DIRECTION], block[at.RTOL] = goal.t_end, goal.direction, goal.rtol
-    block[at.MAX_STEP], block[at.MAX_TRIALS] = goal.max_step, goal.max_trials
-    block[at.STOP_WHEN_STIFF], block[at.FIRST_STEP] = goal.stop_when_stiff, first_step
-    return block
+    aim = pack(
+        RunGoal, direction=goal.direction, rtol=goal.rtol, max_step=goal.max_step,
+        max_trials=goal.max_trials, stop_when_stiff=goal.stop_when_stiff,
+    )  # fmt: skip
+    return pack(
+        Run, time=t, t_end=goal.t_end, first_step=first_step, states=n, speeds=rhs.n_u, goal=aim,
+        cases=pack(CaseCursor, start=t),
+        breaks=pack(BreakpointTable, count=goal.breaks.size // Breakpoint.size, points=goal.breaks),
+        method=method_numbers(tableau, n), state_old=x, tolerances=goal.atol,
+        slopes=np.zeros(len(tableau.A) * n), dense=np.zeros((4 + len(tableau.dense)) * n),
+        numbers=function_numbers(rhs), projection=_projection(projector) if projector.address else None,
+    )  # fmt: skip
 
 
 def state_of(block: Floats) -> Floats:
     """Return the state x = (u, q) in a block, a view."""
-    n = int(block[at.N])
-    return block[at.VECTORS + at.STATE_OLD * n :][:n]
+    return np.asarray(Run(block).state_old)
 
 
 def method_numbers(tableau: Tableau, n: int) -> Floats:
@@ -55,40 +60,33 @@ def method_numbers(tableau: Tableau, n: int) -> Floats:
 
 
 def _method_numbers(tableau: Tableau, n: int) -> Floats:
-    numbers = np.zeros(at.METHOD_SIZE)
-    numbers[at.ORDER], numbers[at.STAGES] = tableau.order, tableau.stages
-    numbers[at.STAGE_ROWS], numbers[at.DENSE_ROWS] = len(tableau.A), 4 + len(tableau.dense)
-    numbers[at.ERROR_READS_END], numbers[at.SPLIT] = tableau.error_reads_end, tableau.split
-    numbers[at.EXPONENT], numbers[at.MEMORY] = tableau.exponent, tableau.memory
-    numbers[at.SHRINK], numbers[at.GROWTH] = tableau.shrink, tableau.growth
-    numbers[at.STIFF_BOUND] = tableau.stiff_bound
-    numbers[at.NODES : at.NODES + len(tableau.c)] = tableau.c
-    entry = 0
-    for row, weights in enumerate((*tableau.A, *tableau.error, *tableau.dense)):
-        for stage, weight in enumerate(weights):
-            if weight != 0.0:
-                numbers[at.ENTRIES + 2 * entry :][:2] = stage * n, weight
-                entry += 1
-        numbers[at.ROWS + row + 1] = entry
-    return numbers
+    weights: list[tuple[float, float]] = []
+    rows = [0]
+    for row in (*tableau.A, *tableau.error, *tableau.dense):
+        weights += [(stage * n, weight) for stage, weight in enumerate(row) if weight != 0.0]
+        rows.append(len(weights))
+    return pack(
+        Method, order=tableau.order, stages=tableau.stages, stage_rows=len(tableau.A),
+        dense_rows=4 + len(tableau.dense), error_reads_end=tableau.error_reads_end,
+        exponent=tableau.exponent, memory=tableau.memory, shrink=tableau.shrink, growth=tableau.growth,
+        stiff_bound=tableau.stiff_bound, split=tableau.split, nodes=tableau.c, rows=rows,
+        weights=np.ravel(weights),
+    )  # fmt: skip
 
 
 def function_numbers(rhs: RightHandSide | Projector) -> Floats:
     """Return the numbers of a function and room for its scratch."""
-    places = at.R_PLACE + np.cumsum([rhs.inputs.size, rhs.parameters.size, rhs.constants.size])
-    head = np.zeros(at.R_PLACE)
-    head[[at.P_PLACE, at.C_PLACE, at.WORK_PLACE]] = places
-    parts = [head, rhs.inputs, rhs.parameters, rhs.constants, np.zeros(rhs.work_size)]
-    if isinstance(rhs, RightHandSide) and rhs.tables.size:
-        head[at.TABLES_PLACE] = places[-1] + rhs.work_size
-        parts.append(rhs.tables)
-    return np.concatenate(parts)
+    tables = rhs.tables if isinstance(rhs, RightHandSide) else np.zeros(0)
+    return pack(
+        FunctionNumbers, input_count=rhs.inputs.size, parameter_count=rhs.parameters.size,
+        constant_count=rhs.constants.size, work_size=rhs.work_size, inputs=rhs.inputs,
+        parameters=rhs.parameters, constants=rhs.constants, tables=tables,
+    )  # fmt: skip
 
 
 def _projection(projector: Projector) -> Floats:
-    head, function = np.zeros(at.P_SCALES), function_numbers(projector)
-    out = at.P_SCALES + projector.scales.size + projector.sizes.size
-    head[[at.P_COORDINATES, at.P_RESIDUALS]] = projector.n_q, projector.scales.size
-    head[[at.P_OUT, at.P_OUT_SIZE, at.P_FUNCTION]] = out, projector.out_size, out + projector.out_size
-    head[[at.P_LIMIT, at.P_ROUNDING]] = projector.limit, projector.rounding
-    return np.concatenate([head, projector.scales, projector.sizes, np.zeros(projector.out_size), function])
+    return pack(
+        StateProjection, coordinates=projector.n_q, residuals=projector.scales.size,
+        out_size=projector.out_size, limit=projector.limit, rounding=projector.rounding,
+        scales=projector.scales, sizes=projector.sizes, numbers=function_numbers(projector),
+    )  # fmt: skip

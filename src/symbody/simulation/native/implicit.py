@@ -6,12 +6,11 @@ import ctypes
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-import numpy as np
-
 from symbody.codegen.llvm.kernel_library import load_kernels
-from symbody.kernels import block as at
-from symbody.kernels.implicit import implicit_block as beside
-from symbody.simulation.native.blocks import function_numbers
+from symbody.kernels.block import Run
+from symbody.kernels.implicit.implicit_block import ImplicitStep
+from symbody.kernels.pack import pack
+from symbody.simulation.native.blocks import function_numbers, state_of
 from symbody.simulation.native.description import Floats, Record, RightHandSide
 from symbody.simulation.native.machine import address
 from symbody.simulation.native.run import show_room
@@ -73,28 +72,17 @@ def implicit_machine() -> _Machine:
 
 
 def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float, *, one_length: bool) -> Floats:
-    """Return what `implicit_block` names, for n states with the work and n_q coordinates.
+    """Return the array of an `ImplicitStep`, for n states with the work and n_q coordinates.
 
     With `one_length` all steps have that of the first but those that end at a jump or at the end.
     """
-    n_u, n_v = functions.slopes.n_u, n - 1 - n_q
-    sizes = {
-        beside.RATES: n_v, beside.RATES_USED: n_v, beside.RATES_NEW: n_v, beside.CORRECTION: n_v,
-        beside.SLOPES_USED: n_v, beside.SLOPES_BEFORE: n, beside.SLOPES_CHANGE: n, beside.MIDDLE: n,
-        beside.TURN: n_q, beside.DERIVATIVES: (n - 1) ** 2,
-        beside.THROUGH_Q: n_v * n_u, beside.FACTORS: n_v**2, beside.PIVOTS: n_v,
-    }  # fmt: skip
-    turns, derivatives = function_numbers(functions.turns), function_numbers(functions.derivatives)
-    ends = beside.HEADER + np.cumsum([0, *sizes.values()])
-    array = np.concatenate([np.zeros(ends[-1]), turns, derivatives])
-    array[list(sizes)] = ends[:-1]
-    array[[beside.RATE_FUNCTION, beside.DERIVATIVE_FUNCTION]] = ends[-1], ends[-1] + turns.size
-    weights = Weights.for_radius(rho)
-    array[[beside.ALPHA_M, beside.ALPHA_F, beside.GAMMA, beside.BETA]] = weights
-    array[beside.LAG] = 0.0 if rho == 1.0 else weights.alpha_m - weights.alpha_f
-    array[[beside.COORDINATES, beside.UNKNOWNS]] = n_q, n_v
-    array[beside.ONE_LENGTH] = one_length
-    return array
+    n_u, n_v, weights = functions.slopes.n_u, n - 1 - n_q, Weights.for_radius(rho)
+    return pack(
+        ImplicitStep, **weights._asdict(), lag=0.0 if rho == 1.0 else weights.alpha_m - weights.alpha_f,
+        states=n, speeds=n_u, coordinates=n_q, unknowns=n_v, rates_size=n - 1, one_length=one_length,
+        rate_numbers=function_numbers(functions.turns),
+        derivative_numbers=function_numbers(functions.derivatives),
+    )  # fmt: skip
 
 
 class ImplicitRun(NamedTuple):
@@ -132,7 +120,6 @@ class ImplicitRun(NamedTuple):
 
     def restart(self, t: float, x: Floats) -> None:
         """Go on from another state with the work, at a time [s]; `begin` has to follow."""
-        block = self.block
-        n = int(block[at.N])
-        block[at.VECTORS + at.STATE_OLD * n :][:n] = x
-        block[at.TIME], block[at.AFTER_REJECTION], block[at.KERNEL] = t, 0.0, 0.0
+        run = Run(self.block)
+        state_of(self.block)[:] = x
+        run.time, run.after_rejection, run.counts.failed_kernel = t, 0.0, 0

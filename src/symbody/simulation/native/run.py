@@ -11,6 +11,7 @@ import numpy as np
 
 from symbody.errors import Problem, SimulationError
 from symbody.kernels import block as at
+from symbody.kernels.block import Run
 from symbody.memory import memory_size
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
@@ -171,9 +172,9 @@ class CompiledRun(Protocol):
 
 def show_room(block: Floats, record: Record) -> None:
     """Write into a block what is stored of its run, and how much room there is."""
-    block[at.EVERY_STEP], block[at.KEEP_DENSE] = record.every_step, record.keep_dense
-    block[at.TIMES], block[at.SAMPLE_ROOM] = record.wanted.size, record.t.size
-    block[at.STEP_ROOM] = record.pieces.shape[0]
+    room = Run(block).room
+    room.every_step, room.keep_dense = record.every_step, record.keep_dense
+    room.times, room.samples, room.steps = record.wanted.size, record.t.size, record.pieces.shape[0]
 
 
 def fresh_record(run: CompiledRun, times: Floats | None, dense: bool, more: int = 0) -> Record:
@@ -184,7 +185,7 @@ def fresh_record(run: CompiledRun, times: Floats | None, dense: bool, more: int 
     SimulationError
         More samples than the memory holds.
     """
-    n, rows = int(run.block[at.N]), int(run.block[at.METHOD + at.DENSE_ROWS])
+    n, rows = Run(run.block).states, Run(run.block).method.dense_rows
     if times is not None:
         check_memory(times.size, n)
     capacity = FIRST_CAPACITY if times is None else times.size + more
@@ -225,7 +226,7 @@ def drive(run: CompiledRun, record: Record, progress: Progress | None, watch: Wa
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
     clock = [0.0]
-    start = float(run.block[at.TIME])
+    start = Run(run.block).time
     budget = FIRST_SLICE
     code = at.RUNNING
     try:
@@ -266,7 +267,8 @@ def _next_budget(budget: int, spent: float) -> int:
 
 
 def _report_progress(run: CompiledRun, start: float, progress: Progress | None) -> bool:
-    share = (float(run.block[at.TIME]) - start) / (float(run.block[at.T_END]) - start)
+    now = Run(run.block)
+    share = (now.time - start) / (now.t_end - start)
     return progress is None or progress(share) is not False
 
 
@@ -278,7 +280,8 @@ def _grow(record: Record, block: Floats) -> Record:
     MemoryError
         No room is left.
     """
-    samples, steps = int(block[at.SAMPLES]), int(block[at.STEPS])
+    counts = Run(block).counts
+    samples, steps = counts.samples, counts.steps
     if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
         raise MemoryError
     if record.every_step and samples + EVENT_SAMPLES >= record.t.size:
@@ -297,20 +300,18 @@ def _double(array: Floats) -> Floats:
 
 def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float) -> RawRun:
     """Cut the record to what was written, and turn it so that time comes last."""
-    counts = run.block
-    samples, steps = int(counts[at.SAMPLES]), int(counts[at.STEPS])
-    statistics = Statistics(
-        int(counts[at.ACCEPTED]), int(counts[at.REJECTED]), int(counts[at.EVALUATIONS]), seconds
-    )
+    counts = Run(run.block).counts
+    samples, steps = counts.samples, counts.steps
+    statistics = Statistics(int(counts.accepted), int(counts.rejected), int(counts.evaluations), seconds)
     blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
     return RawRun(
         record.t[:samples].copy(),
         np.ascontiguousarray(record.x[:samples].T),
         status,
         statistics,
-        float(run.block[at.TIME]),
-        int(counts[at.STATE]) if blamed else None,
-        int(counts[at.KERNEL]) - 1 if status is Status.SINGULAR else None,
+        Run(run.block).time,
+        counts.blamed_state if blamed else None,
+        counts.failed_kernel - 1 if status is Status.SINGULAR else None,
         _dense_output(run, record, steps) if record.keep_dense else None,
     )
 
@@ -320,4 +321,4 @@ def _dense_output(run: CompiledRun, record: Record, steps: int) -> DenseOutput:
         return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
     piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
     piece[0, 0] = state_of(run.block)
-    return DenseOutput(np.full(2, run.block[at.TIME]), piece)
+    return DenseOutput(np.full(2, Run(run.block).time), piece)

@@ -22,9 +22,11 @@ from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree
 from symbody.equations.equation_set import EquationSet
 from symbody.kernels import block
+from symbody.kernels.block import FunctionNumbers, Run, StateProjection
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import closing_block, closing_of, metric
 from symbody.simulation.programs.motion_request import (
     MotionRequest,
@@ -56,12 +58,10 @@ _KERNELS: Final = (
 _ENTRIES: Final = {
     "motion": RIGHT_HAND_SIDE, "view": "view", "projection": PROJECTION, "assembly": "assembly",
 }  # fmt: skip
-_PLACES: Final = (
-    "TIME", "STEP", "T_NEW", "T_END", "FIRST_STEP", "MAX_STEP", "N", "N_U", "FUNCTION", "PROJECTOR", "METHOD",
-    "DENSE_ROWS", "VECTORS", "STATE_OLD", "KERNEL", "STEPS", "SAMPLES", "AFTER_REJECTION", "STIFF_VOTES",
-    "OTHER_VOTES", "UNJUDGED", "NEXT_BREAK", "FIRST_BREAK", "ACCEPTED", "REJECTED", "EVALUATIONS", "P_PLACE",
-    "C_PLACE", "R_PLACE", "P_FUNCTION", "P_OUT", "P_SCALES", "P_RESIDUALS",
-)  # fmt: skip
+# Records that `simulation.js` reads, by what it calls the places of each.
+_RECORDS: Final = {
+    "run": Run, "numbers": FunctionNumbers, "projection": StateProjection, "assembly": AssemblyProblem,
+}  # fmt: skip
 _CODES: Final = ("RUNNING", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "STIFF")
 
 
@@ -182,9 +182,7 @@ def _numbers(
             "weights": [names.index(name) for name in wrench.weights],
             "mass": spring.mass, "frequency": spring.frequency, "interval": _PULL_INTERVAL,
         }  # fmt: skip
-    places = {name: getattr(block, name) for name in _PLACES}
-    problem = AssemblyProblem.fields
-    places |= {"ASSEMBLY_HELD": problem["asked"].place, "ASSEMBLY_NUMBERS": problem["numbers"].place}
+    places = {key: dict(record.layout) for key, record in _RECORDS.items()}
     first_step = motion.method.first_step or 0.0
     return {
         "at": places,
@@ -192,7 +190,7 @@ def _numbers(
         "block": _block(motion, functions),
         "assembly": _assembly(motion, functions["assembly"]) if "assembly" in functions else None,
         "view": {
-            "numbers": _call_numbers(functions["view"]),
+            "numbers": function_numbers(functions["view"].numbers),
             "size": sum(functions["view"].sizes),
             "parents": list(view.parents), "order": list(view.order), "energies": 12 * len(view.parents),
         },
@@ -208,17 +206,9 @@ def _numbers(
 def _block(motion: PosedMotion, functions: Mapping[str, ProgramFunction]) -> Floats:
     """Return the block of the motion at its first state."""
     made = motion_block(motion, functions)
-    made[block.KEEP_DENSE] = made[block.STEP_ROOM] = 1.0
+    room = Run(made).room
+    room.keep_dense, room.steps = 1.0, 1
     return made
-
-
-def _call_numbers(function: ProgramFunction) -> Floats:
-    """Return the numbers of a function, as a block holds them."""
-    rhs = function.numbers
-    places = block.R_PLACE + np.cumsum([rhs.inputs.size, rhs.parameters.size, rhs.constants.size])
-    head = np.zeros(block.R_PLACE)
-    head[[block.P_PLACE, block.C_PLACE, block.WORK_PLACE]] = places
-    return np.concatenate([head, rhs.inputs, rhs.parameters, rhs.constants, np.zeros(rhs.work_size)])
 
 
 def _assembly(motion: PosedMotion, function: ProgramFunction) -> Floats:
@@ -226,7 +216,7 @@ def _assembly(motion: PosedMotion, function: ProgramFunction) -> Floats:
     close = closing_of(motion.eqs, holds=True)
     own = metric(close.eqs, motion.integration.problem.scales)
     share = residual_share(motion.projection, motion.request.atol)
-    return closing_block(close.shape, own, function.sizes, _call_numbers(function), share)
+    return closing_block(close.shape, own, function.sizes, function_numbers(function.numbers), share)
 
 
 def _literal(value: Any) -> str:

@@ -15,7 +15,7 @@ from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT
 from symbody.codegen.kernels.python_kernels import PYTHON
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import Type
-from symbody.kernels import block as at
+from symbody.kernels.block import Run
 from symbody.simulation.programs.prepared_motion import PROJECTION, RIGHT_HAND_SIDE, PreparedMotion
 
 _TRIALS: Final = 1000  # steps of one call
@@ -149,7 +149,7 @@ def program_text(motion: PreparedMotion, language: ProgramLanguage, title: str) 
         "SAMPLES": str(motion.times.size),
         "N": str(len(motion.names)),
         "PLACE_COUNT": str(places.size),
-        "COUNT_PLACE": str(at.SAMPLES),
+        "COUNT_PLACE": str(Run.layout["counts.samples"]),
         "PROJECTION": PROJECTION if motion.is_projected else RIGHT_HAND_SIDE,
         "TRIALS": str(_TRIALS),
     }

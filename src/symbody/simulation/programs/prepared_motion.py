@@ -18,7 +18,8 @@ from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.folding import fold_constants
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Output
-from symbody.kernels import block as at
+from symbody.kernels.block import Run
+from symbody.kernels.record_layout import exists
 from symbody.simulation.methods.constraints import PROJECTED, make_projector
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, check_atol, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -151,7 +152,7 @@ class PreparedMotion:
     @property
     def is_projected(self) -> bool:
         """Whether states are moved onto constraints."""
-        return bool(self.block[at.PROJECTOR])
+        return bool(exists(Run(self.block).projection))
 
 
 def prepare_motion(motion: PosedMotion) -> PreparedMotion:
@@ -162,5 +163,6 @@ def prepare_motion(motion: PosedMotion) -> PreparedMotion:
         kernels |= function.kernels
     block = motion_block(motion, functions)
     times = np.asarray(motion.integration.times, dtype=np.float64)
-    block[at.TIMES] = block[at.SAMPLE_ROOM] = times.size
+    room = Run(block).room
+    room.times = room.samples = times.size
     return PreparedMotion(kernels, block, times, (*motion.eqs.state_names, "work"))

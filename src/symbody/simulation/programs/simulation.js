@@ -2,10 +2,10 @@
 // What it calls, `symbody_*`, are the kernels; `functions` are those of the mechanism, `numbers` its data.
 function makeSimulation() {
     const { at, codes, view } = numbers;
-    const n = numbers.block[at.N], speeds = numbers.block[at.N_U];
+    const n = numbers.block[at.run.states], speeds = numbers.block[at.run.speeds];
     const block = Float64Array.from(numbers.block);
-    const isProjected = block[at.PROJECTOR] !== 0;
-    const rows = block[at.METHOD + at.DENSE_ROWS];
+    const isProjected = block[at.run.projection] !== 0;
+    const rows = block[at.run["method.dense_rows"]];
     const pieces = new Float64Array(rows * n), ends = new Float64Array(2), nothing = new Float64Array(1);
     const parameters = Float64Array.from(numbers.parameters.values);
     const inputs = new Float64Array(numbers.inputs.names.length);
@@ -16,14 +16,14 @@ function makeSimulation() {
     const seen = Float64Array.from(view.numbers);
 
     // Each function with the array in which its numbers lie, and where they begin.
-    const calls = [{ values: functions.motionValues, array: block, place: block[at.FUNCTION] }];
+    const calls = [{ values: functions.motionValues, array: block, place: block[at.run.numbers] }];
     calls.push({ values: functions.viewValues, array: seen, place: 0 });
     if (isProjected) {
-        const place = block[at.PROJECTOR] + block[block[at.PROJECTOR] + at.P_FUNCTION];
+        const place = block[at.run.projection] + block[block[at.run.projection] + at.projection.numbers];
         calls.push({ values: functions.projectionValues, array: block, place });
     }
     if (assembly !== null) {
-        calls.push({ values: functions.assemblyValues, array: assembly, place: assembly[at.ASSEMBLY_NUMBERS] });
+        calls.push({ values: functions.assemblyValues, array: assembly, place: assembly[at.assembly.numbers] });
     }
 
     let time = numbers.startTime;
@@ -34,8 +34,8 @@ function makeSimulation() {
 
     function writeArguments() {
         for (const { values, array, place } of calls) {
-            const p = place + array[place + at.P_PLACE], c = place + array[place + at.C_PLACE];
-            array.set(inputs, place + at.R_PLACE);
+            const p = place + array[place + at.numbers.parameters], c = place + array[place + at.numbers.constants];
+            array.set(inputs, place + array[place + at.numbers.inputs]);
             array.set(parameters, p);
             if (values !== null) {
                 const work = new Float64Array(values.work);
@@ -46,25 +46,25 @@ function makeSimulation() {
     }
 
     function begin() {
-        block[at.TIME] = time;
-        block.set(state, at.VECTORS + at.STATE_OLD * n);
-        block[at.KERNEL] = block[at.STEPS] = block[at.SAMPLES] = 0;
-        block[at.AFTER_REJECTION] = block[at.STIFF_VOTES] = block[at.OTHER_VOTES] = block[at.UNJUDGED] = 0;
+        block[at.run.time] = time;
+        block.set(state, block[at.run.state_old]);
+        block[at.run["counts.failed_kernel"]] = block[at.run["counts.steps"]] = block[at.run["counts.samples"]] = 0;
+        block[at.run.after_rejection] = block[at.run.stiff_votes] = block[at.run.other_votes] = block[at.run.unjudged] = 0;
         code = symbody_begin(functions.motion, block, 0, nothing, 0, nothing, 0, nothing, 0, ends, 0);
         from = to = time;
         isFresh = false;
-        block[at.FIRST_STEP] = numbers.isFixed ? block[at.MAX_STEP] : Math.abs(block[at.STEP]);
+        block[at.run.first_step] = numbers.isFixed ? block[at.run["goal.max_step"]] : Math.abs(block[at.run.step]);
     }
 
     function step() {
-        const before = block[at.TIME];
+        const before = block[at.run.time];
         code = symbody_advance(
             functions.motion, functions.projection, block, 0, nothing, 0, nothing, 0, nothing, 0, ends, 0, pieces, 0, 1);
-        if (block[at.STEPS] !== 0) {
-            block[at.STEPS] = 0;
+        if (block[at.run["counts.steps"]] !== 0) {
+            block[at.run["counts.steps"]] = 0;
             from = before;
-            to = block[at.T_NEW];
-            if (!numbers.isFixed) block[at.FIRST_STEP] = Math.abs(block[at.STEP]);
+            to = block[at.run.t_new];
+            if (!numbers.isFixed) block[at.run.first_step] = Math.abs(block[at.run.step]);
         }
     }
 
@@ -73,21 +73,21 @@ function makeSimulation() {
             symbody_interpolate(n, rows, pieces, 0, (time - from) / (to - from), state, 0);
             if (isProjected) symbody_project(functions.projection, block, 0, time, state, 0);
         } else {
-            state.set(block.subarray(at.VECTORS + at.STATE_OLD * n, at.VECTORS + (at.STATE_OLD + 1) * n));
+            state.set(block.subarray(block[at.run.state_old], block[at.run.state_old] + n));
         }
     }
 
     // Go on to a time [s] with at most so many trials of steps; return whether it was reached.
     function goTo(target, trials) {
         if (isFresh) begin();
-        const end = Math.min(target, block[at.T_END]);
+        const end = Math.min(target, block[at.run.t_end]);
         let left = trials;
-        while (code === codes.RUNNING && block[at.TIME] < end && left > 0) {
+        while (code === codes.RUNNING && block[at.run.time] < end && left > 0) {
             step();
             left -= 1;
         }
-        const reached = block[at.TIME] >= end;
-        time = reached ? end : block[at.TIME];
+        const reached = block[at.run.time] >= end;
+        time = reached ? end : block[at.run.time];
         showState();
         return reached;
     }
@@ -148,7 +148,7 @@ function makeSimulation() {
         const torque = [0, 1, 2].map((i) => arm[(i + 1) % 3] * force[(i + 2) % 3] - arm[(i + 2) % 3] * force[(i + 1) % 3]);
         wrench.forEach((place, i) => { inputs[place] = i < 3 ? force[i] : torque[i - 3]; });
         weights.forEach((place, body) => { inputs[place] = pull !== null && body === pull.body ? 1 : 0; });
-        for (const { array, place } of calls) array.set(inputs, place + at.R_PLACE);
+        for (const { array, place } of calls) array.set(inputs, place + array[place + at.numbers.inputs]);
         isFresh = true;
     }
 
@@ -158,14 +158,14 @@ function makeSimulation() {
             const centre = [0, 1, 2].map((i) => pose.positions[3 * pull.body + i]);
             writeWrench(direction.map((each) => each * size), point.map((each, i) => each - centre[i]));
             const slope = new Float64Array(n);
-            symbody_call(functions.motion, speeds, block, block[at.FUNCTION], time, state, 0, slope, 0);
+            symbody_call(functions.motion, speeds, block, block[at.run.numbers], time, state, 0, slope, 0);
             return slope;
         });
         const small = 1e-6 / Math.max(1e-300, ...Array.from(slopes[1].subarray(0, speeds), (each, k) => Math.abs(each - slopes[0][k])));
         const moved = Float64Array.from(state), rate = new Float64Array(n), rest = new Float64Array(n);
         for (let k = 0; k < speeds; k += 1) moved[k] = state[k] + small * (slopes[1][k] - slopes[0][k]);
-        symbody_call(functions.motion, speeds, block, block[at.FUNCTION], time, moved, 0, rate, 0);
-        symbody_call(functions.motion, speeds, block, block[at.FUNCTION], time, state, 0, rest, 0);
+        symbody_call(functions.motion, speeds, block, block[at.run.numbers], time, moved, 0, rate, 0);
+        symbody_call(functions.motion, speeds, block, block[at.run.numbers], time, state, 0, rest, 0);
         moved.set(state);
         for (let k = speeds; k < n - 1; k += 1) moved[k] += rate[k] - rest[k];
         computePose(moved);
@@ -207,7 +207,7 @@ function makeSimulation() {
         if (assembly !== null) symbody_note_followers(functions.assembly, assembly, 0, numbers.startTime, x, 0);
         change();
         if (assembly === null) return true;
-        const flags = assembly[at.ASSEMBLY_HELD];
+        const flags = assembly[at.assembly.asked];
         for (let k = 0; k < n - 1; k += 1) assembly[flags + k] = held.includes(k) ? 1 : 0;
         const ended = symbody_close_state(functions.assembly, assembly, 0, numbers.startTime, x, 0);
         return ended === 0 && x.every(Number.isFinite);
@@ -280,20 +280,20 @@ function makeSimulation() {
         time = numbers.startTime;
         state.set(first);
         release();
-        block[at.FIRST_STEP] = numbers.firstStep;
-        block[at.NEXT_BREAK] = block[at.FIRST_BREAK];
+        block[at.run.first_step] = numbers.firstStep;
+        block[at.run["breaks.next"]] = 0;
         refresh();
     }
 
     // The largest position residual over the size of the mechanism.
     function violation() {
         if (!isProjected) return 0;
-        const place = block[at.PROJECTOR], out = place + block[place + at.P_OUT];
+        const place = block[at.run.projection], out = place + block[place + at.projection.out];
         symbody_call(
-            functions.projection, speeds, block, place + block[place + at.P_FUNCTION], time, state, 0, block, out);
+            functions.projection, speeds, block, place + block[place + at.projection.numbers], time, state, 0, block, out);
         let worst = 0;
-        for (let k = 0; k < block[place + at.P_RESIDUALS]; k += 1) {
-            worst = Math.max(worst, (Math.abs(block[out + k]) / block[place + at.P_SCALES + k]) * numbers.closed);
+        for (let k = 0; k < block[place + at.projection.residuals]; k += 1) {
+            worst = Math.max(worst, (Math.abs(block[out + k]) / block[place + block[place + at.projection.scales] + k]) * numbers.closed);
         }
         return worst;
     }
@@ -315,7 +315,7 @@ function makeSimulation() {
         parameter: (name) => parameters[numbers.parameters.names.indexOf(name)],
         input: (name) => inputs[numbers.inputs.names.indexOf(name)],
         initial: (name) => first[numbers.states.indexOf(name)],
-        counts: () => ({ accepted: block[at.ACCEPTED], rejected: block[at.REJECTED], evaluations: block[at.EVALUATIONS] }),
+        counts: () => ({ accepted: block[at.run["counts.accepted"]], rejected: block[at.run["counts.rejected"]], evaluations: block[at.run["counts.evaluations"]] }),
         advanceTo, computePose: () => computePose(state), placeOf, hold, release, setParameter, setInput, setInitial, reset,
         moveTarget: (target) => { if (pull !== null) pull.target = target; },
         violation, energies,

@@ -11,6 +11,7 @@ from symbody.codegen.native_call import check_status
 from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.sequence import Output
 from symbody.kernels import block as run_at
+from symbody.kernels.block import FunctionNumbers, Run
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.record_layout import exists
 from symbody.simulation.inputs.input_laws import CallbackFunction
@@ -62,10 +63,9 @@ class SampledLoop:
 
     def begin(self, block: Floats) -> None:
         """Go back to where a motion begins, and show the right-hand side all values."""
-        self.sampler.rewind(float(block[run_at.TIME]))
-        sample_kernels().show_values(
-            address(self.sampler.block), address(block[int(block[run_at.FUNCTION]) :])
-        )
+        self.sampler.rewind(Run(block).time)
+        numbers = block[int(block[Run.layout["numbers"]]) :]
+        sample_kernels().show_values(address(self.sampler.block), address(numbers))
 
     def take(self, t: float, x: Floats) -> None:
         """Take the samples that are due at a time and state (u, q, s, ..).
@@ -86,7 +86,7 @@ class SampledLoop:
 
     def show_inputs(self, slots: NDArray[np.intp], values: Floats) -> None:
         """Set other inputs of the function of new values."""
-        self._numbers[run_at.R_PLACE + slots] = values
+        np.asarray(FunctionNumbers(self._numbers).inputs)[slots] = values
 
     def advance(self, call: LoopCall) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""

@@ -16,6 +16,7 @@ from symbody.codegen.llvm.native import NativeFunction
 from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
 from symbody.kernels import stepping
+from symbody.kernels.block import Run
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction
@@ -39,13 +40,15 @@ Floats = NDArray[np.float64]
 _LOCKED: Final = 1_000_000
 # Steps of the integrator between two looks at Ctrl-C.
 _SLICE: Final = 1000
-# Numbers of the block that change from step to step; with them go the vectors of `_kept_vectors`.
-_KEPT: Final = np.array(
+# Numbers that change from step to step: a run's own ones and its counts; with them go the vectors of
+# `_kept_vectors`. What its other records hold follows from the goal and from when a block was made.
+KEPT: Final = np.array(
     [
-        at.ACCEPTED, at.REJECTED, at.EVALUATIONS, at.KERNEL, at.STATE, at.AFTER_REJECTION, at.STIFF_VOTES,
-        at.OTHER_VOTES, at.UNJUDGED, at.TIME, at.STEP, at.ERROR, at.LENGTH, at.T_NEW, at.T_END, at.FIRST_STEP,
+        place
+        for name, place in Run.layout.items()
+        if (name in Run.fields and Run.fields[name].pointer is None) or name.startswith("counts.")
     ]
-)  # fmt: skip
+)
 
 
 @contextmanager
@@ -162,7 +165,7 @@ class CompiledSteps:
     def snapshot(self) -> Floats:
         """Return the numbers of the block that change, its vectors, and where its window begins and ends."""
         block = self._block
-        return np.concatenate([[self._window, self._window_end], block[_KEPT], *self._kept_vectors(block)])
+        return np.concatenate([[self._window, self._window_end], block[KEPT], *self._kept_vectors(block)])
 
     def resume(self, kept: Floats) -> None:
         """Go on from numbers that `snapshot` returned."""
@@ -186,7 +189,7 @@ class CompiledSteps:
     def follow(self, others: Steps) -> None:
         """Go on with the step lengths of others, which computed with other values of parameters."""
         if isinstance(others, CompiledSteps):
-            self._block[_KEPT] = others._block[_KEPT]
+            self._block[KEPT] = others._block[KEPT]
 
     @property
     def _state_names(self) -> tuple[str, ...]:
@@ -337,20 +340,18 @@ class CompiledSteps:
         self.go_on = self._way()
 
     def _set_kept(self, block: Floats, kept: Floats) -> None:
-        block[_KEPT] = kept[: _KEPT.size]
-        place = _KEPT.size
+        block[KEPT] = kept[: KEPT.size]
+        place = KEPT.size
         for vector in self._kept_vectors(block):
             vector[:] = kept[place : place + vector.size]
             place += vector.size
 
     def _kept_vectors(self, block: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return views: the states at both ends of the last step, the derivative behind it, its inputs."""
-        n = int(block[at.N])
-        vectors = block[at.VECTORS :]
-        inputs = block[int(block[at.FUNCTION]) + at.R_PLACE :][: self._numbers.inputs.size]
-        rows = (at.STATE_OLD, at.STATE_NEW, at.VECTOR_ROWS)
-        old, new, derivative = (vectors[row * n :][:n] for row in rows)
-        return old, new, derivative, inputs
+        run = Run(block)
+        arrays = (run.state_old, run.state_new, run.slopes, run.numbers.inputs)
+        old, new, slopes, inputs = map(np.asarray, arrays)
+        return old, new, slopes[: run.states], inputs[: self._numbers.inputs.size]
 
     @property
     def _right_hand_side(self) -> int:
@@ -371,7 +372,7 @@ class CompiledSteps:
         return self._right_hand_side, self._projector.address, address(self._block), address(numbers)
 
     def _bind(self) -> Callable[[], int]:
-        stages = int(self._block[at.METHOD + at.STAGES])
+        stages = Run(self._block).method.stages
         trials = max(1, _LOCKED // (stages * max(1, self._function.operations)))
         return bound_step(self._pointers, trials)
 
@@ -382,11 +383,12 @@ class CompiledSteps:
     def _raw(self, status: Status) -> RawRun:
         """Return the step as a run that ended early."""
         block, numbers = self._block, self._numbers
-        counts = Statistics(int(block[at.ACCEPTED]), int(block[at.REJECTED]), int(block[at.EVALUATIONS]), 0.0)
+        own = Run(block).counts
+        counts = Statistics(int(own.accepted), int(own.rejected), int(own.evaluations), 0.0)
         blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
         return RawRun(
             np.array([numbers.t]), numbers.x[:, np.newaxis].copy(), status, counts, numbers.t,
-            int(block[at.STATE]) if blamed else None,
-            int(block[at.KERNEL]) - 1 if status is Status.SINGULAR else None,
+            own.blamed_state if blamed else None,
+            own.failed_kernel - 1 if status is Status.SINGULAR else None,
             None,
         )  # fmt: skip

@@ -23,7 +23,7 @@ from symbody.simulation.stepper.settings import StepperSettings
 
 Floats = NDArray[np.float64]
 
-_FORMAT: Final = b"symbody stepper 2\n"
+_FORMAT: Final = b"symbody stepper 3\n"
 _DIGEST: Final = 32
 _REAL: Final = np.dtype("<f8")
 

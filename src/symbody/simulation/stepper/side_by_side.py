@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
-from symbody.kernels.lanes import lane_block as beside
+from symbody.kernels.block import Run
+from symbody.kernels.lanes.lane_block import LaneGroup
 from symbody.simulation.native.lane_blocks import aligned_zeros, make_lane_block
 from symbody.simulation.native.machine import address
 from symbody.simulation.native.runge_kutta import Tableau
@@ -25,6 +26,7 @@ _POINTER: Final = ctypes.c_void_p
 _INTEGER: Final = ctypes.c_int64
 # Trials of each lane between two looks at Ctrl-C.
 _SLICE: Final = 1000
+_VECTORS: Final = ("state_old", "stage", "state_new", "error_1", "error_2", "tolerances")
 
 
 @once
@@ -55,10 +57,9 @@ class LaneBlocks:
         self._count, groups = len(steps), -(-len(steps) // width)
         self._all = aligned_zeros(groups * pattern.size).reshape(groups, pattern.size)
         self._all[:] = pattern
-        begin, size = int(pattern[beside.LANE_BLOCKS]), int(pattern[beside.LANE_SIZE])
+        begin, size = int(pattern[LaneGroup.layout["runs"]]), LaneGroup(pattern).run_size
         self._own = self._all[:, begin:].reshape(groups, width, size)
         self._width, self._size = width, size
-        self._state = (at.VECTOR_ROWS + len(tableau.A)) * int(pattern[at.N])
         self._functions = first  # keeps the compiled code alive
         self._under_way = False
         self._kernel = step_all()
@@ -75,7 +76,7 @@ class LaneBlocks:
         """Let other steps go on in a lane; return whether there is room for them."""
         if steps.block.size > self._size:
             return False
-        self._row(lane)[at.CASE] = -1.0
+        Run(self._row(lane)).cases.current = -1
         self._fill(lane, steps.block)
         steps.move_to(self._row(lane))
         return True
@@ -94,7 +95,7 @@ class LaneBlocks:
     @property
     def codes(self) -> list[int]:
         """How the last step of each lane ended."""
-        codes: Floats = self._own[:, :, at.LANE_CODE].ravel()[: self._count]
+        codes: Floats = self._own[:, :, Run.layout["cases.lane_code"]].ravel()[: self._count]
         return [int(code) for code in codes]
 
     def _row(self, lane: int) -> Floats:
@@ -103,10 +104,14 @@ class LaneBlocks:
 
     def _fill(self, lane: int, block: Floats) -> None:
         """Fill the registers of a lane from the block of its motion."""
-        common, place = self._all[lane // self._width], lane % self._width
-        registers = common[beside.LANE_VECTORS :][: self._state * self._width]
-        registers.reshape(-1, self._width)[:, place] = block[at.VECTORS :][: self._state]
-        function, wide = block[int(block[at.FUNCTION]) :], common[int(common[at.FUNCTION]) :]
-        first, end = int(function[at.P_PLACE]), int(function[at.WORK_PLACE])
-        constants = wide[int(wide[at.P_PLACE]) :][: (end - first) * self._width]
-        constants.reshape(-1, self._width)[:, place] = function[first:end]
+        group, run, width = LaneGroup(self._all[lane // self._width]), Run(block), self._width
+        slopes = run.method.stage_rows * run.states
+        narrow, wide = run.numbers, group.numbers
+        for registers, own, size in (
+            *((getattr(group, name), getattr(run, name), run.states) for name in _VECTORS),
+            (group.slopes, run.slopes, slopes),
+            (wide.parameters, narrow.parameters, narrow.parameter_count),
+            (wide.constants, narrow.constants, narrow.constant_count),
+        ):
+            filled = np.asarray(registers)[: size * width].reshape(size, width)
+            filled[:, lane % width] = np.asarray(own)[:size]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.kernels import block as at
+from symbody.kernels.block import Run
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import EventSide
@@ -110,15 +111,21 @@ class WatchedSteps(CompiledSteps):
     def _run(self, end: float, watch: EventWatch) -> RawRun:
         """Run the loop to a time, beginning with the step that the last run would have taken."""
         block = self._block
-        planned = max(block[at.STEP], block[at.FIRST_STEP])
-        block[[at.ACCEPTED, at.REJECTED, at.SAMPLES, at.STEPS, at.KERNEL, at.AFTER_REJECTION]] = 0.0
-        block[at.T_END], block[at.FIRST_STEP] = end, planned
+        motion = Run(block)
+        counts = motion.counts
+        counts.accepted = counts.rejected = 0.0
+        counts.samples = counts.steps = counts.failed_kernel = 0
+        motion.after_rejection, motion.t_end, motion.first_step = (
+            0.0,
+            end,
+            max(motion.step, motion.first_step),
+        )
         *_, inputs = self._kept_vectors(block)
         inputs[:] = self._numbers.inputs
         run = NativeRun(self._right_hand_side, self._projector.address, block)
         record = fresh_record(run, np.array([end]), dense=True, more=EVENT_SAMPLES)
         raw = drive(run, record, None, watch)
-        was_cut = block[at.ACCEPTED] > 1.0 or block[at.REJECTED] > 0.0 or raw.status is not Status.SUCCESS
+        was_cut = counts.accepted > 1 or counts.rejected > 0 or raw.status is not Status.SUCCESS
         if was_cut:  # the longer step of before is not a guide any more
-            block[at.FIRST_STEP] = 0.0
+            motion.first_step = 0.0
         return raw

@@ -11,7 +11,7 @@ import numpy as np
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import SymbodyError
-from symbody.kernels import block as at
+from symbody.kernels.block import Counts
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws
@@ -84,12 +84,12 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     records.codes[row] = CODES[run.status]
     statistics = run.statistics
     counts = {
-        at.ACCEPTED: statistics.accepted,
-        at.REJECTED: statistics.rejected or 0,
-        at.EVALUATIONS: statistics.evaluations,
-        at.SAMPLES: samples,
+        "accepted": statistics.accepted,
+        "rejected": statistics.rejected or 0,
+        "evaluations": statistics.evaluations,
+        "samples": samples,
     }
-    records.counts[row] = [counts.get(k, 0) for k in range(at.COUNTS)]
+    records.counts[row] = [counts.get(name, 0) for name in Counts.fields]
     records.reached[row] = run.t[-1] if samples else np.nan
     parts = run.evaluate if isinstance(run.evaluate, Piecewise) and run.evaluate.modes else None
     records.details[case] = CaseDetails(

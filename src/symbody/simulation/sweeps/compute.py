@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
+from symbody.kernels.block import Breakpoint, Run, Verdict
+from symbody.kernels.lanes.lane_block import LaneGroup
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
@@ -65,7 +67,8 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
         loop.write_down(before)
         return
     rows = np.ascontiguousarray(np.hstack(parts))
-    if job.lanes and chunk.count >= lanes() and job.state_size:
+    in_lanes = bool(job.lanes and chunk.count >= lanes() and job.state_size)
+    if in_lanes:
         wide = job.function.in_lanes()
         block = make_lane_block(block, rhs, wide.work_size, job.method.tableau)
         run = partial(lane_motions(), rhs.address, wide.address, projector, address(block))
@@ -77,14 +80,15 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     code = at.RUNNING
     while code == at.RUNNING and stop[0] == 0:
         code = run(*rows.shape, *arrays, _SLICE)
-        done[0] = block[at.CASES_ENDED]
+        done[0] = LaneGroup(block).cases_ended if in_lanes else Run(block).cases.ended
     records.x[:] = x
     _keep_verdicts(records, verdicts)
 
 
 def _keep_verdicts(records: Records, verdicts: Floats) -> None:
-    records.codes[:], records.reached[:] = verdicts[:, at.CODE], verdicts[:, at.REACHED]
-    records.counts[:] = verdicts[:, at.VERDICT_COUNTS :]
+    places = Verdict.layout
+    records.codes[:], records.reached[:] = verdicts[:, places["code"]], verdicts[:, places["reached"]]
+    records.counts[:] = verdicts[:, Verdict.fields["counts"].place :]
 
 
 def _block(job: LoopJob, rhs: RightHandSide, projector: Projector, breaks: Floats) -> Floats:
@@ -94,20 +98,18 @@ def _block(job: LoopJob, rhs: RightHandSide, projector: Projector, breaks: Float
     goal = goal._replace(
         max_trials=job.max_steps,
         stop_when_stiff=job.stop_when_stiff,
-        breaks=breaks.reshape(-1, at.BREAK_SIZE),
+        breaks=breaks.reshape(-1, Breakpoint.size),
     )
     first_step = 0.0 if method.first_step is None else float(method.first_step)
     block = make_block(rhs, projector, method.tableau, goal, np.zeros(n), job.span[0], first_step)
-    block[at.TIMES] = block[at.SAMPLE_ROOM] = job.times.size
+    room = Run(block).room
+    room.times = room.samples = job.times.size
     return block
 
 
 def _verdicts(records: Records) -> Floats:
     """Return what is known of the cases so far."""
-    verdicts = np.zeros((records.count, at.VERDICT_SIZE))
-    verdicts[:, at.CODE], verdicts[:, at.REACHED] = records.codes, records.reached
-    verdicts[:, at.VERDICT_COUNTS :] = records.counts
-    return verdicts
+    return np.column_stack([records.codes, records.reached, records.counts]).astype(np.float64)
 
 
 def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
-from symbody.kernels import block as at
+from symbody.kernels.block import Counts
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.events.watch_arrays import WatchedEvent
 from symbody.simulation.inputs.breakpoints import Breakpoints
@@ -195,7 +195,7 @@ class Records:
         The samples, not a number where a motion did not reach.
     codes : (cases,) array of int
         How each ended.
-    counts : (cases, `at.COUNTS`) array of int
+    counts : (cases, `Counts.size`) array of int
         What each cost, and what is to blame.
     reached : (cases,) array
         Time up to which each is known [s].
@@ -217,7 +217,7 @@ class Records:
             first,
             np.full((count, samples, states), np.nan),
             np.full(count, NOT_ENDED, dtype=np.int64),
-            np.zeros((count, at.COUNTS), dtype=np.int64),
+            np.zeros((count, Counts.size), dtype=np.int64),
             np.full(count, np.nan),
         )
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.kernels import block as at
+from symbody.kernels.block import Counts
 from symbody.notebook import Displayed
 from symbody.simulation.native.run import VERDICTS, Statistics
 from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+# Columns of `Records.counts`.
+_COLUMNS = [Counts.layout[name] for name in ("accepted", "rejected", "evaluations", "samples")]
+_BLAMED = Counts.layout["blamed_state"]
 # Columns of `Sweep.counts`.
 _ACCEPTED, _REJECTED, _EVALUATIONS, _SAMPLES = range(4)
 
@@ -216,7 +220,7 @@ def sweep_result(job: SweepJob, records: Records, notes: tuple[str, ...]) -> Swe
         np.moveaxis(records.x, 1, 2),
         job.table.columns(),
         tuple(verdicts[code] for code in codes),
-        records.counts[:, [at.ACCEPTED, at.REJECTED, at.EVALUATIONS, at.SAMPLES]],
+        records.counts[:, _COLUMNS],
         records.reached,
         Evaluation(eqs, job.table, job.laws, options.span, records.details, options.scales),
         eqs.coordinate_names,
@@ -249,6 +253,6 @@ def _stop_notes(records: Records, names: Sequence[str]) -> dict[int, str]:
         note = f"the motion is known up to t = {records.reached[case]:.9g} s"
         if code in (at.COLLAPSED, at.NOT_FINITE):
             verb = "changes too fast" if code == at.COLLAPSED else "has no finite derivative"
-            note += f"; there {names[records.counts[case, at.STATE]]} {verb}"
+            note += f"; there {names[records.counts[case, _BLAMED]]} {verb}"
         notes[case] = note
     return notes

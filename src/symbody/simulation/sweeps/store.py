@@ -18,7 +18,7 @@ from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.results.archive import read_arrays
 from symbody.simulation.sweeps.records import CaseDetails, Records
 
-_FORMAT: Final = "symbody sweep 4"
+_FORMAT: Final = "symbody sweep 5"
 _ABOUT: Final = "sweep.json"
 _NAME: Final = re.compile(r"cases_(\d+)_(\d+)\.npz")
 

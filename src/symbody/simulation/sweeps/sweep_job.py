@@ -14,7 +14,7 @@ import symbody
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
-from symbody.kernels.block import COUNTS
+from symbody.kernels.block import Counts
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.input_laws import InputLaws, Law
 from symbody.simulation.methods.explicit import check_rtol, check_single_atol, check_times
@@ -185,7 +185,7 @@ def check_memory(cases: int, varied: int, samples: int, states: int) -> None:
     """
     # Each case has its samples, what is known of how it ended, its first state, and its values: in the table,
     # beside the states, and by name in the result.
-    rest = COUNTS + 3 * states + 4 * varied + 8
+    rest = Counts.size + 3 * states + 4 * varied + 8
     each, limit = 8 * (samples * states + rest), memory_limit()
     if cases * each <= limit:
         return

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
+from symbody.kernels.block import Counts, Run, Verdict
 from symbody.kernels.events import watched_cases as loop_at
 from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
 from symbody.simulation.events.event_watch import chattering_note, value_notes
@@ -116,7 +117,7 @@ class WatchedLoop:
         self._pieces = np.zeros((_STEPS, EventMonitor(watched.fresh).piece_rows, n))
         self._happened = np.zeros((_HAPPENED + ZEROS_PER_EVENT * len(watch.events), n + 2))
         self._looks = np.zeros((records.count, loop_at.LOOK_EVENTS + loop_at.LOOK_SIZE * len(watch.events)))
-        block[at.KEEP_DENSE], block[at.SAMPLE_ROOM] = 1.0, room
+        Run(block).room.keep_dense, Run(block).room.samples = 1.0, room
 
     def run(self, verdicts: Floats, stop: Integers, done: Integers) -> None:
         """Compute the cases that have not ended, and write down what happened."""
@@ -127,12 +128,13 @@ class WatchedLoop:
                 self._make_room_for_steps()
             elif code == at.NO_EVENT_ROOM:
                 self._happened = np.concatenate([self._happened, np.zeros_like(self._happened)])
-            done[0] = self._block[at.CASES_ENDED]
-        is_fault = np.isin(verdicts[:, at.CODE], (at.EVENT_FAULT, at.SPOILED, at.UNMET))
-        verdicts[is_fault, at.CODE] = at.STIFF  # `simulate` says what is wrong
+            done[0] = Run(self._block).cases.ended
+        codes = verdicts[:, Verdict.layout["code"]]
+        is_fault = np.isin(codes, (at.EVENT_FAULT, at.SPOILED, at.UNMET))
+        codes[is_fault] = at.STIFF  # `simulate` says what is wrong
 
     def _advance(self, verdicts: Floats) -> int:
-        self._block[at.STEP_ROOM] = len(self._pieces)
+        Run(self._block).room.steps = len(self._pieces)
         EventMonitor(self._state).happened_room = len(self._happened)
         places = [self._rows, self._job.times, self._t, self._x, self._samples, verdicts]
         places += [self._breaks, self._pieces, self._happened, self._looks]
@@ -181,5 +183,5 @@ class WatchedLoop:
             ending = chattering_note(culprit, look[loop_at.LOOK_UNTURNED] != 0.0)
             stop = f"the motion is known up to t = {records.reached[k]:.9g} s"
             notes = (*notes, f"{stop}; there {ending}")
-        work = self._samples[k, : records.counts[k, at.SAMPLES], -1].copy()
+        work = self._samples[k, : records.counts[k, Counts.layout["samples"]], -1].copy()
         return CaseDetails("; ".join(notes), events, work)

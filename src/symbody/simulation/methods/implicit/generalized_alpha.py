@@ -19,6 +19,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.errors import Problem, UsageError
 from symbody.kernels import block as at
+from symbody.kernels.block import Run
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction, InputLaws
@@ -220,7 +221,8 @@ class _LoopStepper:
 
     def __init__(self, run: ImplicitRun) -> None:
         self._run, self._has_begun = run, False
-        n, rows = int(run.block[at.N]), int(run.block[at.METHOD + at.DENSE_ROWS])
+        own = Run(run.block)
+        n, rows = own.states, own.method.dense_rows
         self._record = Record(
             np.zeros(0), np.zeros(1), np.zeros((1, n)), np.zeros(2), np.zeros((1, rows, n)),
             every_step=False, keep_dense=True,
@@ -229,12 +231,12 @@ class _LoopStepper:
     @property
     def evaluations(self) -> int:
         """How often the slopes were computed."""
-        return int(self._run.block[at.EVALUATIONS])
+        return int(Run(self._run.block).counts.evaluations)
 
     @property
     def rejections(self) -> int:
         """How many steps were tried in vain."""
-        return int(self._run.block[at.REJECTED])
+        return int(Run(self._run.block).counts.rejected)
 
     def advance(self) -> Step | Failure:
         """Take one step; inside it the state is the cubic through states and slopes of both ends."""
@@ -242,11 +244,11 @@ class _LoopStepper:
         code = at.RUNNING
         if not self._has_begun:
             code, self._has_begun = run.begin(self._record), True
-        begin = float(block[at.TIME])
-        block[at.STEPS] = 0.0
-        while code == at.RUNNING and block[at.STEPS] == 0.0:
+        begin, counts = Run(block).time, Run(block).counts
+        counts.steps = 0
+        while code == at.RUNNING and counts.steps == 0:
             code = run.advance(self._record, 1)
-        if block[at.STEPS] == 0.0:
+        if counts.steps == 0:
             return self._failure(code)
         end = float(self._record.breaks[1])
         inside = DenseOutput(np.array([begin, end]), self._record.pieces)
@@ -260,10 +262,10 @@ class _LoopStepper:
         self._has_begun = False
 
     def _failure(self, code: int) -> Failure:
-        block = self._run.block
+        counts = Run(self._run.block).counts
         status = VERDICTS[code]
         blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
         singular = status is Status.SINGULAR
         return Failure(
-            status, int(block[at.STATE]) if blamed else None, int(block[at.KERNEL]) - 1 if singular else None
+            status, counts.blamed_state if blamed else None, counts.failed_kernel - 1 if singular else None
         )
