@@ -21,7 +21,6 @@ from tests.laws.motion_fragments import save_controller, slide
 from tests.laws.test_combinations import (
     ALWAYS,
     FMUS,
-    IMPLICIT,
     PROGRAMS,
     SIMULATE,
     STEPPERS,
@@ -34,7 +33,6 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("node") is None, reason="needs Node"),
 ]
 TEXTS = (*PROGRAMS, "live page")
-HELD_ROWS = ("simulate GGL", "simulate Partition")
 SAMPLED = (
     "sampled force on a joint that sticks", "sampled thrust of a ball that bounces", "sampled force through a rope",
     "sampled torque by the measured angle of a cut joint",
@@ -63,8 +61,6 @@ ACTIONS = (
 # Consumers and mechanisms -> what they make of them: a code, or the values that are wrong. The first row counts.
 TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (TEXTS, ACTIONS, "call.unknown_argument"),
-    (IMPLICIT, SAMPLED, "simulation.sampled"),
-    (HELD_ROWS, tuple(name for name in SAMPLED if "bounces" not in name), "simulation.sampled"),
     (TEXTS, SAMPLED, "signal.sampled"),
     (SWEEPS, FROM_FMU, "fmu_input.elsewhere"),
     (PROGRAMS, SWITCHING, "simulation.program"),

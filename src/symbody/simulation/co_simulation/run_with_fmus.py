@@ -1,4 +1,4 @@
-"""`run_with_fmus`: a motion in parts, between the samples of the FMUs that compute its inputs."""
+"""`run_motion`: a motion in parts, between samples of FMUs, or of held values that its method cannot take."""
 
 from __future__ import annotations
 
@@ -25,8 +25,14 @@ from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inputs.time_functions import function_of_time
-from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.methods.closed_loops.partition import Partition
+from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.stiff import Stiff
+from symbody.simulation.methods.integration import MotionPlan, SamplesMissedError
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.sampling.sampled_loop import SampledLoop
+from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 
@@ -39,19 +45,7 @@ _ZERO: Final = Table((0.0, 1.0), (0.0, 0.0))
 
 
 def run_motion(plan: MotionPlan, inputs: Mapping[str, object]) -> tuple[Trajectory, SimulationProblem]:
-    """Return a motion whose `inputs` FMUs may compute, and its problem.
-
-    Raises
-    ------
-    UsageError, SimulationError
-        As `run_with_fmus`.
-    """
-    fmus = {name: law for name, law in inputs.items() if isinstance(law, FmuInput)}
-    return run_with_fmus(plan, fmus) if fmus else (_run_part(plan), plan.integration.problem)
-
-
-def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Trajectory, SimulationProblem]:
-    """Return a motion whose `inputs` FMUs compute, and its problem with what they computed as tables.
+    """Return a motion whose `inputs` FMUs may compute, and its problem with what they computed as tables.
 
     Raises
     ------
@@ -60,6 +54,22 @@ def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Tra
     SimulationError
         If an FMU fails, or cannot be given what it reads.
     """
+    fmus = {name: law for name, law in inputs.items() if isinstance(law, FmuInput)}
+    problem = plan.integration.problem
+    if fmus:
+        is_between = isinstance(plan.integrator, Stiff | GeneralizedAlpha) or isinstance(
+            plan.constraints, GGL | Partition
+        )
+        return _run_in_parts(plan, fmus, problem.sampler if is_between else None)
+    try:
+        return _run_part(plan), problem
+    except SamplesMissedError:  # by the method asked for, or one that takes over
+        return _run_in_parts(plan, {}, problem.sampler)
+
+
+def _run_in_parts(
+    plan: MotionPlan, inputs: Mapping[str, FmuInput], sampler: Sampler | None
+) -> tuple[Trajectory, SimulationProblem]:
     start, end = plan.integration.span
     if end < start:
         raise UsageError(
@@ -79,7 +89,7 @@ def run_with_fmus(plan: MotionPlan, inputs: Mapping[str, FmuInput]) -> tuple[Tra
             values = read_values(_with_values(problem, held), reader, start, x)
             unit = stack.enter_context(open_unit(group, start, values))
             units.append(SampledUnit(group, unit, reader, start))
-        return _Run(plan, units, held).go()
+        return _Run(plan, units, held, sampler).go()
 
 
 class _Run:
@@ -93,15 +103,27 @@ class _Run:
         The FMUs, initialized.
     held : mapping of str to float
         The inputs before the first sample.
+    sampler : Sampler or None
+        Takes the samples of values that are held between parts; without one these take them.
     """
 
-    def __init__(self, plan: MotionPlan, units: Sequence[SampledUnit], held: Mapping[str, float]) -> None:
+    def __init__(
+        self,
+        plan: MotionPlan,
+        units: Sequence[SampledUnit],
+        held: Mapping[str, float],
+        sampler: Sampler | None,
+    ) -> None:
         self._plan = plan
         self._units = units
-        self._width = _ONE_INSTANT * min(unit.period for unit in units)
+        self._sampler = sampler
+        if sampler is not None:
+            sampler.rewind(plan.integration.span[0])
+        steps = () if sampler is None else np.asarray(sampler.hold.steps).tolist()
+        self._width = _ONE_INSTANT * min([*(unit.period for unit in units), *steps])
         self._held = dict(held)
-        self._problem = _with_values(plan.integration.problem, held)  # has what is held as constants
-        self._is_switched = _is_switched(plan.integration.problem)
+        self._problem = self._held_problem()  # has what is held as constants
+        self._is_switched = sampler is not None or _is_switched(plan.integration.problem)
         self._parts: list[Trajectory] = []
         self._record: list[tuple[float, dict[str, float]]] = []  # samples, and what was held from then on
         self._stored = 0  # samples of the motion
@@ -123,26 +145,49 @@ class _Run:
         (t, end), x = integration.span, integration.state
         while True:
             self._sample(t, x)
-            stop = min(unit.due for unit in self._units)
+            stop = min([*(unit.due for unit in self._units), *self._due()])
             stop = end if stop >= end - self._width else stop
             part = self._part(x, (t, stop))
-            if part.status is not Status.SUCCESS or stop == end:
+            if part.status is not Status.SUCCESS:
+                return
+            dense = part.dense_output
+            x = np.zeros(0) if dense is None else dense.at_end()
+            if stop == end:
+                self._take_samples(end, x)
                 return
             if integration.progress is not None:  # parts are too short for reports of their own
                 share = (stop - integration.span[0]) / (end - integration.span[0])
                 if integration.progress(share) is False:
                     raise KeyboardInterrupt
-            t, dense = stop, part.dense_output
-            x = np.zeros(0) if dense is None else dense.at_end()
+            t = stop
+
+    def _due(self) -> list[float]:
+        return [] if self._sampler is None else [self._sampler.next_due]
+
+    def _take_samples(self, t: float, x: Floats) -> None:
+        """Take the samples of held values that are due."""
+        if self._sampler is not None and self._sampler.is_due(t):
+            problem = _with_values(self._plan.integration.problem, self._held)
+            SampledLoop(problem, self._sampler).take(t, np.append(x, 0.0))
+            self._problem = self._held_problem()
+
+    def _held_problem(self) -> SimulationProblem:
+        """Return the problem with what is held as constants."""
+        problem, sampler = self._plan.integration.problem, self._sampler
+        if sampler is None:
+            return _with_values(problem, self._held)
+        sampled = {name: sampler.current(name) for name in sampler.names}
+        return replace(_with_values(problem, {**self._held, **sampled}), sampler=None)
 
     def _sample(self, t: float, x: Floats) -> None:
-        """Let those FMUs compute that are due, all from the values held until now."""
+        """Take samples, and let those FMUs compute that are due, all from the values held until now."""
+        self._take_samples(t, x)
         due = [unit for unit in self._units if unit.due <= t + self._width]
         given = [read_values(self._problem, unit.reader, t, x) for unit in due]
         for unit, values in zip(due, given, strict=True):
             self._held = {**self._held, **unit.sample(values)}
         self._record.append((t, self._held))
-        self._problem = _with_values(self._problem, self._held)
+        self._problem = self._held_problem()
         if self._is_switched:
             self._problem = self._problem.with_other_times()
 
@@ -180,6 +225,8 @@ class _Run:
 
     def _problem_of_record(self, end: float) -> SimulationProblem:
         """Return the problem with tables of the values that were held."""
+        if not self._held:
+            return self._plan.integration.problem
         t = [time for time, _ in self._record]
         times = [time for pair in zip(t, [*t[1:], max(end, t[-1])], strict=True) for time in pair]
         tables = {

@@ -193,8 +193,18 @@ def _gains(trial: RawRun, length: float) -> bool:
     return float(abs(dense.breaks[-1] - dense.breaks[-1 - _LAST])) > _GAIN * _LAST * length
 
 
+class SamplesMissedError(UsageError):
+    """A method takes no samples on the way; parts of the motion between samples need none."""
+
+
 def _check_held(problem: SimulationProblem, integrator: Integrator | None, constraints: Constraints) -> None:
-    """Refuse methods that take no samples on the way."""
+    """Refuse methods that take no samples on the way.
+
+    Raises
+    ------
+    SamplesMissedError
+        See above.
+    """
     if isinstance(integrator, Stiff | GeneralizedAlpha):
         where, name = "integrator", f"sb.{type(integrator).__name__}()"
         fix = "sb.Explicit() or sb.FixedStep(h)"
@@ -204,7 +214,7 @@ def _check_held(problem: SimulationProblem, integrator: Integrator | None, const
     else:
         return
     listed = ", ".join([] if problem.sampler is None else problem.sampler.names)
-    raise UsageError(
+    raise SamplesMissedError(
         Problem("simulation.sampled", where, f"{name} does not sample {listed}",
                 "only explicit methods hold values between samples",
                 f"use {fix}, or form the equations of sb.without_sampling(model)")

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from symbody.codegen.formation.names import Value
 from symbody.kernels import block as at
 from symbody.kernels import stepping
+from symbody.simulation.co_simulation.run_with_fmus import run_motion
 from symbody.simulation.events.events import EventSide, Occurrence
-from symbody.simulation.hybrid.rate_jumps import may_jump, run_with_jumps
-from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
@@ -103,8 +104,7 @@ class SeparateMotions:
         integration = self._problem.integration(x, (start, end), self._pose())
         integration = replace(integration, sides=self._sides)
         plan = MotionPlan(integration, settings.integrator, settings.constraints)
-        run = run_switching if switches(settings.moving.formed) else run_with_jumps
-        return run(plan)
+        return run_motion(plan, {})[0]
 
     def check(self) -> None:
         """Refuse a step that leaves a table which must not be left."""
