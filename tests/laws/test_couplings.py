@@ -72,8 +72,6 @@ TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (("live page",), JUMPS[1:], "animation.live_jumps"),
     (FMUS, JUMPS, "fmu.motion"),
     ((*SIMULATE, *STEPPERS, *SWEEPS), JUMPS[:1], "simulation.struck_friction"),
-    # it breaks away one step of the importer behind the jump
-    (("FMU model exchange",), SWITCHING[:1], "wrong: x, x_dot"),
 )
 
 
