@@ -51,7 +51,6 @@ PROGRAMS = ("C", "JavaScript")
 FMUS = ("FMU co-simulation", "FMU model exchange")
 # In the fast tier with all models; the others take turns.
 ALWAYS = ("simulate",)
-IMPLICIT = ("simulate Stiff", "simulate GeneralizedAlpha", "Stepper Stiff", "sweep Stiff")
 
 # Consumers and fragment -> what they make of it today: a code where it is rejected, or the values that are wrong.
 ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
@@ -77,7 +76,7 @@ class NotYetError(Exception):
     """What is listed above."""
 
 
-def expected(way: str, names: tuple[str, ...], substitute: bool) -> set[str]:
+def expected(way: str, names: tuple[str, ...]) -> set[str]:
     """What a consumer may make today of fragments beside each other; nothing if it has to be right."""
     found = {word for ways, name, word in ALONE if way in ways and name in names}
     found |= {word for ways, pair, word in TOGETHER if way in ways and set(pair) <= set(names)}
@@ -89,7 +88,7 @@ def expected(way: str, names: tuple[str, ...], substitute: bool) -> set[str]:
 def row(way: str, names: tuple[str, ...], substitute: bool, *, is_fast: bool) -> Any:
     """A consumer and fragments as a case, expected to fail where it does today."""
     marks = [] if is_fast else [pytest.mark.exhaustive]
-    today = expected(way, names, substitute)
+    today = expected(way, names)
     if today:
         marks.append(pytest.mark.xfail(strict=True, raises=NotYetError, reason=" or ".join(sorted(today))))
     return pytest.param(way, names, substitute, marks=marks, id=f"{way} - {', '.join(names)}")
@@ -120,7 +119,7 @@ def check(way: str, names: tuple[str, ...], substitute: bool, controller: Path, 
     result = outcome(Question(tuple(FRAGMENTS[name] for name in names), folder, controller, substitute), way)
     if result == "right":
         return
-    today = expected(way, names, substitute)
+    today = expected(way, names)
     if result in today:
         raise NotYetError(result)
     raise AssertionError(result)

@@ -31,7 +31,6 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("node") is None, reason="needs Node"),
 ]
 TEXTS = (*PROGRAMS, "live page")
-HELD_ROWS = ("simulate GGL", "simulate Partition")
 SAMPLED = (
     "sampled force on a joint that sticks", "sampled thrust of a ball that bounces", "sampled force through a rope",
     "sampled torque by the measured angle of a cut joint",
@@ -69,8 +68,6 @@ TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (("live page",), JUMPS[:1], "animation.live_switching"),
     (("live page",), JUMPS[1:], "animation.live_jumps"),
     (FMUS, JUMPS, "fmu.motion"),
-    # it breaks away one step of the importer behind the jump
-    (("FMU model exchange",), SWITCHING[:1], "wrong: x, x_dot"),
 )
 
 

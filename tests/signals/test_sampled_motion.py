@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -132,3 +133,45 @@ def test_blocks_without_samples_make_linear_models() -> None:
         for model in (sb.without_sampling(sampled), plain)
     )
     np.testing.assert_array_equal(found.A, wanted.A)
+
+
+@pytest.mark.parametrize(
+    ("method", "digits"),
+    [({"integrator": sb.Stiff()}, 1e-7), ({"integrator": sb.GeneralizedAlpha()}, 1e-4), ({"constraints": sb.GGL()}, 1e-7),
+     ({"constraints": sb.Partition()}, 1e-8)],
+)  # fmt: skip
+def test_methods_without_samples_of_their_own_move_between_them(
+    method: dict[str, Any], digits: float
+) -> None:
+    """Explicit steps take the same samples; a pendulum in two coordinates on a rod is a closed loop."""
+    elements = [
+        sb.Body("B", mass=1, inertia=(0, 0, 1)),
+        sb.Planar("J", "ground", "B", coordinates=["x", "y", "a"]),
+        sb.Distance("rod", "ground", "B", 1),
+        sb.Signal("h", "-4*x", sample=0.1),
+        sb.Force("push", "B", ("h", 0, 0)),
+    ]
+    model = sb.Model("held", elements, gravity=[0, -9.81, 0], initial={"x": 0.6, "y": -0.8})
+    eqs, times = sb.form_equations(model), np.linspace(0, 1, 21)
+    events: list[Any] = [
+        sb.Event("h + 1", name="at a sample"),
+        sb.Event("x", -1, {"a_dot": "1"}, name="below"),
+    ]
+    options = {"rtol": 1e-10, "times": times, "events": events}
+    expected, run = sb.simulate(eqs, 1, **options), sb.simulate(eqs, 1, **options, **method)
+    np.testing.assert_array_equal(run.t, times)
+    for name in ("x", "y", "a", "h", "work"):
+        np.testing.assert_allclose(run[name], expected[name], atol=20 * digits, err_msg=name)
+    assert [event.name for event in run.events] == [event.name for event in expected.events]
+    np.testing.assert_allclose([e.t for e in run.events], [e.t for e in expected.events], atol=20 * digits)
+    assert run.events and run.held_values is not None and expected.held_values is not None
+    np.testing.assert_array_equal(run.held_values.t, expected.held_values.t)
+    sweep = sb.sweep(eqs, 1, {}, {"a": [0.0, 0.5]}, **options, **method)
+    np.testing.assert_array_equal(sweep["x"][0], run["x"])
+    stepper = sb.Stepper(eqs, 0.15, events=events, rtol=1e-10, **method)
+    reference = sb.Stepper(eqs, 0.15, events=events, rtol=1e-10)
+    for _ in range(4):
+        stepper.step()
+        reference.step()
+        for name in ("x", "h"):
+            assert stepper[name] == pytest.approx(reference[name], abs=40 * digits)

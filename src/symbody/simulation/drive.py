@@ -202,9 +202,12 @@ class _MotionByPieces:
                 self._pieces.leave_out(piece.happened[-1].t)
             self._check_chatter(piece)
             return stage
-        if run.status is not Status.SUCCESS or until.happens == "end":
+        if run.status is not Status.SUCCESS:
             return None
         x = np.zeros(0) if run.dense_output is None else run.dense_output.at_end()
+        if until.happens == "end":
+            self._held.sample_signals(until.at, x)
+            return None
         if until.happens == "jump":
             self._passed += 1
             return PieceStart(until.behind, self._jump(x, until), {})

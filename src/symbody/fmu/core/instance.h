@@ -292,7 +292,7 @@ static int fail_at_event(Instance *instance, const char *function, const char *o
 static int update(Instance *instance, const char *function, int *has_changed, int *must_stop, double *next)
 {
     Motion *m = &instance->motion;
-    int acted, stops = 0;
+    int acted, stops = 0, jumps_end = 0;
     *has_changed = *must_stop = 0;
     if (!m->is_settled) {
         if (settle_anew(m) != SOLVED)
@@ -310,7 +310,16 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     if (acted < 0)
         return fail_at_event(instance, function, m->is_unmet ? UNMET : "the state after an event has no solution");
     *has_changed |= acted;
-    look_for_jump(m);
+    if (look_for_jump(m)) { /* values may jump through zero, and modes end, as at a sample */
+        m->valid = 0;
+        note_events(m);
+        acted = act(m, &jumps_end);
+        log_events(instance);
+        if (acted < 0)
+            return fail_at_event(instance, function, m->is_unmet ? UNMET : "the state behind a jump has no solution");
+        *has_changed |= acted;
+        *must_stop |= jumps_end;
+    }
     acted = sample(m, &stops);
     log_events(instance);
     if (acted < 0) return fail_at_event(instance, function, "a sampled value, or the state behind it, is not finite");

@@ -2,19 +2,22 @@
 
 /* Jumps of what depends on time alone. */
 
-static void look_for_jump(Motion *m)
+/* Return whether the motion is now behind a jump to which it has come. */
+static int look_for_jump(Motion *m)
 {
     const double *B = m->pool + SB_BLOCK;
     int place = SB_RUN_BREAKS + (int)B[SB_RUN_BREAKS_POINTS];
-    if (m->time >= m->jump - m->jump_margin) m->past_jump = m->jump + m->jump_margin;
+    int has_passed = m->time >= m->jump - m->jump_margin;
+    if (has_passed) m->past_jump = m->jump + m->jump_margin;
     m->jump = HUGE_VAL;
     m->jump_margin = 0.0;
     for (; isfinite(B[place + SB_BREAK_TIME]); place += SB_BREAK_SIZE)
         if (B[place + SB_BREAK_JUMPS] != 0.0 && B[place + SB_BREAK_TIME] > m->time + B[place + SB_BREAK_MARGIN]) {
             m->jump = B[place + SB_BREAK_TIME];
             m->jump_margin = B[place + SB_BREAK_MARGIN];
-            return;
+            break;
         }
+    return has_passed;
 }
 
 /* Steps of our own, for co-simulation. */

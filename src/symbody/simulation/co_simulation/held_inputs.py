@@ -69,6 +69,8 @@ class HeldInputs:
         _check_direction(fmus, span)
         self._first = problem
         self._sampler = sampler
+        if sampler is not None:
+            sampler.rewind(span[0])
         self._is_switched = (bool(fmus) or sampler is not None) and _is_switched(problem)
         self._held = dict.fromkeys(fmus, 0.0)
         self._record: list[tuple[float, dict[str, float]]] = []  # samples, and what was held from then on
@@ -99,8 +101,7 @@ class HeldInputs:
         SimulationError
             If an FMU fails, or a value is not finite.
         """
-        if self._sampler is not None and self._sampler.is_due(t):
-            SampledLoop(self._sampled, self._sampler).take(t, np.append(x, 0.0))
+        self.sample_signals(t, x)
         due = [unit for unit in self._units if unit.due <= t + self.width]
         given = [read_values(self._with_signals(), unit.reader, t, x) for unit in due]
         for unit, values in zip(due, given, strict=True):
@@ -111,6 +112,11 @@ class HeldInputs:
         if self._is_switched:
             self._sampled = self._sampled.with_other_times()
         self.problem = self._with_signals()
+
+    def sample_signals(self, t: float, x: Floats) -> None:
+        """Take the samples of signals that are due at a time and state."""
+        if self._sampler is not None and self._sampler.is_due(t):
+            SampledLoop(self._sampled, self._sampler).take(t, np.append(x, 0.0))
 
     def _with_signals(self) -> SimulationProblem:
         """Return the problem with the sampled signals as constants, too."""
