@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.llvm.kernel_library import load_kernels
-from symbody.kernels.modes.mode_problem import CONE, HOLDS, ModeElement, ModeProblem
+from symbody.kernels.modes.mode_problem import BACK, CONE, HOLDS, LOOSE, ModeElement, ModeProblem
 from symbody.kernels.pack import pack
 from symbody.single_flight import once
 
@@ -67,6 +67,13 @@ class ModeCandidate:
         """How many rows it has."""
         return 2 if self.kind == CONE else 1
 
+    def with_slip(self, slip: float, *, moves: bool) -> ModeCandidate:
+        """Return the element with a slip, of one that holds 0; a unilateral one that moves is open."""
+        mode = LOOSE if slip > 0.0 else BACK if slip < 0.0 else HOLDS
+        return replace(
+            self, mode=mode if mode != HOLDS or not moves else LOOSE, moves=moves, slip=(slip, 0.0)
+        )
+
 
 class Responses(NamedTuple):
     """Accelerations of all rows without efforts and their change by a unit of each; the same of reactions.
@@ -82,6 +89,13 @@ class Responses(NamedTuple):
     matrix: Floats
     loads: Floats
     reactions: Floats
+
+    def of_rows(self, places: Sequence[int]) -> Responses:
+        """Return the responses without the other rows, whose efforts are 0."""
+        chosen = np.array(places, dtype=np.int64)
+        return Responses(
+            self.offsets[chosen], self.matrix[np.ix_(chosen, chosen)], self.loads, self.reactions[:, chosen]
+        )
 
 
 class ModeSolution(NamedTuple):
@@ -107,8 +121,10 @@ class ModeSolution(NamedTuple):
 
 
 def decide(candidates: Sequence[ModeCandidate], responses: Responses) -> ModeSolution:
-    """Return which elements hold, and with which efforts."""
+    """Return which elements hold, and with which efforts; none are found where responses are no numbers."""
     problem = mode_problem(candidates, responses)
+    if not np.isfinite(problem).all():
+        return mode_solution(problem, Verdict.NOT_FOUND)
     verdict = Verdict(_kernel()(problem.ctypes.data))
     return mode_solution(problem, verdict)
 

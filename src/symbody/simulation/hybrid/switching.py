@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.modes.reduced_modes import Verdict
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import switching_joints
@@ -38,8 +40,14 @@ Floats = NDArray[np.float64]
 # So many changes at one instant are one too many.
 _MOST_CHANGES: Final = 50
 _MOST_NOTES: Final = 20  # of impacts
-_UNDETERMINED: Final = (
-    "no combination of sticking and slipping is consistent with the friction of the joints at rest"
+_UNDETERMINED: Final = MappingProxyType(
+    {
+        Verdict.NONE: "no combination of sticking and slipping is consistent with the friction of the joints",
+        Verdict.TWO: "two combinations of sticking and slipping, with different accelerations, are "
+        "consistent with the friction of the joints",
+        Verdict.NOT_FOUND: "no combination of sticking and slipping was found that is consistent with "
+        "the friction of the joints",
+    }
 )
 
 
@@ -81,9 +89,9 @@ def run_switching(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
             return history.end(Status.SINGULAR, state, "no speeds were found that keep the ropes taut")
         if impact is not None:
             state = history.note_impact(impact, state)
-        modes = find_modes(mechanism, state)
+        modes, verdict = find_modes(mechanism, state)
         if modes is None:
-            return history.end(Status.FRICTION, state, _UNDETERMINED)
+            return history.end(Status.FRICTION, state, _UNDETERMINED[verdict])
         history.note_modes(state, modes)
         next_state = history.run_part(modes, state)
         if next_state is None:
