@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, decide
 from symbody.analysis.scales import Scales
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.solving.mode_responses import candidate_laws, reaction_sizes
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.mode_responses import candidate_laws, candidate_ropes, reaction_sizes
 from symbody.kernels.modes.mode_problem import BOUNDED, HOLDS, LOOSE, UNILATERAL
 from symbody.tolerances import BALANCED, CANCELLED
 
@@ -91,7 +90,7 @@ class ModeNumbers:
 
 def mode_numbers(formed: EquationsOfMotion, values: Sequence[float], scales: Scales) -> ModeNumbers:
     """Return what decides about modes from the values of the output `OF_MODES`."""
-    laws, lines = candidate_laws(formed), ropes(formed)
+    laws, lines = candidate_laws(formed), candidate_ropes(formed)
     counts = reaction_sizes(formed)
     n, c = len(laws) + len(lines), sum(counts)
     sizes = [3 * len(laws), n, n * n, c, c * n, n]
@@ -113,4 +112,4 @@ def mode_numbers(formed: EquationsOfMotion, values: Sequence[float], scales: Sca
         ModeCandidate(UNILATERAL, scales.length, rounding=float(slight)) for slight in rounding[len(laws) :]
     ]
     names = tuple(law.joint.name for law in laws)
-    return ModeNumbers(names, lines, responses, tuple(candidates))
+    return ModeNumbers(names, tuple(lines), responses, tuple(candidates))

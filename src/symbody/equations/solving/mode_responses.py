@@ -27,6 +27,12 @@ def candidate_laws(formed: EquationsOfMotion) -> list[FrictionLaw]:
     return [law for law in formed.friction if law.switches or law.is_coupled]
 
 
+def candidate_ropes(formed: EquationsOfMotion) -> list[str]:
+    """Return the ropes whose rows are among those of the equations."""
+    taut = {row.element for row in formed.rows}
+    return [name for name in ropes(formed) if name in taut]
+
+
 def reaction_sizes(formed: EquationsOfMotion) -> list[int]:
     """Return how many components of a reaction the friction of each candidate reads."""
     laws = candidate_laws(formed)
@@ -34,7 +40,7 @@ def reaction_sizes(formed: EquationsOfMotion) -> list[int]:
 
 
 def mode_responses(formed: EquationsOfMotion) -> list[Expr]:
-    """Return what decides about modes, for equations with all ropes taut.
+    """Return what decides about modes; candidates are the ropes whose rows the equations have.
 
     One after the other: slip, kinetic and static strength of each joint; along the rows, which are rates of
     joints and slackness of ropes, the accelerations without efforts, then by row their change by a unit of
@@ -63,8 +69,7 @@ class _ResponseSolver:
     """Unknowns without ropes, ordered as those of `FrictionSolver`, then the multipliers of ropes."""
 
     def __init__(self, formed: EquationsOfMotion) -> None:
-        names = [name for name in ropes(formed) if any(row.element == name for row in formed.rows)]
-        self.names = names
+        names = self.names = candidate_ropes(formed)
         self.formed, self.loose = formed, slacken(formed, names)
         self.ropes = [rope_row(formed, name) for name in names]
         self.nodes = [formed.graph.symbol(Symbol(row.name, SymbolKind.MULTIPLIER)) for row in self.ropes]
