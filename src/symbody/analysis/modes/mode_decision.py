@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, decide
+from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, Verdict, decide
 from symbody.analysis.scales import Scales
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.mode_responses import candidate_laws, candidate_ropes, reaction_sizes
@@ -79,6 +79,23 @@ class ModeNumbers:
         accelerations = self.responses.offsets + self.responses.matrix[:, acting] @ found.efforts
         accelerations[acting] = found.accelerations
         return found._replace(modes=tuple(modes.tolist()), efforts=efforts, accelerations=accelerations)
+
+    def strike(self, rates: Mapping[str, float]) -> dict[str, float] | None:
+        """Return the impulses after which the ends of no rope move apart; None where there are none.
+
+        Parameters
+        ----------
+        rates : mapping of rope to float
+            Of slackness before, of those at their length.
+        """
+        places = [self.names.index(name) for name in rates]
+        responses = self.responses.of_rows(places)._replace(offsets=np.array(list(rates.values())))
+        ends = [ModeCandidate(UNILATERAL, self.candidates[k].scale) for k in places]
+        found = decide(ends, responses._replace(loads=np.zeros(0), reactions=np.zeros((0, len(places)))))
+        if found.verdict is not Verdict.ONE:
+            return None
+        triples = zip(rates, found.modes, found.efforts.tolist(), strict=True)
+        return {name: impulse for name, mode, impulse in triples if mode == HOLDS}
 
     def _open(self, k: int, openings: Mapping[str, Opening]) -> ModeCandidate:
         candidate = self.candidates[k]

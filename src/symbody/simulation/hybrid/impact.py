@@ -2,28 +2,25 @@
 
 Of all speeds at which the ends of no taut rope move apart, those are taken to which the change has the
 least kinetic energy [Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988]: ropes
-pull along themselves, and none pushes.
+pull along themselves, and none pushes. That is the problem of the modes of ropes with rates in the place of
+accelerations, so the same kernel solves it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import combinations
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.equations.solving.ropes import rope_rows
 from symbody.expr.sequences.saddle import solve_saddle
-from symbody.simulation.hybrid.modes import HybridState, evaluate_outputs
+from symbody.simulation.hybrid.modes import HybridMechanism, HybridState, evaluate_outputs
 from symbody.simulation.hybrid.ropes import RATE, TAUT, RopeElements
 from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
-
-_MOST_TRIED: Final = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +54,7 @@ class RopeImpact:
         return f"at t = {self.t:.9g} s ropes go taut with an impact: {each}; {self.lost:.6g} J are lost"
 
 
-def rope_impact(ropes: RopeElements, state: HybridState) -> RopeImpact | None:
+def rope_impact(mechanism: HybridMechanism, ropes: RopeElements, state: HybridState) -> RopeImpact | None:
     """Return what happens where ends of ropes at their length move apart; None where none do.
 
     Returns
@@ -71,45 +68,23 @@ def rope_impact(ropes: RopeElements, state: HybridState) -> RopeImpact | None:
     were = np.array([state.before.get(name) == TAUT for name in ropes.names], dtype=np.bool_)
     if not (tight & ~were & (motion[RATE] < -state.small * state.length)).any():
         return None
-    problem = ropes.problem
-    names = ("mass_matrix", "jacobian", "velocity_constraints", "energy")
-    mass, rows, rates, energy = evaluate_outputs(problem, names, t, x)
-    places = rope_rows(problem.eqs.formed, ropes.names)
-    always = [k for k in range(len(rates)) if k not in places]
-    for some in _subsets([place for place, is_tight in zip(places, tight, strict=True) if is_tight]):
-        chosen = [*always, *some]
-        solution = solve_saddle(
-            mass.ravel().tolist(), rows[chosen].ravel().tolist(), [0.0] * len(mass), (-rates[chosen]).tolist()
-        )
-        du, pulls = np.array(solution.udot), -np.array(solution.multipliers[len(always) :])
-        after = rates + rows @ du
-        left = [
-            place for place, is_tight in zip(places, tight, strict=True) if is_tight and place not in some
-        ]
-        if solution.ok and _is_inelastic(pulls, after[left], rates):
-            moved = x.copy()
-            moved[: du.size] += du
-            least = BALANCED * float(pulls.max())
-            pairs = zip(some, pulls, strict=True)
-            impulses = {ropes.names[places.index(k)]: float(pull) for k, pull in pairs if pull > least}
-            change = float(evaluate_outputs(problem, ("energy",), t, moved)[0] - energy)
-            return RopeImpact(t, moved, impulses, float(du @ mass @ du) / 2.0, change)
-    return RopeImpact(t, x, {}, 0.0, 0.0)
-
-
-def _subsets(places: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """Return the ropes that may pull: all, and then fewer and fewer."""
-    tried = 0
-    for size in range(len(places), 0, -1):
-        for some in combinations(places, size):
-            yield some
-            tried += 1
-            if tried == _MOST_TRIED:
-                return
-
-
-def _is_inelastic(pulls: Floats, left: Floats, rates: Floats) -> bool:
-    """Return whether no rope pushes, and the ends of those that do not pull do not move apart."""
-    least = -BALANCED * float(np.abs(pulls).max(initial=0.0))
-    most = BALANCED * float(np.abs(rates).max(initial=0.0))
-    return bool((pulls >= least).all() and (left <= most).all())
+    names = [name for name, is_tight in zip(ropes.names, tight, strict=True) if is_tight]
+    rates = dict(zip(names, motion[RATE, tight].tolist(), strict=True))
+    struck = mechanism.numbers(t, x).strike(rates)
+    if struck is None:
+        return RopeImpact(t, x, {}, 0.0, 0.0)
+    outputs = ("mass_matrix", "jacobian", "velocity_constraints", "energy")
+    mass, rows, residuals, energy = evaluate_outputs(ropes.problem, outputs, t, x)
+    formed = ropes.problem.eqs.formed
+    loose = set(rope_rows(formed, ropes.names)) - set(rope_rows(formed, list(struck)))
+    chosen = [k for k in range(len(residuals)) if k not in loose]
+    zeros, gamma = [0.0] * len(mass), (-residuals[chosen]).tolist()
+    solution = solve_saddle(mass.ravel().tolist(), rows[chosen].ravel().tolist(), zeros, gamma)
+    if not solution.ok:
+        return RopeImpact(t, x, {}, 0.0, 0.0)
+    du, moved = np.array(solution.udot), x.copy()
+    moved[: du.size] += du
+    least = BALANCED * max(struck.values(), default=0.0)
+    impulses = {name: impulse for name, impulse in struck.items() if impulse > least}
+    change = float(evaluate_outputs(ropes.problem, ("energy",), t, moved)[0] - energy)
+    return RopeImpact(t, moved, impulses, float(du @ mass @ du) / 2.0, change)

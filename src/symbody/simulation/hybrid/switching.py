@@ -84,7 +84,7 @@ def run_switching(plan: MotionPlan, *, goes_on: bool = False) -> Trajectory:
     history = _History(mechanism, plan)
     state = history.state(problem, start, x, {}, {})
     while True:
-        impact = rope_impact(rope_elements(problem), state) if has_ropes else None
+        impact = rope_impact(mechanism, rope_elements(problem), state) if has_ropes else None
         if impact is not None and not impact.impulses:
             return history.end(Status.SINGULAR, state, "no speeds were found that keep the ropes taut")
         if impact is not None:
