@@ -23,7 +23,7 @@ WHOLE_OUTPUTS: Final = frozenset(
     "udot qdot xdot signal_rates A B lambda mass_matrix forcing gravity_forcing bias inverse_dynamics "
     "kinetic_energy potential_energy energy power constraints velocity_constraints gamma jacobian "
     "position_jacobian position_residual position_move velocity_residual velocity_move friction_residual "
-    "friction_margin friction_reserve alignment".split()
+    "friction_margin friction_reserve mode_responses alignment".split()
 )
 _SPRINGS: Final = (SpringDamper, TorsionSpring, Bushing)
 # First words, and the kinds of elements of which one follows; its coordinate or an entry may stand behind it.

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
-from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from symbody.simulation.co_simulation.held_inputs import HeldInputs
 from symbody.simulation.events.event_watch import chattering_note
 from symbody.simulation.events.events import EventSide
 from symbody.simulation.execution import MotionPiece, execute
-from symbody.simulation.hybrid.impact import impact
+from symbody.simulation.hybrid.impact import change_speeds
 from symbody.simulation.hybrid.modes import evaluate_outputs
 from symbody.simulation.hybrid.rate_jumps import (
     check_positions,
@@ -244,17 +243,23 @@ class _MotionByPieces:
         check_positions(problem, x, (before, behind))
         energy, moved = _energy(problem, before, x), x
         if problem.eqs.speed_names:
-            modes, change = self._modes, momentum_jump(problem, x, before, behind)
-            strike = partial(impact, problem) if modes is None else modes.strike
-            found = strike(behind, x, change)
+            found = self._strike(behind, x, momentum_jump(problem, x, before, behind))
             if found is None:
                 raise no_speeds(behind)
-            moved = found.x
+            moved = found
         gained = _energy(problem, behind, moved) - energy
         self._pieces.add_energy(gained)
         if strikes(problem, moved - x):
             self._jumped.append((until.at, gained))
         return moved
+
+    def _strike(self, t: float, x: Floats, momenta: Floats) -> Floats | None:
+        """Return the state behind a jump of the momenta that prescribed rates give; None if there is none."""
+        if self._modes is None:
+            changed = change_speeds(self._held.problem, t, x, momenta)
+            return None if changed is None else changed[0]
+        found = self._modes.strike(t, x, momenta)
+        return None if found is None else found.x
 
     def _report(self, t: float) -> None:
         """Report how far the motion is at a sample: pieces are too short for reports of their own.

@@ -1,16 +1,14 @@
-"""`settled`: which ropes pull and which dry joints stick at a state, so that all that is assumed holds.
+"""`settle`: which ropes pull and which dry joints stick at a state, so that all that is assumed holds.
 
 A rope at its length pulls, or its ends do not move apart; a joint at rest is held within its static limit, or
-slips in its direction. Of all combinations the first that fits is taken, held elements before loose ones, as
-in `simulate`. Whatever follows from its equations holds for small deviations, unless an element stands at the
-edge between two of them.
+slips in its direction; this is decided as in `simulate`. Whatever follows from its equations holds for small
+deviations, unless an element stands at the edge between two modes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import islice, product
 from typing import Final
 
 import numpy as np
@@ -19,11 +17,15 @@ from numpy.typing import NDArray
 from symbody.analysis.accelerations import complete_state
 from symbody.analysis.configurations.ropes import AT_LENGTH, slackness, with_taut
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.modes.mode_decision import UNDECIDED, Opening, mode_numbers
+from symbody.analysis.modes.reduced_modes import Verdict
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_MODES
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
 from symbody.errors import AssemblyError, SimulationError
+from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
 from symbody.tolerances import AT_REST, BALANCED
 
 Floats = NDArray[np.float64]
@@ -31,7 +33,6 @@ Modes = dict[str, int]
 
 _SLACK: Final = 2  # beside the modes of joints: sticking and the signs of slipping
 _TAUT: Final = 3
-_MOST_TRIED: Final = 81  # modes of four joints at rest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,26 +60,22 @@ class OneSidedState:
 def settle(eqs: EquationSet, state: State) -> OneSidedState:
     """Return the modes of ropes and dry joints at a state of these equations."""
     search = _search(eqs, state)
-    if all(ways == (None,) for ways in search.ways.values()):
+    if all(opening.is_decided and name not in search.ropes for name, opening in search.openings.items()):
         return OneSidedState(eqs, state)
-    first: OneSidedState | None = None
-    for modes in search.candidates():
-        found = search.try_modes(modes)
-        if found is None:
-            continue
-        sides, fits = found
-        if fits:
-            return sides
-        first = first or sides
-    names = tuple(search.ways)
+    modes = search.decide()
+    found = None if modes is None else search.state_in(modes)
+    if found is not None:
+        return found
+    held = {name: search.mode_of(name, HOLDS) for name in search.openings if search.is_open(name)}
+    kept = search.state_in(held) or OneSidedState(eqs, state)
+    names = tuple(search.openings)
     note = f"{', '.join(names)}: no combination of taut, slack, sticking and slipping holds at this state"
-    kept = first or OneSidedState(eqs, state)
     return OneSidedState(kept.eqs, kept.state, (note,), names)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ModeSearch:
-    """The elements of a state and the modes each may have; None leaves a joint that slips to its own law."""
+    """The elements of a state and what is known of their modes; joints that move keep their own laws."""
 
     eqs: EquationSet
     state: State
@@ -86,37 +83,62 @@ class _ModeSearch:
     u: Floats
     length: float
     ropes: frozenset[str]
-    ways: Mapping[str, tuple[int | None, ...]]
+    openings: Mapping[str, Opening]
 
-    def candidates(self) -> Iterator[Modes]:
-        """Return combinations of modes, those that hold most first."""
-        for choice in islice(product(*self.ways.values()), _MOST_TRIED):
-            yield {name: mode for name, mode in zip(self.ways, choice, strict=True) if mode is not None}
+    def decide(self) -> Modes | None:
+        """Return the modes of ropes and of joints at rest, None where there are none."""
+        state = self.state
+        evaluator = constraint_evaluator(
+            self.eqs, state.parameters, state.inputs, state.t, signals=self._signals()
+        )
+        values = evaluator.compile(OF_MODES)(evaluator.t, self.q, self.u)
+        numbers = mode_numbers(self.eqs.formed, values, evaluator.mechanism)
+        found = numbers.decide(self.openings)
+        if found.verdict is not Verdict.ONE:
+            return None
+        modes = dict(zip(numbers.names, found.modes, strict=True))
+        chosen = [name for name in self.openings if name in self.ropes or self.is_open(name)]
+        return {name: self.mode_of(name, modes.get(name, LOOSE)) for name in chosen}
 
-    def try_modes(self, modes: Modes) -> tuple[OneSidedState, bool] | None:
-        """Return the state in some modes, and whether these hold; None where no accelerations exist."""
+    def is_open(self, name: str) -> bool:
+        """Return whether forces decide about an element."""
+        return not self.openings[name].is_decided
+
+    def mode_of(self, name: str, kernel_mode: int) -> int:
+        """Return the mode of an element for one of `kernels.modes`."""
+        if name in self.ropes:
+            return _TAUT if kernel_mode == HOLDS else _SLACK
+        return kernel_mode
+
+    def _signals(self) -> Floats:
+        return np.array(list(self.state.s.values()), dtype=np.float64)
+
+    def state_in(self, modes: Modes) -> OneSidedState | None:
+        """Return the state in some modes; None where no accelerations exist."""
         held = self._equations(modes)
-        state, signals = self.state, np.array(list(self.state.s.values()), dtype=np.float64)
-        evaluator = constraint_evaluator(held, state.parameters, state.inputs, state.t, signals=signals)
+        state = self.state
+        evaluator = constraint_evaluator(
+            held, state.parameters, state.inputs, state.t, signals=self._signals()
+        )
         try:
             state = complete_state(evaluator, self.q, self.u, self.q, {})
         except (AssemblyError, SimulationError):
             return None
         scales = self._scales(evaluator, state)
         values = self._deciding_values(held, state, modes)
-        notes, edges, fits = [], [], True
+        if not np.isfinite(list(values.values())).all():
+            return None
+        notes, edges = [], []
         for name, mode in modes.items():
             surplus, note = self._surplus(values[name], name, mode)
             limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
                              scales[1] * self.unit(name))  # fmt: skip
-            has_choice = len(self.ways[name]) > 1
-            fits &= not has_choice or bool(surplus >= -limit)
             notes.append(note)
-            if has_choice and abs(surplus) <= limit:
+            if self.is_open(name) and abs(surplus) <= limit:
                 edges.append(name)
                 notes.append(f"{self._element(name)} switches at this state: statements about small "
                              f"deviations hold on one side of it at most")  # fmt: skip
-        return OneSidedState(held, state, tuple(notes), tuple(edges)), fits
+        return OneSidedState(held, state, tuple(notes), tuple(edges))
 
     def _equations(self, modes: Modes) -> EquationSet:
         """Return the equations in some modes."""
@@ -187,12 +209,12 @@ class _ModeSearch:
 
 
 def _search(eqs: EquationSet, state: State) -> _ModeSearch:
-    """Return the elements of a state, each with the modes that its position and rate leave."""
+    """Return the elements of a state, each with what its position and rate decide."""
     q, u = (np.array(list(values.values())) for values in (state.q, state.u))
     cords, joints = ropes(eqs.formed), switching_joints(eqs.formed)
-    ways: dict[str, tuple[int | None, ...]] = {}
+    openings: dict[str, Opening] = {}
     if not cords and not joints:
-        return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), ways)
+        return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), openings)
     evaluator = constraint_evaluator(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
     small = AT_REST * float(np.abs(u / evaluator.speed_sizes).max(initial=1.0 / evaluator.mechanism.time))
     if cords:
@@ -202,9 +224,10 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
             at_length = (
                 name in rows and share <= AT_LENGTH and abs(rate) <= small * evaluator.mechanism.length
             )
-            ways[name] = (_TAUT, _SLACK) if at_length else (_SLACK,)
-    search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, frozenset(cords), ways)
+            openings[name] = UNDECIDED if at_length else Opening(LOOSE, is_decided=True)
+    search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, frozenset(cords), openings)
     for name in joints:
-        rate = abs(float(state[f"{search.coordinate(name)}_dot"]))
-        ways[name] = (STICKS, 1, -1) if rate <= small * search.unit(name) else (None,)
+        rate = float(state[f"{search.coordinate(name)}_dot"])
+        rests = abs(rate) <= small * search.unit(name)
+        openings[name] = UNDECIDED if rests else Opening(int(np.sign(rate)), is_decided=True)
     return search

@@ -59,6 +59,11 @@ class FrictionLaw:
         return self.joint.coordinates[0]
 
     @property
+    def turns(self) -> bool:
+        """Whether its coordinate is an angle."""
+        return self.coordinate in self.joint.rotation_coordinates
+
+    @property
     def symbol(self) -> Symbol:
         """Its effort as an unknown."""
         return Symbol(f"friction_{self.joint.name}", SymbolKind.MULTIPLIER)
@@ -75,6 +80,11 @@ class FrictionLaw:
         if not self.reads_reaction:
             return number(graph, 1)
         return symbol(graph, Symbol(f"friction_normal_{self.joint.name}", SymbolKind.MULTIPLIER))
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether its effort depends on the reaction."""
+        return self.reads_reaction and not self.sticks and not (self.slip * self.strength).is_zero
 
     @property
     def holding_effort(self) -> str:

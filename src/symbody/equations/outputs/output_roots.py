@@ -37,6 +37,7 @@ from symbody.equations.solving.drift_correction import (
     velocity_move,
     velocity_residual,
 )
+from symbody.equations.solving.mode_responses import mode_responses
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.self_stress import substitute_shares
 from symbody.equations.solving.slopes import inverse_dynamics
@@ -52,6 +53,8 @@ from symbody.model.output_names import parse_derivative
 
 # What the loop of a motion evaluates: the work is one more state.
 OF_STEPS: Final = ("xdot", "power")
+# What decides which joints stick and which ropes pull; for the search for modes alone.
+OF_MODES: Final = "mode_responses"
 # What is summed up or measured along a motion, and known of its samples alone.
 OF_MOTIONS: Final = ("work", "constraint_violation", "velocity_violation")
 
@@ -231,7 +234,8 @@ def output_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     friction = (f"friction {name}" for name in friction_names(formed))
     tensions = (f"rope_tension {name}" for name in ropes(formed))
     couplings = (row.name for row in formed.coupled.rows)
-    return (*OUTPUTS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures, *couplings)
+    whole = (name for name in OUTPUTS if name != OF_MODES)
+    return (*whole, *efforts, *friction, *tensions, *reactions, *formed.loads.measures, *couplings)
 
 
 def _udot(formed: EquationsOfMotion) -> list[Expr]:
@@ -342,6 +346,7 @@ OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "friction_residual": _vector("friction_residual", lambda formed: resistance(formed).residuals),
     "friction_margin": _vector("friction_margin", lambda formed: resistance(formed).margins),
     "friction_reserve": _vector("friction_reserve", friction_reserves),
+    OF_MODES: _vector(OF_MODES, mode_responses),
     "alignment": _vector("alignment", lambda formed: list(formed.alignments)),
 }
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
-from symbody.equations.solving.ropes import rope_row, ropes
+from symbody.equations.solving.ropes import length_of, rope_row, ropes
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
@@ -57,17 +57,12 @@ def rope_acceleration_size(formed: EquationsOfMotion, rest: str) -> Output:
         total = total + (slope * rate).apply(ABS)
     for u, slope in row.jacobian.items():
         speed = speed + (slope * Expr(formed.graph, u)).apply(ABS)
-    return (), [total + speed**2 / _length(formed, row)]
+    return (), [total + speed**2 / length_of(formed, row)]
 
 
 def rope_length(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_length R": of the rope itself."""
-    return (), [_length(formed, _find_row(formed, rest))]
-
-
-def _length(formed: EquationsOfMotion, row: ConstraintEquation) -> Expr:
-    rod = formed.topology.contacts[row.element]
-    return formed.names.expression(next(iter(rod.formula_sites())).formula, f"constraint {row.element}")
+    return (), [length_of(formed, _find_row(formed, rest))]
 
 
 def _terms(formed: EquationsOfMotion, row: ConstraintEquation) -> list[tuple[Expr, Expr]]:

@@ -40,10 +40,10 @@ _TINY: Final = 1e-200  # N^2 and N m below which a reaction has no direction
 
 def solve_with_friction(formed: EquationsOfMotion, linear: Linear) -> tuple[list[Expr], list[Expr]]:
     """Return u' and the multipliers; the friction is stored in ``formed.resistances``."""
-    return _FrictionSolver(formed, linear).solution()
+    return FrictionSolver(formed, linear).solution()
 
 
-class _FrictionSolver:
+class FrictionSolver:
     """One solution; vectors over all unknowns are ordered u', multipliers, friction efforts, shares.
 
     Shares are what the multipliers of all rows that bear loads differ by for reactions of least norm.
@@ -57,10 +57,9 @@ class _FrictionSolver:
         self.unknowns = [self.graph.symbol(symbol) for symbol in unknown_symbols(formed)]
         stress = self_stress(formed) if any(law.reads_reaction for law in self.laws) else None
         self.stress = stress if stress and stress.blocks else None
-        self.loads = self._affine([x.index for x in self.stress.values(formed)] if self.stress else [])
+        self.loads = self.affine([x.index for x in self.stress.values(formed)] if self.stress else [])
         self.coupled = [
-            k for k, law in enumerate(self.laws)
-            if law.reads_reaction and not law.sticks and not (law.slip * law.strength).is_zero
+            k for k, law in enumerate(self.laws) if law.is_coupled
         ]  # fmt: skip
         efforts = [law.effort.index for law in self.laws]
         slopes, rest = linear_coefficients(
@@ -71,12 +70,12 @@ class _FrictionSolver:
 
     def solution(self) -> tuple[list[Expr], list[Expr]]:
         """Return u' and the multipliers."""
-        given = [self._independent_effort(law) for law in self.laws]
-        base = self._with_shares(self._base(given), is_whole=True)
+        given = [self.independent_effort(law) for law in self.laws]
+        base = self._with_shares(self.base(given), is_whole=True)
         if not self.coupled:
             return self._store_resistance(base, {}, [], [])
         weights = [-(self.laws[k].slip * self.laws[k].strength) for k in self.coupled]
-        responses = [self._with_shares(self._response(k), is_whole=False) for k in self.coupled]
+        responses = [self._with_shares(self.response(k), is_whole=False) for k in self.coupled]
         parts = [self._reaction_parts(self.laws[k], base, responses) for k in self.coupled]
         start = [first for first, _ in parts]
         change = [[_scale(a, c) for a, c in zip(rest, weights, strict=True)] for _, rest in parts]
@@ -94,11 +93,11 @@ class _FrictionSolver:
             found, dict(zip(self.coupled, normals, strict=True)), residuals, margins
         )
 
-    def _independent_effort(self, law: FrictionLaw) -> Expr:
+    def independent_effort(self, law: FrictionLaw) -> Expr:
         """Return the effort, 0 where it depends on reactions."""
         return self.zero if law.reads_reaction or law.sticks else -(law.slip * law.strength)
 
-    def _base(self, given: list[Expr]) -> list[Expr]:
+    def base(self, given: list[Expr]) -> list[Expr]:
         """Return all unknowns without the friction that depends on reactions."""
         forcing = list(self.forcing)
         for effort, column in zip(given, self.columns, strict=True):
@@ -106,7 +105,7 @@ class _FrictionSolver:
         udot, multipliers = self.linear(forcing, [row.gamma for row in self.formed.rows])
         return [*udot, *multipliers, *given]
 
-    def _response(self, k: int) -> list[Expr]:
+    def response(self, k: int) -> list[Expr]:
         """Return how all unknowns answer to a unit of one friction effort."""
         efforts = [number(self.graph, int(k == other)) for other in range(len(self.laws))]
         if all(entry.is_zero for entry in self.columns[k]):
@@ -118,11 +117,11 @@ class _FrictionSolver:
         self, law: FrictionLaw, base: list[Expr], responses: list[list[Expr]]
     ) -> tuple[list[Expr], list[list[Expr]]]:
         """Return a joint's reaction without coupled friction, and the change by a unit of each."""
-        rows, rest = self._affine([part.index for part in normal_load(self.formed, law)])
+        rows, rest = self.affine([part.index for part in normal_load(self.formed, law)])
         first = [x + self._product(row, base) for x, row in zip(rest, rows, strict=True)]
         return first, [[self._product(row, response) for row in rows] for response in responses]
 
-    def _affine(self, nodes: Sequence[int]) -> tuple[list[list[Expr]], list[Expr]]:
+    def affine(self, nodes: Sequence[int]) -> tuple[list[list[Expr]], list[Expr]]:
         """Return the coefficients of expressions in all unknowns, and the terms without unknowns."""
         redundant = multiplier_nodes(self.formed)[len(self.formed.rows) :] if self.stress else []
         matrix, rest = linear_coefficients(self.graph, nodes, [*self.unknowns, *redundant])

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
-from symbody.expr.expression import number, symbol
+from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Distance
 
@@ -22,6 +22,12 @@ def ropes(formed: EquationsOfMotion) -> tuple[str, ...]:
 def rope_row(formed: EquationsOfMotion, name: str) -> ConstraintEquation:
     """Return the row that holds while a rope is taut, whether it is or not."""
     return next(row for row in (*formed.rows, *formed.slack) if row.element == name)
+
+
+def length_of(formed: EquationsOfMotion, row: ConstraintEquation) -> Expr:
+    """Return the length of the rope of a row."""
+    rod = formed.topology.contacts[row.element]
+    return formed.names.expression(next(iter(rod.formula_sites())).formula, f"constraint {row.element}")
 
 
 def slacken(formed: EquationsOfMotion, names: Collection[str]) -> EquationsOfMotion:

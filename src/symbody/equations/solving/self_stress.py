@@ -117,10 +117,11 @@ class SelfStress:
 
     def values(self, formed: EquationsOfMotion) -> list[Expr]:
         """Return the components in u', the multipliers and friction efforts."""
-        return self._values.get(None, partial(self._form_values, formed))
+        return self._values.get(None, lambda: self.values_by(formed, formed.solved_wrenches))
 
-    def _form_values(self, formed: EquationsOfMotion) -> list[Expr]:
-        listed = dict(_components(formed, formed.solved_wrenches))
+    def values_by(self, formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> list[Expr]:
+        """Return the components for the wrenches of all joints, of equations that may have more rows."""
+        listed = dict(_components(formed, totals))
         return [listed[component] for component in self.components]
 
     def least_norm_multipliers(self, formed: EquationsOfMotion) -> dict[int, int]:

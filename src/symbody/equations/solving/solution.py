@@ -30,11 +30,11 @@ def solve(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
 
 def _solution(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
     if formed.friction:
-        return solve_with_friction(formed, partial(_solve_linear, formed))
+        return solve_with_friction(formed, partial(solve_linear, formed))
     accelerations = formed.dynamics.accelerations(formed)
     if accelerations is not None:
         return accelerations
-    return _solve_linear(formed, formed.dynamics.forcing, [row.gamma for row in formed.rows])
+    return solve_linear(formed, formed.dynamics.forcing, [row.gamma for row in formed.rows])
 
 
 def resistance(formed: EquationsOfMotion) -> Resistance:
@@ -68,7 +68,7 @@ def substitute_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> li
     return [Expr(graph, node) for node in found]
 
 
-def _solve_linear(
+def solve_linear(
     formed: EquationsOfMotion, forcing: Sequence[Expr], gamma: Sequence[Expr]
 ) -> tuple[list[Expr], list[Expr]]:
     """Return u' and the multipliers for a forcing and the right-hand side of the constraints."""

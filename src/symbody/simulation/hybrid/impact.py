@@ -2,31 +2,27 @@
 
 Of all speeds that fit the constraints and at which the ends of no taut rope move apart, those are taken to
 which the change has the least kinetic energy [Moreau, Unilateral contact and dry friction in finite freedom
-dynamics, 1988]: ropes pull along themselves, and none pushes. Friction is finite and transmits nothing in an
-instant. Where prescribed rates jump, the momenta that they give change as well.
+dynamics, 1988]: ropes pull along themselves, and none pushes. That is the problem of the modes of ropes with
+rates in the place of accelerations, so the same kernel solves it. Friction is finite and transmits nothing in
+an instant. Where prescribed rates jump, the momenta that they give change as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import combinations
-from types import MappingProxyType
-from typing import Final
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.equations.solving.ropes import rope_rows
 from symbody.expr.sequences.saddle import solve_saddle
-from symbody.simulation.hybrid.modes import HybridState, evaluate_outputs
+from symbody.simulation.hybrid.modes import HybridMechanism, HybridState, evaluate_outputs
 from symbody.simulation.hybrid.ropes import RATE, TAUT, RopeElements
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
-
-_MOST_TRIED: Final = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,74 +65,82 @@ def separating_ropes(ropes: RopeElements, state: HybridState) -> bool:
     return bool((tight & ~were & (motion[RATE] < -state.small * state.length)).any())
 
 
-def impact(
-    problem: SimulationProblem, t: float, x: Floats, momenta: Floats | None = None,
-    ropes: RopeElements | None = None, before: Mapping[str, int] = MappingProxyType({}), slow: float = 0.0,
-) -> Impact | None:  # fmt: skip
-    """Return what happens where speeds jump; None if no speeds were found.
+def shock(mechanism: HybridMechanism, ropes: RopeElements, state: HybridState) -> Impact | None:
+    """Return what the shock of ropes whose ends move apart does; None if no speeds were found."""
+    t, x, problem = state.t, state.x, ropes.problem
+    pulls = _pulls(mechanism, ropes, state)
+    if pulls is None:
+        return None
+    found = change_speeds(problem, t, x, None, _loose_rows(ropes, pulls))
+    if found is None:
+        return None
+    moved, lost = found
+    least = BALANCED * max(pulls.values(), default=0.0)
+    impulses = {name: impulse for name, impulse in pulls.items() if impulse > least}
+    energies = [float(evaluate_outputs(problem, ("energy",), t, y)[0]) for y in (x, moved)]
+    return Impact(t, moved, impulses, lost, energies[1] - energies[0])
+
+
+def strike(
+    mechanism: HybridMechanism, ropes: RopeElements | None, state: HybridState, momenta: Floats
+) -> Impact | None:
+    """Return what a jump of the momenta that prescribed rates give does; None if no speeds were found.
+
+    First as if all ropes were slack; where their ends move apart then, these strike.
+    """
+    t, x, problem = state.t, state.x, mechanism.problem
+    found = change_speeds(problem, t, x, momenta, [] if ropes is None else _loose_rows(ropes, {}))
+    if found is None or ropes is None:
+        return None if found is None else Impact(t, found[0], {}, None, 0.0)
+    free = replace(state, x=found[0])
+    motion = ropes.motion_values(t, free.x)
+    if not (ropes.tight(state.before, motion) & (motion[RATE] < -state.small * state.length)).any():
+        return Impact(t, free.x, {}, None, 0.0)
+    pulls = _pulls(mechanism, ropes, free)
+    found = None if pulls is None else change_speeds(problem, t, x, momenta, _loose_rows(ropes, pulls))
+    return None if found is None or pulls is None else Impact(t, found[0], pulls, None, 0.0)
+
+
+def _pulls(mechanism: HybridMechanism, ropes: RopeElements, state: HybridState) -> dict[str, float] | None:
+    """Return the ropes that pull where ends move apart, and their impulses [N s]; None if none were found."""
+    motion = ropes.motion_values(state.t, state.x)
+    tight = ropes.tight(state.before, motion)
+    names = [name for name, is_tight in zip(ropes.names, tight, strict=True) if is_tight]
+    rates = dict(zip(names, motion[RATE, tight].tolist(), strict=True))
+    found: dict[str, float] | None = mechanism.numbers(state.t, state.x).strike(rates)
+    return found
+
+
+def _loose_rows(ropes: RopeElements, pulling: Collection[str]) -> list[int]:
+    """Return the rows of the ropes that do not pull."""
+    formed = ropes.problem.eqs.formed
+    return [*set(rope_rows(formed, ropes.names)).difference(rope_rows(formed, list(pulling)))]
+
+
+def change_speeds(
+    problem: SimulationProblem, t: float, x: Floats, momenta: Floats | None, loose: Collection[int] = ()
+) -> tuple[Floats, float] | None:
+    """Return the state whose speeds fit the constraints, and the energy of the change [J].
+
+    Of all such speeds those to which the momenta change by no more than constraints and `momenta` say.
 
     Parameters
     ----------
-    momenta : (n_u,) array, optional
+    momenta : (n_u,) array or None
         By how much those that prescribed rates give have changed.
-    ropes : RopeElements, optional
-        Those of the mechanism, with their modes `before`.
-    slow : float
-        Ends of ropes that move apart more slowly do not move apart [m/s].
+    loose : collection of int
+        Rows that do not hold.
     """
     names = ("jacobian", "velocity_constraints") if problem.eqs.multiplier_names else ()
-    energy, mass, *closed = evaluate_outputs(problem, ("energy", "mass_matrix", *names), t, x)
-    rows, rates = closed if closed else (np.zeros((0, len(mass))), np.zeros(0))
-    places, tight = _tight_rows(ropes, t, x, before)
-    always = [k for k in range(len(rates)) if k not in places]
+    values = evaluate_outputs(problem, ("mass_matrix", *names), t, x)
+    mass, rows, rates = values if names else (values[0], np.zeros((0, len(values[0]))), np.zeros(0))
+    chosen = [k for k in range(len(rates)) if k not in loose]
     given = np.zeros(len(mass)) if momenta is None else -momenta
-    for some in _subsets(tight):
-        chosen = [*always, *some]
-        solution = solve_saddle(
-            mass.ravel().tolist(), rows[chosen].ravel().tolist(), given.tolist(), (-rates[chosen]).tolist()
-        )
-        du, pulls = np.array(solution.udot), -np.array(solution.multipliers[len(always) :])
-        after = rates + rows @ du
-        left = [place for place in tight if place not in some]
-        # A rope along which nothing was struck pulls by rounding of what was.
-        struck = 0.0 if momenta is None else float(np.abs(mass @ du).max(initial=0.0))
-        if solution.ok and _is_inelastic(pulls, after[left], rates, struck, slow):
-            moved = x.copy()
-            moved[: du.size] += du
-            least = BALANCED * float(pulls.max(initial=struck))
-            pairs = zip(some, pulls, strict=True)
-            by_row = {} if ropes is None else dict(zip(places, ropes.names, strict=True))
-            impulses = {by_row[k]: float(pull) for k, pull in pairs if pull > least}
-            change = float(evaluate_outputs(problem, ("energy",), t, moved)[0] - energy)
-            lost = float(du @ mass @ du) / 2.0 if momenta is None else None
-            return Impact(t, moved, impulses, lost, change)
-    return None
-
-
-def _tight_rows(
-    ropes: RopeElements | None, t: float, x: Floats, before: Mapping[str, int]
-) -> tuple[list[int], list[int]]:
-    """Return the rows of all ropes, and of those at their length."""
-    if ropes is None:
-        return [], []
-    places = rope_rows(ropes.problem.eqs.formed, ropes.names)
-    tight = ropes.tight(before, ropes.motion_values(t, x))
-    return places, [place for place, is_tight in zip(places, tight, strict=True) if is_tight]
-
-
-def _subsets(places: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """Return the ropes that may pull: all, and then fewer and fewer."""
-    tried = 0
-    for size in range(len(places), -1, -1):
-        for some in combinations(places, size):
-            yield some
-            tried += 1
-            if tried == _MOST_TRIED:
-                return
-
-
-def _is_inelastic(pulls: Floats, left: Floats, rates: Floats, struck: float, slow: float) -> bool:
-    """Return whether no rope pushes, and the ends of those that do not pull do not move apart."""
-    least = -BALANCED * float(np.abs(pulls).max(initial=struck))
-    most = max(BALANCED * float(np.abs(rates).max(initial=0.0)), slow)
-    return bool((pulls >= least).all() and (left <= most).all())
+    solution = solve_saddle(
+        mass.ravel().tolist(), rows[chosen].ravel().tolist(), given.tolist(), (-rates[chosen]).tolist()
+    )
+    if not solution.ok:
+        return None
+    du, moved = np.array(solution.udot), x.copy()
+    moved[: du.size] += du
+    return moved, float(du @ mass @ du) / 2.0

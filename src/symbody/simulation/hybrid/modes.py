@@ -8,22 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.modes.mode_decision import ModeNumbers, Opening, mode_numbers
+from symbody.analysis.modes.reduced_modes import Verdict
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.outputs.output_roots import OF_MODES
 from symbody.simulation.events.events import Event
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
 Modes = tuple[int, ...]
-
-_MOST_TRIED: Final = 81  # modes of four joints at rest
 
 
 class SwitchingElements(Protocol):
@@ -41,7 +41,7 @@ class SwitchingElements(Protocol):
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Outputs that decide whether modes hold, one row after the other, in the equations of some modes."""
+        """Outputs in the equations of some modes, row by row; NaN where these have no solution."""
         ...
 
     @property
@@ -58,23 +58,17 @@ class SwitchingElements(Protocol):
         """Return equations with all elements in some modes."""
         ...
 
-    def candidates(self, state: HybridState, motion: Floats) -> list[tuple[int, ...]]:
-        """Return the modes each element may have, the likeliest first."""
-        ...
+    def openings(
+        self, state: HybridState, motion: Floats, accelerations: Mapping[str, float]
+    ) -> dict[str, Opening]:
+        """Return what is known of each element before modes are decided.
 
-    def violation(self, modes: Modes, values: Floats) -> Floats:
-        """Return by how much each element is loaded beyond what its mode can bear; positive if it is."""
-        ...
-
-    def next_mode(self, place: int, values: Floats) -> int:
-        """Return the mode of an element that was overloaded."""
-        ...
-
-    def is_consistent(self, trial: ModeTrial, place: int, element: int, is_open: bool) -> bool:
-        """Return whether the mode of an element holds; `element` is its place among those of all kinds.
-
-        `is_open`: it had several candidates, and no event decided between them.
+        Accelerations are those of a first decision, empty before there is one.
         """
+        ...
+
+    def mode_of(self, kernel_mode: int) -> int:
+        """Return the mode for one of `kernels.modes`."""
         ...
 
     def end_event(self, trial: ModeTrial, place: int, mode: int) -> Event:
@@ -124,6 +118,12 @@ class HybridMechanism:
             formed = kind.apply_modes(formed, kind_modes)
         return EquationSet(eqs.model, formed, eqs.notes)
 
+    def numbers(self, t: float, x: Floats) -> ModeNumbers:
+        """Return what decides about modes at a state."""
+        problem = self.problem
+        values = evaluate_outputs(problem, (OF_MODES,), t, x)[0]
+        return mode_numbers(problem.eqs.formed, values, problem.scales)
+
     def motion_values(self, t: float, x: Floats) -> list[Floats]:
         """Return the motion outputs of each kind: a column an element."""
         return self._values(self.problem, [kind.motion_outputs for kind in self.kinds], t, x)
@@ -160,7 +160,6 @@ class ModeTrial:
     modes: Modes
     t: float
     x: Floats
-    state: HybridState | None = None
     _values: list[list[Floats]] = field(default_factory=list)
 
     def values(self, kind: SwitchingElements) -> Floats:
@@ -170,11 +169,6 @@ class ModeTrial:
             self._values.append(self.mechanism.values(self.modes, self.t, x))
         pairs = zip(self.mechanism.kinds, self._values[0], strict=True)
         return next(values for other, values in pairs if other is kind)
-
-    def with_mode(self, element: int, mode: int) -> ModeTrial:
-        """Return the trial with another mode of one element."""
-        modes = (*self.modes[:element], mode, *self.modes[element + 1 :])
-        return replace(self, modes=modes, _values=[])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -201,45 +195,34 @@ class HybridState:
     length: float
 
 
-def find_modes(mechanism: HybridMechanism, state: HybridState) -> Modes | None:
-    """Return modes in which all constraints can hold, and what moves does so in its direction; None: none.
-
-    Elements with several candidates are held if they can be.
-    """
+def find_modes(mechanism: HybridMechanism, state: HybridState) -> tuple[Modes | None, Verdict]:
+    """Return modes in which all constraints can hold, and what moves does so in its direction; None: none."""
     t, x = state.t, state.x
-    kinds = zip(mechanism.kinds, mechanism.motion_values(t, x), strict=True)
-    candidates = [some for kind, motion in kinds for some in kind.candidates(state, motion)]
-    trial = ModeTrial(mechanism, tuple(some[0] for some in candidates), t, x, state)
-    is_open = any(len(some) > 1 for some in candidates)
-    # the one most overloaded first: that often frees or loads the others
-    for _ in range(len(candidates) if is_open else 0):
-        parts = zip(mechanism.kinds, mechanism.split_by_kind(trial.modes), strict=True)
-        excess = np.concatenate([kind.violation(some, trial.values(kind)) for kind, some in parts])
-        excess[[len(some) == 1 for some in candidates]] = -np.inf
-        k = int(np.argmax(excess))
-        if not excess[k] > 0.0:
-            break
-        kind, place = list(mechanism.elements)[k]
-        trial = trial.with_mode(k, kind.next_mode(place, trial.values(kind)))
-    if _is_consistent(trial, candidates, state):
-        return trial.modes
-    trials = (ModeTrial(mechanism, modes, t, x, state) for modes in _combinations(candidates))
-    return next((trial.modes for trial in trials if _is_consistent(trial, candidates, state)), None)
+    kinds = list(zip(mechanism.kinds, mechanism.motion_values(t, x), strict=True))
+    numbers = mechanism.numbers(t, x)
+    first = _openings(kinds, state, {})
+    found = numbers.decide(first)
+    again = _openings(kinds, state, dict(zip(numbers.names, found.accelerations.tolist(), strict=True)))
+    if again != first:
+        found = numbers.decide(again)
+    if found.verdict is not Verdict.ONE:
+        return None, found.verdict
+    by_name = dict(zip(numbers.names, found.modes, strict=True))
+    elements = [(kind, kind.names[place]) for kind, place in mechanism.elements]
+    modes = tuple(kind.mode_of(by_name[name]) for kind, name in elements)
+    trial = ModeTrial(mechanism, modes, t, x)
+    # the equations of these modes say where friction has no one solution although all efforts are known here
+    holds = all(np.isfinite(trial.values(kind)).all() for kind, _ in kinds)
+    return (modes, Verdict.ONE) if holds else (None, Verdict.NOT_FOUND)
 
 
-def _combinations(candidates: Sequence[tuple[int, ...]]) -> Iterator[Modes]:
-    for count, modes in enumerate(product(*candidates)):
-        if count == _MOST_TRIED:
-            return
-        yield modes
-
-
-def _is_consistent(trial: ModeTrial, candidates: Sequence[tuple[int, ...]], state: HybridState) -> bool:
-    for k, (kind, place) in enumerate(trial.mechanism.elements):
-        is_open = len(candidates[k]) > 1 and kind.names[place] not in state.forced_modes
-        if not kind.is_consistent(trial, place, k, is_open):
-            return False
-    return True
+def _openings(
+    kinds: Sequence[tuple[SwitchingElements, Floats]], state: HybridState, accelerations: Mapping[str, float]
+) -> dict[str, Opening]:
+    found: dict[str, Opening] = {}
+    for kind, motion in kinds:
+        found |= kind.openings(state, motion, accelerations)
+    return found
 
 
 def evaluate_outputs(

@@ -16,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.configurations.ropes import AT_LENGTH
+from symbody.analysis.modes.mode_decision import UNDECIDED, Opening
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.solving.ropes import rope_rows, rope_words, ropes, slacken, with_words
-from symbody.expr.sequences.saddle import solve_saddle
+from symbody.equations.solving.ropes import rope_words, ropes, slacken, with_words
+from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial, evaluate_outputs
 from symbody.simulation.simulation_problem import SimulationProblem
-from symbody.tolerances import BALANCED, CANCELLED
+from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
 
@@ -30,11 +31,9 @@ SLACK: Final = 0
 TAUT: Final = 1
 _WORDS: Final = MappingProxyType({SLACK: "slack", TAUT: "taut"})
 _SLOW: Final = 1e-3  # of speeds: ends that approach faster do not come back at once
-# Rows of the motion of the ropes, and of their outputs in some modes.
+# Rows of the motion of the ropes.
 _MOTION: Final = ("rope_slack", "rope_slack_dot", "rope_length")
 _SLACKNESS, RATE, _LENGTH = range(3)
-_OUTPUTS: Final = ("rope_slack_ddot", "rope_tension", "rope_size")
-_ACCELERATION, _TENSION, _SIZE = range(3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,25 +60,36 @@ class RopeElements:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Second rate of the slackness, tension, and what cancels in that rate."""
-        return tuple(f"{word} {name}" for word in _OUTPUTS for name in self.names)
+        """Tensions."""
+        return tuple(f"rope_tension {name}" for name in self.names)
 
     def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
         """Return equations without the ropes that are slack."""
         slack = [name for name, mode in zip(self.names, modes, strict=True) if mode == SLACK]
         return with_words(slacken(formed, slack), rope_words(self.problem.eqs.formed))
 
-    def candidates(self, state: HybridState, motion: Floats) -> list[tuple[int, ...]]:
-        """Return slack for ropes that are shorter or whose ends approach; others stay taut if they can."""
-        candidates: list[tuple[int, ...]] = []
+    def openings(
+        self, state: HybridState, motion: Floats, accelerations: Mapping[str, float]
+    ) -> dict[str, Opening]:
+        """Return slack for ropes that are shorter or whose ends approach; the others are undecided.
+
+        A rope that is taut again before its ends have measurably approached stays taut.
+        """
+        openings: dict[str, Opening] = {}
         tight = self.tight(state.before, motion)
         for k, name in enumerate(self.names):
-            parting = self._approach(state, k, motion) > _SLOW / BALANCED * state.small * state.length
-            if name in state.forced_modes or not tight[k] or parting:
-                candidates.append((SLACK,))
-            else:
-                candidates.append((TAUT, SLACK))
-        return candidates
+            rate = self._approach(state, k, motion)
+            back = -accelerations.get(name, 0.0)
+            is_slack = name in state.forced_modes or not tight[k]
+            if rate > state.small * state.length:
+                is_fast = rate > _SLOW / BALANCED * state.small * state.length
+                is_slack |= is_fast or not rate**2 <= 2.0 * back * AT_LENGTH * motion[_LENGTH, k]
+            openings[name] = Opening(LOOSE, is_decided=True) if is_slack else UNDECIDED
+        return openings
+
+    def mode_of(self, kernel_mode: int) -> int:
+        """Return taut for what holds."""
+        return TAUT if kernel_mode == HOLDS else SLACK
 
     def _approach(self, state: HybridState, place: int, motion: Floats) -> float:
         """Return the rate at which the ends of a rope approach; 0 where the rope was taut, whatever drift."""
@@ -90,28 +100,6 @@ class RopeElements:
         were = np.array([before.get(name) == TAUT for name in self.names], dtype=np.bool_)
         closed: NDArray[np.bool_] = were | (motion[_SLACKNESS] <= AT_LENGTH * motion[_LENGTH])
         return closed
-
-    def violation(self, modes: Modes, values: Floats) -> Floats:
-        """Return how hard taut ropes would have to push."""
-        return np.where([mode == TAUT for mode in modes], -values[_TENSION], -np.inf)
-
-    def next_mode(self, place: int, values: Floats) -> int:
-        """Return slack."""
-        return SLACK
-
-    def is_consistent(self, trial: ModeTrial, place: int, element: int, is_open: bool) -> bool:
-        """Return whether a taut rope pulls, or the ends of a slack one at its length do not move apart."""
-        values, motion = trial.values(self)[:, place], self.motion_values(trial.t, trial.x)
-        rate = 0.0 if trial.state is None else self._approach(trial.state, place, motion)
-        is_parting = trial.state is not None and rate > trial.state.small * trial.state.length
-        if trial.modes[element] == TAUT:
-            pulls = bool(values[_TENSION] >= -BALANCED / CANCELLED * self._limit(trial, place))
-            if not (pulls and is_parting):
-                return pulls
-            # A rope that is taut again before its ends have measurably approached stays taut.
-            back = -trial.with_mode(element, SLACK).values(self)[_ACCELERATION, place]
-            return bool(rate**2 <= 2.0 * back * AT_LENGTH * motion[_LENGTH, place])
-        return not is_open or is_parting or bool(values[_ACCELERATION] >= -BALANCED * values[_SIZE])
 
     def end_event(self, trial: ModeTrial, place: int, mode: int) -> Event:
         """Return what ends a mode: no tension, or the rope's length."""
@@ -145,14 +133,7 @@ class RopeElements:
 
     def _limit(self, trial: ModeTrial, place: int) -> float:
         """Return the tension that is rounding: that of the mass the rope moves, by what cancels."""
-        mass, rows = evaluate_outputs(self.problem, ("mass_matrix", "jacobian"), trial.t, trial.x)
-        row = rope_rows(self.problem.eqs.formed, self.names)[place]
-        others = [k for k in range(len(rows)) if k not in rope_rows(self.problem.eqs.formed, self.names)]
-        chosen = rows[[*others, row]]
-        gamma = [*[0.0] * len(others), 1.0]
-        solution = solve_saddle(mass.ravel().tolist(), chosen.ravel().tolist(), [0.0] * len(mass), gamma)
-        moved = abs(solution.multipliers[-1]) if solution.ok else 0.0
-        return float(CANCELLED * moved * trial.values(self)[_SIZE, place])
+        return trial.mechanism.numbers(trial.t, trial.x).slight_effort(self.names[place])
 
 
 def rope_elements(problem: SimulationProblem) -> RopeElements:

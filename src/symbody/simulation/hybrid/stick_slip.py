@@ -15,17 +15,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.modes.mode_decision import UNDECIDED, Opening
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
 from symbody.simulation.events.events import Event, LevelEvent
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial
-from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
 
 _WORDS: Final = MappingProxyType({STICKS: "sticks", 1: "slips forward", -1: "slips backward"})
-# Rows of what is known of the joints.
-_RESERVE, _EFFORT, _ACCELERATION = range(3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,47 +43,30 @@ class StickSlipJoints:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Reserves, efforts and accelerations."""
-        names = [f"{word} {joint}" for word in ("friction_reserve", "friction") for joint in self.names]
-        return (*names, *(f"{name}_ddot" for name in self.coordinates))
+        """Efforts."""
+        return tuple(f"friction {joint}" for joint in self.names)
 
     def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
         """Return equations with the joints sticking, or slipping in the direction of their sign."""
         return set_modes(formed, dict(zip(self.names, modes, strict=True)))
 
-    def candidates(self, state: HybridState, motion: Floats) -> list[tuple[int, ...]]:
-        """Return one direction for joints that move; those at rest stick if they can, if no event forbids."""
-        candidates: list[tuple[int, ...]] = []
+    def openings(
+        self, state: HybridState, motion: Floats, accelerations: Mapping[str, float]
+    ) -> dict[str, Opening]:
+        """Return the directions of joints that move or break away; those at rest are undecided."""
+        openings: dict[str, Opening] = {}
         for name, rate, is_angle in zip(self.names, motion[0], self.are_angles, strict=True):
-            forced = state.forced_modes.get(name)
             if abs(rate) > state.small * (1.0 if is_angle else state.length):
-                candidates.append((int(np.sign(rate)),))
+                openings[name] = Opening(int(np.sign(rate)), is_decided=True)
+            elif name in state.forced_modes:
+                openings[name] = Opening(state.forced_modes[name], is_decided=True)
             else:
-                candidates.append((STICKS, 1, -1) if forced is None else (forced, -forced))
-        return candidates
+                openings[name] = UNDECIDED
+        return openings
 
-    def violation(self, modes: Modes, values: Floats) -> Floats:
-        """Return by how much the holding effort exceeds the static limit."""
-        return np.where([mode == STICKS for mode in modes], -values[_RESERVE], -np.inf)
-
-    def next_mode(self, place: int, values: Floats) -> int:
-        """Return the direction in which a joint breaks away."""
-        return -int(np.sign(values[_EFFORT, place]))
-
-    def is_consistent(self, trial: ModeTrial, place: int, element: int, is_open: bool) -> bool:
-        """Return whether what sticks can be held, and what starts to slip slips in its direction."""
-        values, mode = trial.values(self), trial.modes[element]
-        if not np.isfinite(values[:, place]).all():
-            return False
-        if mode == STICKS:
-            limit = values[_RESERVE, place] + abs(values[_EFFORT, place])
-            return bool(values[_RESERVE, place] >= -BALANCED * limit)
-        acceleration = values[_ACCELERATION, place]
-        if not is_open or acceleration * mode >= 0.0:
-            return True
-        # At the limit itself nothing accelerates yet: rounding, beside what the other direction would do.
-        other = trial.with_mode(element, -mode).values(self)[_ACCELERATION, place]
-        return bool(abs(acceleration) <= BALANCED * abs(other))
+    def mode_of(self, kernel_mode: int) -> int:
+        """Return the sign of slip, 0 while it sticks."""
+        return kernel_mode
 
     def end_event(self, trial: ModeTrial, place: int, mode: int) -> Event:
         """Return what ends a mode: no reserve, or no rate."""
@@ -103,7 +84,7 @@ class StickSlipJoints:
             trial.mechanism.kinds, trial.mechanism.values(trial.modes, trial.t, trial.x), strict=True
         )
         values = next(values for kind, values in by_kind if kind is self)
-        return {self.names[place]: self.next_mode(place, values)}
+        return {self.names[place]: -int(np.sign(values[0, place]))}
 
     def word(self, mode: int) -> str:
         """Return a mode in words."""
@@ -114,5 +95,5 @@ def stick_slip_joints(formed: EquationsOfMotion) -> StickSlipJoints:
     """Return the joints of a mechanism that stick and slip."""
     names = switching_joints(formed)
     laws = {law.joint.name: law for law in formed.friction}
-    angles = tuple(laws[name].coordinate in laws[name].joint.rotation_coordinates for name in names)
+    angles = tuple(laws[name].turns for name in names)
     return StickSlipJoints(names, tuple(laws[name].coordinate for name in names), angles)

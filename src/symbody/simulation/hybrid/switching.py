@@ -9,13 +9,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.modes.reduced_modes import Verdict
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.execution import MotionPiece
-from symbody.simulation.hybrid.impact import Impact, impact, separating_ropes
+from symbody.simulation.hybrid.impact import Impact, separating_ropes, shock, strike
 from symbody.simulation.hybrid.modes import (
     HybridMechanism,
     HybridState,
@@ -36,8 +37,14 @@ from symbody.tolerances import AT_REST
 
 Floats = NDArray[np.float64]
 _MOST_NOTES: Final = 20  # of impacts
-_UNDETERMINED: Final = (
-    "no combination of sticking and slipping is consistent with the friction of the joints at rest"
+_UNDETERMINED: Final = MappingProxyType(
+    {
+        Verdict.NONE: "no combination of sticking and slipping is consistent with the friction of the joints",
+        Verdict.TWO: "two combinations of sticking and slipping, with different accelerations, are "
+        "consistent with the friction of the joints",
+        Verdict.NOT_FOUND: "no combination of sticking and slipping was found that is consistent with "
+        "the friction of the joints",
+    }
 )
 _SMOOTH: Final = "give friction a v0, and replace ropes by springs that only pull: their laws are smooth then"
 
@@ -144,16 +151,16 @@ class SwitchingModes:
         before = self.known if state.before is None else state.before
         at = self._hybrid_state(t, x, before, state.forced)
         if self.ropes is not None and separating_ropes(self.ropes, at):
-            found = impact(self.mechanism.problem, t, x, None, self.ropes, before)
+            found = shock(self.mechanism, self.ropes, at)
             if found is None:
                 raise DeadEndError(t, Status.SINGULAR, "no speeds were found that keep the ropes taut")
             self._pieces.begin_behind(t, self._first_state(t, x))
             self._pieces.add_energy(found.change)
             x = self._note_impact(found).x
             at = self._hybrid_state(t, x, {}, {})
-        modes = find_modes(self.mechanism, at)
+        modes, verdict = find_modes(self.mechanism, at)
         if modes is None:
-            raise DeadEndError(t, Status.FRICTION, _UNDETERMINED)
+            raise DeadEndError(t, Status.FRICTION, _UNDETERMINED[verdict])
         self._note_modes(modes, t, x)
         return self._begin(modes, t, x)
 
@@ -200,8 +207,7 @@ class SwitchingModes:
     def strike(self, t: float, x: Floats, momenta: Floats) -> Impact | None:
         """Return what a jump of the momenta that prescribed rates give does; None if no speeds were found."""
         at = self._hybrid_state(t, x, self.known, {})
-        slow = at.small * at.length
-        found = impact(self.mechanism.problem, t, x, momenta, self.ropes, self.known, slow)
+        found = strike(self.mechanism, self.ropes, at, momenta)
         return None if found is None else self._note_impact(found)
 
     def _note_impact(self, found: Impact) -> Impact:

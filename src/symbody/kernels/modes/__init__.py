@@ -1,0 +1,1 @@
+"""Which elements hold: unilateral rows, bounded rows and cones of friction."""
