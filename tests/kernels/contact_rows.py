@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, Verdict, decide
+from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, ModeVerdict, decide
 from symbody.kernels.modes.mode_problem import CONE, HOLDS, LOOSE, UNILATERAL
 
 Floats = NDArray[np.float64]
@@ -72,7 +72,7 @@ class Plane:
 
         def rates(_t: float, x: Floats) -> Floats:
             solution = self.decide(x[:n], x[n:], [True] * len(self.gaps))
-            assert solution.verdict is Verdict.ONE
+            assert solution.verdict is ModeVerdict.ONE
             forces = self.force + self.rows(x[:n]).T @ solution.efforts
             return np.concatenate([x[n:], np.linalg.solve(self.mass, forces)])
 

@@ -13,7 +13,7 @@ import scipy
 from symbody.analysis.modes.reduced_modes import (
     ModeCandidate,
     Responses,
-    Verdict,
+    ModeVerdict,
     decide,
     mode_problem,
     mode_solution,
@@ -39,7 +39,7 @@ def test_a_thousand_problems_against_all_modes_in_rational_numbers() -> None:
         n = len(problem.kinds)
         wanted, found = problem.solutions(), problem.decide(range(n))
         counts[found.verdict.name, min(len(wanted), 2)] += 1
-        if found.verdict is Verdict.ONE:
+        if found.verdict is ModeVerdict.ONE:
             ((accelerations, _),) = wanted.items()
             sizes = max(abs(found.efforts).max(), abs(found.accelerations).max(), 1.0)
             assert found.accelerations == pytest.approx(
@@ -55,11 +55,11 @@ def test_permuted_elements_have_the_same_modes_and_efforts() -> None:
         problem = draw(random)
         n = len(problem.kinds)
         first = problem.decide(range(n))
-        if first.verdict is not Verdict.ONE:
+        if first.verdict is not ModeVerdict.ONE:
             continue
         for order in permutations(range(n)):
             other = problem.decide(order)
-            assert other.verdict is Verdict.ONE
+            assert other.verdict is ModeVerdict.ONE
             assert other.modes == tuple(first.modes[k] for k in order)
             size = 1e-9 * max(1.0, np.abs(first.efforts).max())
             assert other.efforts == pytest.approx(first.efforts[list(order)], abs=size)
@@ -76,7 +76,7 @@ def test_python_and_machine_code_give_the_same_bits() -> None:
         responses = Responses(offsets, rows @ rows.T, loads, reactions)
         block = mode_problem(elements, responses)
         by_python = ModeProblem(block.tolist())
-        verdict = Verdict(find_modes(by_python))
+        verdict = ModeVerdict(find_modes(by_python))
         python, machine = mode_solution(np.array(by_python.entries), verdict), decide(elements, responses)
         assert python.verdict is machine.verdict and python.modes == machine.modes
         assert (python.efforts == machine.efforts).all() and (python.slip == machine.slip).all()
@@ -104,7 +104,7 @@ def test_painleves_rod_has_one_none_and_two_solutions() -> None:
     edge = (1 + 3 * np.cos(angle) ** 2) / (3 * np.sin(angle) * np.cos(angle))
     assert edge == pytest.approx(4.0 / 3.0, rel=1e-15)  # the least of all angles
     for share, load, verdict in (
-        (0.99, 1.0, Verdict.ONE), (0.99, -1.0, Verdict.ONE), (1.01, 1.0, Verdict.NONE), (1.01, -1.0, Verdict.TWO),
+        (0.99, 1.0, ModeVerdict.ONE), (0.99, -1.0, ModeVerdict.ONE), (1.01, 1.0, ModeVerdict.NONE), (1.01, -1.0, ModeVerdict.TWO),
     ):  # fmt: skip
         elements, responses = rod(share * edge, angle, load=load)
         assert decide(elements, responses).verdict is verdict
@@ -119,7 +119,7 @@ def test_an_element_at_rest_holds_up_to_its_static_strength() -> None:
     """With mu_static = 2 mu: what rests stays, what slips goes on with the kinetic strength."""
     for load, mode, rate in ((1.5, HOLDS, 0.0), (-1.5, HOLDS, 0.0), (2.5, LOOSE, 1.5), (-2.5, BACK, -1.5)):
         found = decide([dry(1.0, 2.0)], fixed([load], [[1.0]]))
-        assert found.verdict is Verdict.ONE and found.modes == (mode,)
+        assert found.verdict is ModeVerdict.ONE and found.modes == (mode,)
         assert found.accelerations[0] == pytest.approx(rate, abs=1e-15)
     slides = dry(1.0, 2.0, moves=True, mode=LOOSE, slip=(1.0, 0.0))
     assert decide([slides], fixed([1.5], [[1.0]])).accelerations[0] == 0.5
@@ -129,7 +129,7 @@ def test_one_that_breaks_away_may_relieve_or_load_others() -> None:
     """Two blocks between springs: the second holds as long as the first does, and as it does not."""
     stiff = [[2.0, -1.0], [-1.0, 2.0]]
     found = decide([dry(1.0), dry(3.0)], fixed([4.0, 1.0], stiff))
-    assert found.verdict is Verdict.ONE and found.modes == (LOOSE, HOLDS)
+    assert found.verdict is ModeVerdict.ONE and found.modes == (LOOSE, HOLDS)
     assert found.efforts == pytest.approx([-1.0, -1.0], abs=1e-14)
 
 
@@ -145,10 +145,10 @@ def test_a_door_on_two_hinges_breaks_away_only_beyond_both(swapped: bool) -> Non
     ):  # fmt: skip
         limits = (strong, weak) if swapped else (weak, strong)
         found = decide([dry(x) for x in limits], fixed([torque, torque], HINGES))
-        assert found.verdict is Verdict.ONE and found.modes == (HOLDS, HOLDS)
+        assert found.verdict is ModeVerdict.ONE and found.modes == (HOLDS, HOLDS)
         assert found.efforts == pytest.approx([-x for x in (shares[::-1] if swapped else shares)], abs=1e-8)
     found = decide([dry(weak), dry(strong)], fixed([5.001, 5.001], HINGES))
-    assert found.verdict is Verdict.ONE and found.modes == (LOOSE, LOOSE)
+    assert found.verdict is ModeVerdict.ONE and found.modes == (LOOSE, LOOSE)
     assert found.accelerations == pytest.approx([0.001, 0.001], rel=1e-9)
 
 
@@ -160,7 +160,7 @@ def test_ropes_share_what_neither_bears_alone_and_none_pushes() -> None:
         # of a plate whose responses are 1 in height and in turn: the load 1 at x
         offsets = -rows @ np.array([1.0, x])
         found = decide([ModeCandidate(UNILATERAL)] * 3, fixed(offsets.tolist(), (rows @ rows.T).tolist()))
-        assert found.verdict is Verdict.ONE
+        assert found.verdict is ModeVerdict.ONE
         assert found.efforts == pytest.approx(wanted, abs=1e-9)
         assert rows.T @ found.efforts == pytest.approx([1.0, x], abs=1e-9)
 
@@ -174,5 +174,5 @@ def test_many_elements_are_found_by_the_search() -> None:
         found = decide([dry(1.0)] * 30, fixed(offsets.tolist(), (root.T @ root).tolist()))
         target = -np.linalg.lstsq(root.T, offsets, rcond=None)[0]
         wanted = scipy.optimize.lsq_linear(root, target, (-1.0, 1.0), tol=1e-14, method="bvls").x
-        assert found.verdict is Verdict.ONE
+        assert found.verdict is ModeVerdict.ONE
         assert found.efforts == pytest.approx(wanted, abs=1e-8)

@@ -7,7 +7,7 @@ import pytest
 import scipy
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import ModeCandidate, Responses, Verdict, decide
+from symbody.analysis.modes.reduced_modes import ModeCandidate, Responses, ModeVerdict, decide
 from symbody.kernels.modes.mode_problem import CONE, HOLDS, LOOSE
 from tests.kernels.contact_rows import Plane
 
@@ -44,7 +44,7 @@ def test_a_ball_that_slides_rolls_with_five_sevenths_of_its_speed() -> None:
     assert t == pytest.approx(2.0 * v / (7.0 * mu * G), rel=CLOSE)
     assert u == pytest.approx([5.0 * v / 7.0, 0, 0, 0, 5.0 * v / (7.0 * R), 0], abs=CLOSE * v / R)
     rolling = plane.decide(q, u, [False])
-    assert rolling.verdict is Verdict.ONE and rolling.modes == (HOLDS, HOLDS)
+    assert rolling.verdict is ModeVerdict.ONE and rolling.modes == (HOLDS, HOLDS)
     assert rolling.efforts == pytest.approx([M * G, 0, 0], abs=1e-12 * M * G)
 
 
@@ -72,7 +72,7 @@ def test_a_ball_on_a_slope_rolls_as_long_as_friction_suffices(angle: float) -> N
         rows = plane.slips(np.zeros(6))
         turned = Plane(plane.mass, plane.force, plane.gaps, lambda _q, J=turn @ rows: J, mu)
         found = turned.decide(np.zeros(6), np.zeros(6), [False])
-        assert found.verdict is Verdict.ONE and found.modes == (HOLDS, HOLDS if rolls else LOOSE)
+        assert found.verdict is ModeVerdict.ONE and found.modes == (HOLDS, HOLDS if rolls else LOOSE)
         forces = turned.force + turned.rows(np.zeros(6)).T @ found.efforts
         expected = 5.0 / 7.0 * np.sin(slope) if rolls else np.sin(slope) - mu * np.cos(slope)
         assert forces[0] / M == pytest.approx(G * expected, rel=1e-12)
@@ -108,7 +108,7 @@ def test_a_block_with_a_static_strength_rests_up_to_it() -> None:
         found = block(0.5 * np.tan(slope), slope, share * np.tan(slope)).decide(
             np.zeros(3), np.zeros(3), [False]
         )
-        assert found.verdict is Verdict.ONE and found.modes[1] == (HOLDS if holds else LOOSE)
+        assert found.verdict is ModeVerdict.ONE and found.modes[1] == (HOLDS if holds else LOOSE)
         wanted = 0.0 if holds else 0.5 * G * np.sin(slope)
         assert found.accelerations[1] == pytest.approx(wanted, abs=1e-12 * G)
 
@@ -122,7 +122,7 @@ def test_what_responds_unequally_breaks_away_against_its_acceleration() -> None:
         offsets, bound = random.normal(size=2), 10.0 ** random.uniform(-3.0, 0.0)
         cone = ModeCandidate(CONE, sliding=bound, static=bound)
         found = decide([cone], Responses(offsets, matrix, np.zeros(0), np.zeros((0, 2))))
-        assert found.verdict is Verdict.ONE
+        assert found.verdict is ModeVerdict.ONE
         holding = np.linalg.solve(matrix, -offsets)
         assert (found.modes == (HOLDS,)) == (np.hypot(*holding) <= bound)
         # the least of a quadratic function on a disc, whose slope is the acceleration
@@ -159,7 +159,7 @@ def test_a_puck_that_spins_in_place_stops_at_once_in_three_points() -> None:
     assert t == pytest.approx(spin / slower, rel=CLOSE)
     assert q[5] == pytest.approx(spin**2 / (2.0 * slower), rel=CLOSE)
     rest = plane.decide(q, u, [False] * 3)
-    assert rest.verdict is Verdict.ONE and rest.modes == (HOLDS,) * 6
+    assert rest.verdict is ModeVerdict.ONE and rest.modes == (HOLDS,) * 6
     assert rest.normals[1::2] == pytest.approx(M * G / 3.0, rel=1e-12)
 
 

@@ -154,6 +154,15 @@ class RecordLayout(Reals):
     def __init__(self, entries: Any, offset: int = 0) -> None:
         self.entries, self.offset = entries, offset  # a NumPy array is seen through, not copied
 
+    @property
+    def array(self) -> Any:
+        """The array from the beginning of the record on: a view."""
+        return self.entries[self.offset :]
+
+    def __array__(self, *_: object, **__: object) -> Any:
+        """Refuse a copy where a view was meant."""
+        raise TypeError(f"{type(self).__name__} is a record: take its array")
+
     def __init_subclass__(cls) -> None:
         """Lay out the fields."""
         fields: dict[str, RecordField] = {}

@@ -18,7 +18,7 @@ from symbody.analysis.accelerations import complete_state
 from symbody.analysis.configurations.ropes import AT_LENGTH, slackness, with_taut
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.modes.mode_decision import UNDECIDED, Opening, mode_numbers
-from symbody.analysis.modes.reduced_modes import Verdict
+from symbody.analysis.modes.reduced_modes import ModeVerdict
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.output_roots import OF_MODES
@@ -94,7 +94,7 @@ class _ModeSearch:
         values = evaluator.compile(OF_MODES)(evaluator.t, self.q, self.u)
         numbers = mode_numbers(self.eqs.formed, values, evaluator.mechanism)
         found = numbers.decide(self.openings)
-        if found.verdict is not Verdict.ONE:
+        if found.verdict is not ModeVerdict.ONE:
             return None
         modes = dict(zip(numbers.names, found.modes, strict=True))
         chosen = [name for name in self.openings if name in self.ropes or self.is_open(name)]

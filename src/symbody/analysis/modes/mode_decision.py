@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, Verdict, decide
+from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, ModeVerdict, decide
 from symbody.analysis.scales import Scales
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.mode_responses import candidate_laws, candidate_ropes, reaction_sizes
@@ -92,7 +92,7 @@ class ModeNumbers:
         responses = self.responses.of_rows(places)._replace(offsets=np.array(list(rates.values())))
         ends = [ModeCandidate(UNILATERAL, self.candidates[k].scale) for k in places]
         found = decide(ends, responses._replace(loads=np.zeros(0), reactions=np.zeros((0, len(places)))))
-        if found.verdict is not Verdict.ONE:
+        if found.verdict is not ModeVerdict.ONE:
             return None
         triples = zip(rates, found.modes, found.efforts.tolist(), strict=True)
         return {name: impulse for name, mode, impulse in triples if mode == HOLDS}

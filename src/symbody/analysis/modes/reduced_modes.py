@@ -19,7 +19,7 @@ from symbody.single_flight import once
 Floats = NDArray[np.float64]
 
 
-class Verdict(IntEnum):
+class ModeVerdict(IntEnum):
     """How many solutions there are; codes of `kernels.modes.find_modes`."""
 
     ONE = 0
@@ -103,7 +103,7 @@ class ModeSolution(NamedTuple):
 
     Attributes
     ----------
-    verdict : Verdict
+    verdict : ModeVerdict
     modes : tuple of int
     efforts, accelerations : (n,) array
     slip : (elements, 2) array
@@ -112,7 +112,7 @@ class ModeSolution(NamedTuple):
         Norms of the reactions that bounds read.
     """
 
-    verdict: Verdict
+    verdict: ModeVerdict
     modes: tuple[int, ...]
     efforts: Floats
     accelerations: Floats
@@ -124,8 +124,8 @@ def decide(candidates: Sequence[ModeCandidate], responses: Responses) -> ModeSol
     """Return which elements hold, and with which efforts; none are found where responses are no numbers."""
     problem = mode_problem(candidates, responses)
     if not np.isfinite(problem).all():
-        return mode_solution(problem, Verdict.NOT_FOUND)
-    verdict = Verdict(_kernel()(problem.ctypes.data))
+        return mode_solution(problem, ModeVerdict.NOT_FOUND)
+    verdict = ModeVerdict(_kernel()(problem.ctypes.data))
     return mode_solution(problem, verdict)
 
 
@@ -158,7 +158,7 @@ def mode_problem(candidates: Sequence[ModeCandidate], responses: Responses) -> F
     )  # fmt: skip
 
 
-def mode_solution(block: Floats, verdict: Verdict) -> ModeSolution:
+def mode_solution(block: Floats, verdict: ModeVerdict) -> ModeSolution:
     """Return what the kernel left in its block."""
     problem = ModeProblem(block)
     elements = list(problem.elements)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.modes.mode_decision import ModeNumbers, Opening, mode_numbers
-from symbody.analysis.modes.reduced_modes import Verdict
+from symbody.analysis.modes.reduced_modes import ModeVerdict
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.output_roots import OF_MODES
@@ -195,7 +195,7 @@ class HybridState:
     length: float
 
 
-def find_modes(mechanism: HybridMechanism, state: HybridState) -> tuple[Modes | None, Verdict]:
+def find_modes(mechanism: HybridMechanism, state: HybridState) -> tuple[Modes | None, ModeVerdict]:
     """Return modes in which all constraints can hold, and what moves does so in its direction; None: none."""
     t, x = state.t, state.x
     kinds = list(zip(mechanism.kinds, mechanism.motion_values(t, x), strict=True))
@@ -205,7 +205,7 @@ def find_modes(mechanism: HybridMechanism, state: HybridState) -> tuple[Modes | 
     again = _openings(kinds, state, dict(zip(numbers.names, found.accelerations.tolist(), strict=True)))
     if again != first:
         found = numbers.decide(again)
-    if found.verdict is not Verdict.ONE:
+    if found.verdict is not ModeVerdict.ONE:
         return None, found.verdict
     by_name = dict(zip(numbers.names, found.modes, strict=True))
     elements = [(kind, kind.names[place]) for kind, place in mechanism.elements]
@@ -213,7 +213,7 @@ def find_modes(mechanism: HybridMechanism, state: HybridState) -> tuple[Modes | 
     trial = ModeTrial(mechanism, modes, t, x)
     # the equations of these modes say where friction has no one solution although all efforts are known here
     holds = all(np.isfinite(trial.values(kind)).all() for kind, _ in kinds)
-    return (modes, Verdict.ONE) if holds else (None, Verdict.NOT_FOUND)
+    return (modes, ModeVerdict.ONE) if holds else (None, ModeVerdict.NOT_FOUND)
 
 
 def _openings(

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import Verdict
+from symbody.analysis.modes.reduced_modes import ModeVerdict
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import switching_joints
@@ -39,10 +39,10 @@ Floats = NDArray[np.float64]
 _MOST_NOTES: Final = 20  # of impacts
 _UNDETERMINED: Final = MappingProxyType(
     {
-        Verdict.NONE: "no combination of sticking and slipping is consistent with the friction of the joints",
-        Verdict.TWO: "two combinations of sticking and slipping, with different accelerations, are "
+        ModeVerdict.NONE: "no combination of sticking and slipping is consistent with the friction of the joints",
+        ModeVerdict.TWO: "two combinations of sticking and slipping, with different accelerations, are "
         "consistent with the friction of the joints",
-        Verdict.NOT_FOUND: "no combination of sticking and slipping was found that is consistent with "
+        ModeVerdict.NOT_FOUND: "no combination of sticking and slipping was found that is consistent with "
         "the friction of the joints",
     }
 )

@@ -63,9 +63,9 @@ class SampledLoop:
 
     def begin(self, block: Floats) -> None:
         """Go back to where a motion begins, and show the right-hand side all values."""
-        self.sampler.rewind(Run(block).time)
-        numbers = block[int(block[Run.layout["numbers"]]) :]
-        sample_kernels().show_values(address(self.sampler.block), address(numbers))
+        run = Run(block)
+        self.sampler.rewind(run.time)
+        sample_kernels().show_values(address(self.sampler.block), address(run.numbers.array))
 
     def take(self, t: float, x: Floats) -> None:
         """Take the samples that are due at a time and state (u, q, s, ..).
@@ -126,7 +126,7 @@ class SampledLoop:
         monitor = EventMonitor(watch)
         for numbers in (monitor.numbers, monitor.actions):
             if exists(numbers):
-                sample_kernels().show_values(address(self.sampler.block), address(np.asarray(numbers)))
+                sample_kernels().show_values(address(self.sampler.block), address(numbers.array))
 
     def _make_room(self, code: int) -> None:
         if code == run_at.NO_SAMPLE_ROOM:
