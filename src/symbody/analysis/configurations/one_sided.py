@@ -92,7 +92,7 @@ class _ModeSearch:
             self.eqs, state.parameters, state.inputs, state.t, signals=self._signals()
         )
         values = evaluator.compile(OF_MODES)(evaluator.t, self.q, self.u)
-        numbers = mode_numbers(self.eqs.formed, values, evaluator.mechanism)
+        numbers = mode_numbers(self.eqs, values, evaluator.mechanism)
         found = numbers.decide(self.openings)
         if found.verdict is not ModeVerdict.ONE:
             return None

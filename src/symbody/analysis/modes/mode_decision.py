@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, ModeVerdict, decide
 from symbody.analysis.scales import Scales
-from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.mode_responses import candidate_laws, candidate_ropes, reaction_sizes
 from symbody.kernels.modes.mode_problem import BOUNDED, HOLDS, LOOSE, UNILATERAL
 from symbody.tolerances import BALANCED, CANCELLED
@@ -105,10 +105,11 @@ class ModeNumbers:
         return candidate.with_slip(opening.mode, moves=opening.is_decided)
 
 
-def mode_numbers(formed: EquationsOfMotion, values: Sequence[float], scales: Scales) -> ModeNumbers:
+def mode_numbers(eqs: EquationSet, values: Sequence[float], scales: Scales) -> ModeNumbers:
     """Return what decides about modes from the values of the output `OF_MODES`."""
+    formed = eqs.formed
     laws, lines = candidate_laws(formed), candidate_ropes(formed)
-    counts = reaction_sizes(formed)
+    counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(formed))
     n, c = len(laws) + len(lines), sum(counts)
     sizes = [3 * len(laws), n, n * n, c, c * n, n]
     parts = np.split(np.asarray(values, dtype=np.float64), np.cumsum(sizes)[:-1])

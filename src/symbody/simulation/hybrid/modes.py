@@ -122,7 +122,7 @@ class HybridMechanism:
         """Return what decides about modes at a state."""
         problem = self.problem
         values = evaluate_outputs(problem, (OF_MODES,), t, x)[0]
-        return mode_numbers(problem.eqs.formed, values, problem.scales)
+        return mode_numbers(problem.eqs, values, problem.scales)
 
     def motion_values(self, t: float, x: Floats) -> list[Floats]:
         """Return the motion outputs of each kind: a column an element."""
