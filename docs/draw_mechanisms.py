@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import ast
 import runpy
+import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -23,6 +24,9 @@ from matplotlib.figure import Figure
 import symbody as sb
 from symbody.equations.outputs.equation_page import DIGITS_NOTE
 from symbody.equations.outputs.equation_sections import SHOWN_DIGITS as DIGITS
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from docs.typeset import with_formulas
 
 HERE: Final = Path(__file__).resolve().parent
 PICTURES: Final = HERE / "pictures" / "gallery"
@@ -106,10 +110,7 @@ def title_and_text(path: Path) -> tuple[str, list[str]]:
     """Return the first line of a script, and the paragraphs below it as Markdown."""
     module = ast.parse(path.read_text(encoding="utf-8"))
     title, *paragraphs = (ast.get_docstring(module) or "").split("\n\n")
-    texts = [
-        text.replace("Check: ", "**Check**: ").replace("^", r"\^").replace("*(", r"\*(")
-        for text in paragraphs
-    ]
+    texts = [with_formulas(text.replace("Check: ", "**Check**: ")) for text in paragraphs]
     return title.rstrip("."), texts
 
 

@@ -278,7 +278,8 @@ class EquationSet(PrintedEquations, NamedEquations):
         return changed
 
     def _drop(self, silent: Items[bool]) -> EquationSet:
-        return EquationSet(self.model, drop_rows(self.formed, silent), self.notes)
+        formed = drop_rows(self.formed, silent)
+        return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
 
     @property
     def textbook(self) -> Textbook:
