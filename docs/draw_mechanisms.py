@@ -1,10 +1,10 @@
 """Draw the gallery: `python docs/draw_mechanisms.py` renews pictures, model files and pages.
 
 Each script of examples/gallery gives a mechanism, its motion, a comparison with a closed form, and how it
-looks. Its picture is docs/pictures/gallery/NAME.png, its model file lies beside it, and its page
-docs/gallery/NAME.md is made of the docstring of the script. Names of scripts as arguments draw these alone,
-then the pages of all; with `--pages` only these are written. The site shows each motion in place of its
-picture (docs/site/moving_pictures.py).
+looks. Its pictures are docs/pictures/gallery/NAME.png and NAME_dark.png, its model file lies beside it, and
+its page docs/gallery/NAME.md is made of the docstring of the script. Names of scripts as arguments draw
+these alone, then the pages of all; with `--pages` only these are written. The site shows each motion in
+place of its picture (docs/site/moving_pictures.py).
 """
 
 from __future__ import annotations
@@ -87,11 +87,14 @@ def path_of(name: str) -> Path:
 
 
 def draw_mechanism(path: Path) -> None:
-    """Write the picture of a mechanism: as its script draws it, or as its bodies look."""
+    """Write the pictures of a mechanism, light and dark: as its script draws it, or as its bodies look."""
     entry = script_of(path)
     run, picture = entry["motion"](), PICTURES / f"{path.stem}.png"
     if "draw" not in entry:
-        sb.save_animation(run, picture, size=(600, 400), progress=False, **entry["LOOK"])
+        for end in ("", "_dark"):
+            file = picture.with_stem(f"{path.stem}{end}")
+            look = {"size": (600, 400), "progress": False, "dark": bool(end)}
+            sb.save_animation(run, file, **look, **entry["LOOK"])
         return
     figure = Figure(figsize=(6, 4), layout="constrained")
     entry["draw"](run, figure.subplots())
