@@ -38,19 +38,28 @@ def four_bar() -> sb.Model:
 
 
 def main() -> None:
-    """Write both pictures."""
+    """Write both pictures, for light and for dark pages."""
     run = sb.simulate(sb.form_equations(four_bar()), 1.0)
     size = (560, 330)
-    sb.save_animation(
-        run,
-        PICTURES / "film_four_bar.svg",
-        times=(0.0, 0.1, 0.2),
-        traces=["Coupler.P"],
-        labels=True,
-        size=size,
-    )
     top = sb.simulate(sb.form_equations(sb.load_model(TOP)), 1.5)
-    sb.save_animation(top, PICTURES / "film_top.svg", times=np.linspace(0, 1.5, 4), traces=["Top"], size=size)
+    for dark, end in ((False, ""), (True, "_dark")):
+        sb.save_animation(
+            run,
+            PICTURES / f"film_four_bar{end}.svg",
+            times=(0.0, 0.1, 0.2),
+            traces=["Coupler.P"],
+            labels=True,
+            size=size,
+            dark=dark,
+        )
+        sb.save_animation(
+            top,
+            PICTURES / f"film_top{end}.svg",
+            times=np.linspace(0, 1.5, 4),
+            traces=["Top"],
+            size=size,
+            dark=dark,
+        )
 
 
 if __name__ == "__main__":

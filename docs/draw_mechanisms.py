@@ -1,10 +1,10 @@
 """Draw the gallery: `python docs/draw_mechanisms.py` renews pictures, model files and pages.
 
 Each script of examples/gallery gives a mechanism, its motion, a comparison with a closed form, and how it
-looks. Its picture is docs/pictures/gallery/NAME.png, its model file lies beside it, and its page
-docs/gallery/NAME.md is made of the docstring of the script. Names of scripts as arguments draw these alone,
-then the pages of all; with `--pages` only these are written. The site shows each motion in place of its
-picture (docs/site/moving_pictures.py).
+looks. Its pictures are docs/pictures/gallery/NAME.png and NAME_dark.png, its model file lies beside it, and
+its page docs/gallery/NAME.md is made of the docstring of the script. Names of scripts as arguments draw
+these alone, then the pages of all; with `--pages` only these are written. The site shows each motion in
+place of its picture (docs/site/moving_pictures.py).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import ast
 import runpy
+import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -23,6 +24,9 @@ from matplotlib.figure import Figure
 import symbody as sb
 from symbody.equations.outputs.equation_page import DIGITS_NOTE
 from symbody.equations.outputs.equation_sections import SHOWN_DIGITS as DIGITS
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from docs.typeset import with_formulas
 
 HERE: Final = Path(__file__).resolve().parent
 PICTURES: Final = HERE / "pictures" / "gallery"
@@ -83,11 +87,14 @@ def path_of(name: str) -> Path:
 
 
 def draw_mechanism(path: Path) -> None:
-    """Write the picture of a mechanism: as its script draws it, or as its bodies look."""
+    """Write the pictures of a mechanism, light and dark: as its script draws it, or as its bodies look."""
     entry = script_of(path)
     run, picture = entry["motion"](), PICTURES / f"{path.stem}.png"
     if "draw" not in entry:
-        sb.save_animation(run, picture, size=(600, 400), progress=False, **entry["LOOK"])
+        for end in ("", "_dark"):
+            file = picture.with_stem(f"{path.stem}{end}")
+            look = {"size": (600, 400), "progress": False, "dark": bool(end)}
+            sb.save_animation(run, file, **look, **entry["LOOK"])
         return
     figure = Figure(figsize=(6, 4), layout="constrained")
     entry["draw"](run, figure.subplots())
@@ -106,10 +113,7 @@ def title_and_text(path: Path) -> tuple[str, list[str]]:
     """Return the first line of a script, and the paragraphs below it as Markdown."""
     module = ast.parse(path.read_text(encoding="utf-8"))
     title, *paragraphs = (ast.get_docstring(module) or "").split("\n\n")
-    texts = [
-        text.replace("Check: ", "**Check**: ").replace("^", r"\^").replace("*(", r"\*(")
-        for text in paragraphs
-    ]
+    texts = [with_formulas(text.replace("Check: ", "**Check**: ")) for text in paragraphs]
     return title.rstrip("."), texts
 
 

@@ -46,11 +46,14 @@ def test_commands_that_repeat_figures_exist() -> None:
 
 
 def test_first_picture_moves_and_is_small() -> None:
-    (first, *_) = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", README)
-    film = (ROOT / first).read_bytes()
-    assert first.endswith(".gif") and film.count(b"\x21\xf9\x04") > 20  # a graphic control block a frame
-    assert len(film) < 1_000_000
-    assert README.index(first) < 400
+    """One for light and one for dark pages."""
+    films = re.findall(r'src(?:set)?="([^"]+)"', README)[:2]
+    assert [name.endswith("_dark.gif") for name in films] == [True, False]
+    for name in films:
+        film = (ROOT / name).read_bytes()
+        assert film.count(b"\x21\xf9\x04") > 20  # a graphic control block a frame
+        assert len(film) < 1_000_000
+        assert README.index(name) < 400
 
 
 def test_every_file_it_links_to_exists() -> None:

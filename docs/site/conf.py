@@ -22,6 +22,7 @@ extensions = [
     "sphinx_design",
     "mathml",
     "moving_pictures",
+    "dark_pictures",
     "generated_pages",
     "heading_levels",
     "index_words",

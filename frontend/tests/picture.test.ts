@@ -5,6 +5,8 @@ import { arrowScale, formatQuantity, largestMagnitude, roundDown } from "../src/
 import { viewDirection } from "../src/viewer/camera_rig";
 import { Connectors } from "../src/viewer/connectors";
 import { spanMatrix, type Counts } from "../src/viewer/layer";
+import type { Scene, Solid } from "../src/viewer/contract";
+import type { Pose, StateSource } from "../src/viewer/source";
 import { anchorPath, motionExtent, shortestLengths, visitStates } from "../src/viewer/paths";
 import { elementNamed } from "../src/viewer/picker";
 import { GeometryStore, Solids } from "../src/viewer/solids";
@@ -55,6 +57,40 @@ describe("views", () => {
     expect(box.min.x).toBeLessThan(-0.4);
     expect(box.max.x).toBeGreaterThanOrEqual(1.7);
     expect(points.length % 3).toBe(0);
+  });
+});
+
+describe("the floor", () => {
+  const quaternion = [1, 0, 0, 0] as const;
+  /** A bar of 1 m in the air that turns about its end at the height of 0.3 m, with a foot on the ground or above it. */
+  function arm(foot: number): [Scene, StateSource] {
+    const [ground, bar] = scene.bodies;
+    const solid = { ...bar!.solids[0]!, mesh: null, kind: "box", size: [0.1, 0.1, 0.1], quaternion } as Solid;
+    const bodies = [
+      { ...ground!, solids: [{ ...solid, at: [0, 0, foot + 0.05] }], frames: [] },
+      { ...bar!, solids: [{ ...solid, at: [1, 0, 0] }], frames: [] },
+    ] as Scene["bodies"];
+    const standing = { ...scene, bodies, joints: [{ ...scene.joints[0]!, type: "revolute" }], connectors: [], meshes: [], normal: null, up: [0, 0, 1], size: 1 } as Scene;
+    const motion = {
+      ...source,
+      start: 0,
+      end: 1,
+      poseAt(time: number, pose: Pose) {
+        pose.positions.set([0, 0, 0.3], 3);
+        pose.quaternions.set([Math.cos(time), 0, Math.sin(time), 0], 4); // falls by 2 rad
+      },
+    } as unknown as StateSource;
+    return [standing, motion];
+  }
+
+  it("is at the foot of what stands on a base, though its arm falls deeper", () => {
+    const { box } = motionExtent(...arm(0));
+    expect(box.min.z).toBeCloseTo(0, 12);
+  });
+
+  it("is below all that hangs", () => {
+    const { box } = motionExtent(...arm(0.8));
+    expect(box.min.z).toBeLessThan(-0.6);
   });
 });
 

@@ -49,7 +49,7 @@ class Problem:
 
 
 class SymbodyError(Exception):
-    """Root of everything symbody raises for faults of the caller.
+    """Base of all errors that symbody raises for faults of the caller.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class TopologyError(SymbodyError):
 
 
 class FormulationError(SymbodyError):
-    """Equations that cannot be formed the way that was asked."""
+    """Equations that cannot be formed as requested."""
 
 
 class CompileError(SymbodyError):

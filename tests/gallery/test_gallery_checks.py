@@ -14,6 +14,7 @@ import pytest
 
 import symbody as sb
 from docs import draw_mechanisms
+from docs.typeset import typeset, with_formulas
 
 FOLDER = Path(__file__).parents[2] / "examples" / "gallery"
 # A size in each closed form.
@@ -117,6 +118,25 @@ def test_model_file_is_the_mechanism_of_the_script(name: str) -> None:
 
 DOCS = FOLDER.parents[1] / "docs"
 RENEW = "run: python docs/draw_mechanisms.py --pages"
+
+
+@pytest.mark.parametrize(
+    ("text", "latex"),
+    [
+        ("r^2 = b^2 -+ sqrt(c^2 - a^(n + 1))", r"r^{2}=b^{2}\mp\sqrt{c^{2}-a^{n+1}}"),
+        ("q_d'' + 2 p cos(phi1)", r"\ddot{q}_{d}+2p\cos(\phi_{1})"),
+        ("2 crank w_sun", r"2\,\mathrm{crank}w_{\mathrm{sun}}"),
+        ("n' = n cross w", r"\dot{n}=n\times w"),
+    ],
+)
+def test_formulas_are_typeset(text: str, latex: str) -> None:
+    assert typeset(text) == latex
+    assert with_formulas(f"so `{text}`, by hand").startswith("so $" if len(text) < 40 else "so\n\n```math\n")
+
+
+def test_a_sign_that_cannot_be_typeset_is_rejected() -> None:
+    with pytest.raises(ValueError, match="sign"):
+        typeset("a & b")
 
 
 def test_gallery_shows_every_mechanism() -> None:

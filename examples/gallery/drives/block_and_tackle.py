@@ -4,9 +4,9 @@ A rope goes from the upper block around two sheaves below and two above to a wei
 four times as slowly. The sheaves of a block turn at different speeds, as each passes on the rope that it
 receives plus what the rising load frees.
 
-Check: with sheaves of inertia J and radius R and no slip the load rises with (4 m - M) g/(M + 16 m + (1 +
-4 + 9 + 16) J/R^2), M with the lower block, by Lagrange's equation in its height: the speeds of the rope
-at the sheaves are 1, 2, 3 and 4 times its own.
+Check: with sheaves of inertia `J` and radius `R` and no slip the load rises with `(4 m - M) g/(M + 16 m +
+(1 + 4 + 9 + 16) J/R^2)`, `M` with the lower block, by Lagrange's equation in its height: the speeds of
+the rope at the sheaves are 1, 2, 3 and 4 times its own.
 """
 
 import numpy as np

@@ -4,8 +4,8 @@ A gear rolls inside a ring twice its size: each point of its rim moves back and 
 through the middle, each point within on an ellipse. Presses and engines have used it instead of crank and
 rod; before Cardano, Nasir al-Din al-Tusi used it in a model of the planets.
 
-Check: with the arm at phi the gear has turned by -phi, so a point a distance c from its centre is at r
-exp(i phi) + c exp(-i phi): x = (r + c) cos(phi), y = (r - c) sin(phi), a line for c = r.
+Check: with the arm at `phi` the gear has turned by `-phi`, so a point a distance `c` from its centre is
+at `r exp(i phi) + c exp(-i phi)`: `x = (r + c) cos(phi)`, `y = (r - c) sin(phi)`, a line for `c = r`.
 """
 
 import numpy as np

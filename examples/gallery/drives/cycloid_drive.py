@@ -4,10 +4,10 @@ An eccentric pushes a lobed disc around inside a ring of pins; the disc has one 
 pins, so with each turn of the eccentric it turns back by one lobe. Pins in larger holes transmit its
 rotation. Joints of robots have such gears: a large ratio, many teeth in contact, hardly any play.
 
-Check: a pin at R, seen from a disc with its centre at e exp(i phi) and turned by -phi/(N - 1), goes along
-R exp(i s) - e exp(i N s), s = phi/(N - 1): an epitrochoid of N - 1 lobes, with which the disc is cut. The
-motion holds two pins on that curve; the rotation of the disc and the positions of all other pins are the
-check.
+Check: a pin at `R`, seen from a disc with its centre at `e exp(i phi)` and turned by `-phi/(N - 1)`, goes
+along `R exp(i s) - e exp(i N s)`, `s = phi/(N - 1)`: an epitrochoid of `N - 1` lobes, with which the disc
+is cut. The motion holds two pins on that curve; the rotation of the disc and the positions of all other
+pins are the check.
 """
 
 import numpy as np

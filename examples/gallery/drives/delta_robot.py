@@ -3,7 +3,7 @@
 Three motors on the ceiling move a plate by arms and pairs of rods, which keep the plate parallel to the
 ceiling; nothing heavy moves, so it is fast enough to pick several objects a second.
 
-Check: the arms' angles for a position of the plate are roots of E cos(q) + F sin(q) + G = 0, from the
+Check: the arms' angles for a position of the plate are roots of `E cos(q) + F sin(q) + G = 0`, from the
 length of the rods alone: R. Clavel, Device for the movement and positioning of an element in space, US
 patent 4,976,582 (1990); formula in R. L. Williams II, The Delta Parallel Robot: Kinematics Solutions,
 Ohio University 2015.

@@ -5,10 +5,10 @@ plane the second joint cancels the speed variation of the first, and parallel sh
 speed; with one fork a quarter turn off (behind) the two add up. Cardan shafts are marked to prevent wrong
 assembly.
 
-Check: each joint obeys tan(driven) = tan(driving) cos(beta), angles from where the arm of the cross in
+Check: each joint obeys `tan(driven) = tan(driving) cos(beta)`, angles from where the arm of the cross in
 the driving fork stands across the plane of the shafts; it follows from the arms, which stay at right
 angles. Right: the second joint is the first one reversed, so the last angle is the first. Wrong: the
-joints repeat, and tan(last) = tan(first) cos(beta)^2.
+joints repeat, and `tan(last) = tan(first) cos(beta)^2`.
 """
 
 import numpy as np

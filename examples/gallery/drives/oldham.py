@@ -4,8 +4,8 @@ Two parallel shafts that do not meet: a disc with a tongue on each face, one acr
 slots of both. Unlike Cardan's joint it transmits a constant speed; the disc whirls at twice the speed.
 
 Check: tongue and tongue stay at right angles, so both shafts turn alike, and the middle of the disc sees
-their axes, d apart, under a right angle: it goes round on the circle over d (Thales), with phi from the
-line of the axes at d cos(phi) exp(i phi), two rounds a turn.
+their axes, `d` apart, under a right angle: it goes round on the circle over `d` (Thales), with `phi` from
+the line of the axes at `d cos(phi) exp(i phi)`, two rounds a turn.
 """
 
 import numpy as np

@@ -3,8 +3,9 @@
 A sun, three planets on a carrier, a ring: two of the three shafts drive the third. With the ring held it is
 the gear of hub motors and wind turbines; with all three shafts it divides power in hybrid cars.
 
-Check: against the carrier sun and ring turn as two gears do, (w_sun - w_carrier) z_s = -(w_ring - w_carrier)
-z_r, so z_s w_sun + z_r w_ring = (z_s + z_r) w_carrier, R. Willis, Principles of Mechanism, 1841.
+Check: against the carrier sun and ring turn as two gears do, `(w_sun - w_carrier) z_s = -(w_ring -
+w_carrier) z_r`, so `z_s w_sun + z_r w_ring = (z_s + z_r) w_carrier`, R. Willis, Principles of Mechanism,
+1841.
 """
 
 import numpy as np

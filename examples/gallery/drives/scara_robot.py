@@ -4,10 +4,10 @@ Two links turn about vertical axes, a quill moves up and down at the end and tur
 against the weight, soft against pushes from the side, fast. Its motors apply the torques that the
 equations of motion give for the path, plus a feedback of the deviation.
 
-Check: with torques M(q) (q_d'' + 2 p (q_d' - q') + p^2 (q_d - q)) + h(q, q') each deviation decays as e_0
-(1 + p t) exp(-p t), regardless of the motion of the arm, if and only if M and h, written out by hand
-here, are those of the arm: the method of computed torque, R. P. Paul, Modelling, trajectory calculation
-and servoing of a computer controlled arm, AIM-177, Stanford 1972.
+Check: with torques `M(q) (q_d'' + 2 p (q_d' - q') + p^2 (q_d - q)) + h(q, q')` each deviation decays as
+`e_0 (1 + p t) exp(-p t)`, regardless of the motion of the arm, if and only if `M` and `h`, written out by
+hand here, are those of the arm: the method of computed torque, R. P. Paul, Modelling, trajectory
+calculation and servoing of a computer controlled arm, AIM-177, Stanford 1972.
 """
 
 import numpy as np

@@ -4,10 +4,11 @@ Six legs that change their lengths carry a plate and move it in all six degrees 
 simulators, machine tools, antennas. The lengths for a given path of the plate are easy to compute; the
 position of the plate for given lengths is the hard problem, which the motion solves here.
 
-Check: legs with the lengths for the path x(t), R(t), |x + R b - a| with feet a and joints b, move the
-plate along that path; and the forces of the legs are those of six linear equations, sum f u = m (x'' +
-g), sum (R b) x f u = I w', for a plate that turns about an axis of its own with w', u the directions of
-the legs. D. Stewart, A platform with six degrees of freedom, Proc. Inst. Mech. Eng. 180 (1965), 371-386.
+Check: legs with the lengths for the path `x(t)`, `R(t)`, `|x + R b - a|` with feet `a` and joints `b`,
+move the plate along that path; and the forces of the legs are those of six linear equations,
+`sum f u = m (x'' + g)`, `sum (R b) cross f u = I w'`, for a plate that turns about an axis of its own
+with `w'`, `u` the directions of the legs. D. Stewart, A platform with six degrees of freedom, Proc. Inst.
+Mech. Eng. 180 (1965), 371-386.
 """
 
 import numpy as np

@@ -3,8 +3,9 @@
 A plate on a shaft, tilted, pushes the pistons of pumps and air conditioners back and forth as it turns:
 there is no crank, and the tilt sets the stroke.
 
-Check: the shoe at (R cos(p), R sin(p)) is in the plane across (sin(a) cos(phi), sin(a) sin(phi), cos(a)),
-a the tilt, so that the piston is at -R tan(a) cos(phi - p), a pure sine; stroke 2 R tan(a). Derived here.
+Check: the shoe at `(R cos(p), R sin(p))` is in the plane across
+`(sin(a) cos(phi), sin(a) sin(phi), cos(a))`, `a` the tilt, so that the piston is at
+`-R tan(a) cos(phi - p)`, a pure sine; stroke `2 R tan(a)`. Derived here.
 """
 
 import numpy as np

@@ -3,8 +3,8 @@
 Cardan's or Hooke's joint: two forks and a cross. The second shaft makes as many turns as the first, but
 at a varying speed; the variation grows with the angle between the shafts.
 
-Check: the two arms of the cross stay at right angles, which is tan(phi2) = tan(phi1)/cos(beta), with phi1
-from the position where the arm in the first fork lies in the plane of the shafts. Derived here.
+Check: the two arms of the cross stay at right angles, which is `tan(phi2) = tan(phi1)/cos(beta)`, with
+`phi1` from the position where the arm in the first fork lies in the plane of the shafts. Derived here.
 """
 
 import numpy as np

@@ -1,10 +1,10 @@
 """Bennett's linkage.
 
 Four hinges in space whose axes are neither parallel nor meet: opposite links are equal, and their twists
-are as sin(alpha)/a = sin(beta)/b. By a count of constraints it cannot move; but it does.
+are as `sin(alpha)/a = sin(beta)/b`. By a count of constraints it cannot move; but it does.
 
-Check: tan(t1/2) tan(t4/2) = sin((beta + alpha)/2)/sin((beta - alpha)/2), all around. G. T. Bennett, A new
-mechanism, Engineering 76 (1903), 777-778.
+Check: `tan(t1/2) tan(t4/2) = sin((beta + alpha)/2)/sin((beta - alpha)/2)`, all around. G. T. Bennett, A
+new mechanism, Engineering 76 (1903), 777-778.
 """
 
 import numpy as np

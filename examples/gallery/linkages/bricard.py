@@ -3,10 +3,11 @@
 Six hinges in a ring, each perpendicular to the next: by a count of constraints it is rigid, but it turns
 itself inside out like a ring of paper tetrahedra.
 
-Check: in a ring with equal links and twists a and -a in turn, the hinges t1 = t3 = t5 and t2 = t4 = t6
-obey (1 + cos(a)^2) cos(t1) cos(t2) + cos(a)^2 + sin(a)^2 (cos(t1) + cos(t2)) - 2 cos(a) sin(t1) sin(t2) =
-0, Y. Chen, Z. You and T. Tarnai, Threefold-symmetric Bricard linkages for deployable structures, Int. J.
-Solids and Structures 42 (2005); here a is a right angle, and cos(t1) + cos(t2) + cos(t1) cos(t2) = 0.
+Check: in a ring with equal links and twists `a` and `-a` in turn, the hinges `t1 = t3 = t5` and
+`t2 = t4 = t6` obey `(1 + cos(a)^2) cos(t1) cos(t2) + cos(a)^2 + sin(a)^2 (cos(t1) + cos(t2)) - 2 cos(a)
+sin(t1) sin(t2) = 0`, Y. Chen, Z. You and T. Tarnai, Threefold-symmetric Bricard linkages for deployable
+structures, Int. J. Solids and Structures 42 (2005); here `a` is a right angle, and
+`cos(t1) + cos(t2) + cos(t1) cos(t2) = 0`.
 """
 
 import numpy as np

@@ -4,9 +4,9 @@ A crank-rocker with bars of 1 : 2.5 : 2.5 and posts 2 apart, the coupler as long
 end draws a flat line for half a turn and comes back in an arc, as the foot of a walking machine does.
 
 Check: the rocker's pin is equally far from crank pin, post and end, so the angle at the post is right
-(Thales) and the height of the end is (2 - cos(t)) sqrt(25/(5 - 4 cos(t)) - 1); it is 4 at t = 90, 180 and 270
-degrees. Derived here; P. L. Chebyshev showed such a walking machine in Paris in 1878, and K. Hoecken
-published the linkage in 1926.
+(Thales) and the height of the end is `(2 - cos(t)) sqrt(25/(5 - 4 cos(t)) - 1)`; it is 4 at `t = 90`, 180
+and 270 degrees. Derived here; P. L. Chebyshev showed such a walking machine in Paris in 1878, and K.
+Hoecken published the linkage in 1926.
 """
 
 import numpy as np

@@ -3,8 +3,9 @@
 The crank turns, the rocker swings: the shortest and the longest bar together are shorter than the two others
 (Grashof). Wiper drives, oil pumps and steering linkages are four-bars.
 
-Check: K1 cos(phi) - K2 cos(theta) + K3 = cos(theta - phi) with K1 = d/a, K2 = d/c, K3 = (a^2 - b^2 + c^2 +
-d^2)/(2 a c), F. Freudenstein, Approximate synthesis of four-bar linkages, Trans. ASME 77 (1955), 853-861.
+Check: `K1 cos(phi) - K2 cos(theta) + K3 = cos(theta - phi)` with `K1 = d/a`, `K2 = d/c`,
+`K3 = (a^2 - b^2 + c^2 + d^2)/(2 a c)`, F. Freudenstein, Approximate synthesis of four-bar linkages,
+Trans. ASME 77 (1955), 853-861.
 """
 
 import numpy as np

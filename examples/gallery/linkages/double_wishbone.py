@@ -5,8 +5,8 @@ rises it leans (camber) and steers a little by itself (bump steer); the lengths 
 
 Check: both ball joints stay in planes across the hinges of the arms, so that seen along these the upright
 is the coupler of a four-bar, whose positions follow from where two circles meet. The end of the steering
-arm then goes round the axis through both ball joints, and a rod's length from the rack: E cos(h) + F
-sin(h) + G = 0 for its angle. Derived here.
+arm then goes round the axis through both ball joints, and a rod's length from the rack:
+`E cos(h) + F sin(h) + G = 0` for its angle. Derived here.
 """
 
 import numpy as np

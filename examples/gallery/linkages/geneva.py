@@ -3,11 +3,12 @@
 A pin on a turning crank enters a slot of a cross, turns it by a quarter and leaves it; until the pin comes to
 the next slot a disc on the crank locks the cross. Film projectors pull the film on by it, picture by picture.
 
-Check: with the pin in a slot the cross has turned by atan2(a sin(phi), d - a cos(phi)) from where the slot
-meets the crank, a the crank's radius and d the distance of the axes; it rests at multiples of a quarter turn
-between. Engaged for cos(phi) > a/d, d = a sqrt(2): a quarter of the crank's turn, and the pin enters along
-the slot, without a shock. The model has no such formula: its pin is on the curve of the two crossed slots, x
-y = 0 in the axes of the cross, or the cross stands between two slots, cos(2 psi) = 0.
+Check: with the pin in a slot the cross has turned by `atan2(a sin(phi), d - a cos(phi))` from where the
+slot meets the crank, `a` the crank's radius and `d` the distance of the axes; it rests at multiples of a
+quarter turn between. Engaged for `cos(phi) > a/d`, `d = a sqrt(2)`: a quarter of the crank's turn, and
+the pin enters along the slot, without a shock. The model has no such formula: its pin is on the curve of
+the two crossed slots, `x y = 0` in the axes of the cross, or the cross stands between two slots,
+`cos(2 psi) = 0`.
 """
 
 import numpy as np

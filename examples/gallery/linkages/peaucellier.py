@@ -1,13 +1,13 @@
 """Peaucellier's inversor.
 
-Eight bars and no slide: the first linkage that turned a rotation into an exact straight line (1864). Two long
-arms and a rhombus keep the product of the distances of B and D from O; B moves on a circle through O, so D
-moves on a line.
+Eight bars and no slide: the first linkage that turned a rotation into an exact straight line (1864). Two
+long arms and a rhombus keep the product of the distances of `B` and `D` from `O`; `B` moves on a circle
+through `O`, so `D` moves on a line.
 
-Check: O, B and D lie on a line by symmetry, and Pythagoras twice gives OB OD = arm^2 - side^2. B goes round
-at 2 crank cos(b) from O in the direction b, so D is at (arm^2 - side^2)/(2 crank cos(b)), whose part along x
-is constant: D stays at x = (arm^2 - side^2)/(2 crank). A. B. Kempe, How to Draw a Straight Line, Macmillan
-1877.
+Check: `O`, `B` and `D` lie on a line by symmetry, and Pythagoras twice gives `OB OD = arm^2 - side^2`.
+`B` goes round at `2 crank cos(b)` from `O` in the direction `b`, so `D` is at
+`(arm^2 - side^2)/(2 crank cos(b))`, whose part along `x` is constant: `D` stays at
+`x = (arm^2 - side^2)/(2 crank)`. A. B. Kempe, How to Draw a Straight Line, Macmillan 1877.
 """
 
 import numpy as np

@@ -1,11 +1,12 @@
 """Quick-return mechanism with a slotted arm.
 
-The pin of a crank of radius r slides in the slot of an arm, pivoted a distance d below: the arm moves
+The pin of a crank of radius `r` slides in the slot of an arm, pivoted a distance `d` below: the arm moves
 forward slowly and back quickly. Shaping machines cut during the slow stroke.
 
-Check: the pin is at (r cos(t), d + r sin(t)) from the arm's pivot, so tan(arm) = (d + r sin(t))/(r
-cos(t)). The arm turns back where it touches the circle of the pin, and the times of the two strokes are
-as 180 + 2 asin(r/d) to 180 - 2 asin(r/d) degrees of the crank. Derived here.
+Check: the pin is at `(r cos(t), d + r sin(t))` from the arm's pivot, so
+`tan(arm) = (d + r sin(t))/(r cos(t))`. The arm turns back where it touches the circle of the pin, and the
+times of the two strokes are as `180 + 2 asin(r/d)` to `180 - 2 asin(r/d)` degrees of the crank. Derived
+here.
 """
 
 import numpy as np

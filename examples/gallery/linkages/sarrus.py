@@ -5,8 +5,8 @@ ground: the first linkage for an exact straight line (1853), and a motion in spa
 constraints it cannot move.
 
 Check: each chain keeps the plate parallel to its own hinges, so the plate does not turn; each also keeps
-its centre in the plane across them, and both planes meet above the centre of the base: the height is 2 l
-sin(a). P. F. Sarrus presented it to the Academy in Paris in 1853 (Comptes rendus, volume 36).
+its centre in the plane across them, and both planes meet above the centre of the base: the height is
+`2 l sin(a)`. P. F. Sarrus presented it to the Academy in Paris in 1853 (Comptes rendus, volume 36).
 """
 
 import numpy as np

@@ -3,10 +3,10 @@
 Two stages of crossed bars; an actuator along the floor pulls the lower ends together and lifts the platform.
 Close to the floor it has to pull many times the load.
 
-Check: the platform is at n l sin(a) and the roller at l cos(a), so that platform speed over actuator speed is
-n/tan(a) for n stages; as power in is power out, the actuator pulls with n W/tan(a) against a load W, bars
-without weight. H. M. Spackman, Mathematical Analysis of Scissor Lifts, Technical Document 1550, Naval Ocean
-Systems Center, San Diego 1989.
+Check: the platform is at `n l sin(a)` and the roller at `l cos(a)`, so that platform speed over actuator
+speed is `n/tan(a)` for `n` stages; as power in is power out, the actuator pulls with `n W/tan(a)` against
+a load `W`, bars without weight. H. M. Spackman, Mathematical Analysis of Scissor Lifts, Technical
+Document 1550, Naval Ocean Systems Center, San Diego 1989.
 """
 
 import numpy as np

@@ -5,8 +5,9 @@ the chain of six bars that bears Stephenson's name, third kind. The foot is on t
 turn and steps during the other half; J. Klann's walking machines have such legs (US patent 6,260,862).
 
 Check: the whole path of the foot, from the lengths alone: each of the three bodies behind the crank has
-two points on known circles, so its position follows from where two circles meet, p + (a u +- sqrt(r^2 -
-a^2) v) with u the unit vector from p to q, v across it, a = (d^2 + r^2 - s^2)/(2 d). Derived here.
+two points on known circles, so its position follows from where two circles meet,
+`p + (a u +- sqrt(r^2 - a^2) v)` with `u` the unit vector from `p` to `q`, `v` across it,
+`a = (d^2 + r^2 - s^2)/(2 d)`. Derived here.
 """
 
 import numpy as np

@@ -4,9 +4,9 @@ Two equal bars form a knee; as it is pushed straight, the ram at the end of the 
 slowly and presses ever harder. Stone crushers, locking pliers and moulding machines use this at the end
 of their stroke.
 
-Check: the ram is at 2 l cos(a) and the knee at l sin(a) from its line, so ram speed over knee speed is 2
-tan(a), and the force ratio, its inverse because power in is power out, has no bound at the dead point a =
-0. Derived here.
+Check: the ram is at `2 l cos(a)` and the knee at `l sin(a)` from its line, so ram speed over knee speed
+is `2 tan(a)`, and the force ratio, its inverse because power in is power out, has no bound at the dead
+point `a = 0`. Derived here.
 """
 
 import numpy as np

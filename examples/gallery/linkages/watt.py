@@ -3,10 +3,10 @@
 Two equal arms turn about posts on both sides; the middle of the short bar between their ends moves almost
 straight up and down. It guided the piston rods of steam engines, and it guides rear axles of cars.
 
-Check: the whole curve of that point, r^2 = b^2 - (a sin(t) -+ sqrt(c^2 - a^2 cos(t)^2))^2 in polar
-coordinates about the middle of the posts, which are 2 a apart, with arms b and bar 2 c; here times r^2,
-squared, without the root. Watt's curve in E. H. Lockwood, A Book of Curves, Cambridge University Press
-1967.
+Check: the whole curve of that point, `r^2 = b^2 - (a sin(t) -+ sqrt(c^2 - a^2 cos(t)^2))^2` in polar
+coordinates about the middle of the posts, which are `2 a` apart, with arms `b` and bar `2 c`; here times
+`r^2`, squared, without the root. Watt's curve in E. H. Lockwood, A Book of Curves, Cambridge University
+Press 1967.
 """
 
 import numpy as np

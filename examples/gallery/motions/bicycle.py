@@ -3,11 +3,11 @@
 A rear frame with a rigid rider, a front frame on an inclined axis, two rolling wheels: between 4.3 and 6
 m/s it stays upright with no hands on the handlebar, because it steers into each fall.
 
-Check: lean and steer after a small push are those of the linear equations M q'' + v C1 q' + (g K0 + v^2
-K2) q = 0, by the matrix exponential, with the benchmark matrices of J. P. Meijaard, J. M. Papadopoulos,
-A. Ruina and A. L. Schwab, Linearized dynamics equations for the balance and steer of a bicycle: a
-benchmark and review, Proc. R. Soc. A 463 (2007), 1955-1982; the motion is that of the whole nonlinear
-equations.
+Check: lean and steer after a small push are those of the linear equations
+`M q'' + v C1 q' + (g K0 + v^2 K2) q = 0`, by the matrix exponential, with the benchmark matrices of J. P.
+Meijaard, J. M. Papadopoulos, A. Ruina and A. L. Schwab, Linearized dynamics equations for the balance and
+steer of a bicycle: a benchmark and review, Proc. R. Soc. A 463 (2007), 1955-1982; the motion is that of
+the whole nonlinear equations.
 """
 
 import numpy as np

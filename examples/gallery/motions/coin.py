@@ -3,11 +3,11 @@
 A leaning coin rolls in a circle: the faster it rolls, the less it leans. Near the floor its centre hardly
 moves while the point of contact runs around ever faster.
 
-Check: with W the rate around, h the angle of the axle from the vertical and w the turning about the axle,
-(C + m a^2) w W sin(h) - A W^2 sin(h) cos(h) + m g a cos(h) = 0, C = 2 A = m a^2/2: the moment of weight
-and contact about the centre turns the angular momentum. The centre goes round with radius a w/W. For w =
-0 this is W^2 = 4 g/(a sin(h)), H. K. Moffatt, Euler's disk and its finite-time singularity, Nature 404
-(2000).
+Check: with `W` the rate around, `h` the angle of the axle from the vertical and `w` the turning about the
+axle, `(C + m a^2) w W sin(h) - A W^2 sin(h) cos(h) + m g a cos(h) = 0`, `C = 2 A = m a^2/2`: the moment
+of weight and contact about the centre turns the angular momentum. The centre goes round with radius
+`a w/W`. For `w = 0` this is `W^2 = 4 g/(a sin(h))`, H. K. Moffatt, Euler's disk and its finite-time
+singularity, Nature 404 (2000).
 """
 
 import numpy as np

@@ -3,9 +3,9 @@
 The plane of a pendulum turns against the floor, because the floor turns. Here the Earth turns 100 times
 faster than ours, so that a short motion shows it.
 
-Check: the plane turns at -Omega sin(latitude), the part of the Earth's turning about the vertical, all
-around in 24 h/sin(latitude) on Earth. L. Foucault gave the formula with his experiment to the Academy in
-Paris on 3 February 1851 (Comptes rendus, volume 32).
+Check: the plane turns at `-Omega sin(latitude)`, the part of the Earth's turning about the vertical, all
+around in 24 h over `sin(latitude)` on Earth. L. Foucault gave the formula with his experiment to the Academy
+in Paris on 3 February 1851 (Comptes rendus, volume 32).
 """
 
 import numpy as np

@@ -3,10 +3,11 @@
 Two balls on arms turn with a shaft, swing out as it turns faster, and lift a sleeve, which shuts the valve of
 the engine: the best known of the early controllers.
 
-Check: with four equal arms l without mass, jointed on the axis, two balls m and a sleeve M, which moves twice
-as far as the balls, Jacobi's integral gives the speed of the swing at any angle a of the arms: (m + 2 M
-sin(a)^2) a'^2 = m w^2 (sin(a)^2 - sin(a_0)^2) + 2 (m + M) g/l (cos(a) - cos(a_0)) from rest at a_0. Where its
-right side has no slope the balls stay: (m + M) g/(m w^2) below the upper joint. Derived here.
+Check: with four equal arms `l` without mass, jointed on the axis, two balls `m` and a sleeve `M`, which
+moves twice as far as the balls, Jacobi's integral gives the speed of the swing at any angle `a` of the
+arms: `(m + 2 M sin(a)^2) a'^2 = m w^2 (sin(a)^2 - sin(a_0)^2) + 2 (m + M) g/l (cos(a) - cos(a_0))` from
+rest at `a_0`. Where its right side has no slope the balls stay: `(m + M) g/(m w^2)` below the upper
+joint. Derived here.
 """
 
 import numpy as np

@@ -3,9 +3,9 @@
 A wheel that spins fast does not fall when one end of its axle is held: it goes around the post. With the
 right initial speed it does so at a constant rate.
 
-Check: the weight's moment m g l about the post turns the angular momentum C w of the spin, which is
-level, at the rate m g l/(C w); exactly, since with a level axle the angular momentum of the precession is
-upright and does not turn. Derived here.
+Check: the weight's moment `m g l` about the post turns the angular momentum `C w` of the spin, which is
+level, at the rate `m g l/(C w)`; exactly, since with a level axle the angular momentum of the precession
+is upright and does not turn. Derived here.
 """
 
 import numpy as np

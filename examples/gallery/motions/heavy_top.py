@@ -3,11 +3,11 @@
 A symmetric top on a fixed tip, released with nothing but its spin: its axis falls, turns aside, and rises
 to a cusp again and again, as the top goes around.
 
-Check: energy and the two conserved angular momenta leave u'^2 = beta (1 - u^2)(e - u) - (b - a u)^2 for
-the cosine u of the tilt, a = C w/A, beta = 2 m g l/A; between the roots u1 < u2 of this cubic, u3 the
-third, u = u1 + (u2 - u1) sn(K + t sqrt(beta (u3 - u1))/2)^2, Jacobi's function with k^2 = (u2 - u1)/(u3 -
-u1), and the axis goes around at (b - a u)/(1 - u^2). H. Goldstein, Classical Mechanics, on the heavy
-symmetrical top.
+Check: energy and the two conserved angular momenta leave `u'^2 = beta (1 - u^2)(e - u) - (b - a u)^2` for
+the cosine `u` of the tilt, `a = C w/A`, `beta = 2 m g l/A`; between the roots `u1 < u2` of this cubic,
+`u3` the third, `u = u1 + (u2 - u1) sn(K + t sqrt(beta (u3 - u1))/2)^2`, Jacobi's function with
+`k^2 = (u2 - u1)/(u3 - u1)`, and the axis goes around at `(b - a u)/(1 - u^2)`. H. Goldstein, Classical
+Mechanics, on the heavy symmetrical top.
 """
 
 import numpy as np

@@ -3,10 +3,11 @@
 A fully active biceps bends the forearm against a steady moment at the elbow. The faster a muscle
 shortens, the less it pulls, by a hyperbola; it approaches the speed at which it just holds the load.
 
-Check: (F + a)(v + b) = (F0 + a) b, A. V. Hill, The heat of shortening and the dynamic constants of
-muscle, Proc. R. Soc. Lond. B 126 (1938). With the muscle at a steady arm d the speed v = d w obeys M v' =
-F(v) - W, M = I/d^2, W = moment/d, which separates: t = M/(a + W) (-v - (b + u) ln(1 - v/u)) with the
-final speed u = b (F0 - W)/(a + W), Hill's equation again.
+Check: `(F + a)(v + b) = (F0 + a) b`, A. V. Hill, The heat of shortening and the dynamic constants of
+muscle, Proc. R. Soc. Lond. B 126 (1938). With the muscle at a steady arm `d` the speed `v = d w` obeys
+`M v' = F(v) - W`, `M = I/d^2`, `W = moment/d`, which separates:
+`t = M/(a + W) (-v - (b + u) ln(1 - v/u))` with the final speed `u = b (F0 - W)/(a + W)`, Hill's equation
+again.
 """
 
 import numpy as np

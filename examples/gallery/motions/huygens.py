@@ -3,9 +3,9 @@
 Three beads slide from rest on a cycloid that hangs like a bowl: from high or low, all are at the bottom
 at the same time. Huygens gave his clock cheeks that guide the pendulum on such a curve.
 
-Check: the distance along the curve from the bottom is s = 4 a sin(u/2), and s'' = -g/(4 a) s exactly, so
-each bead is at s = s_0 cos(t sqrt(g/(4 a))): C. Huygens, Horologium oscillatorium, Paris 1673, second
-part.
+Check: the distance along the curve from the bottom is `s = 4 a sin(u/2)`, and `s'' = -g/(4 a) s` exactly,
+so each bead is at `s = s_0 cos(t sqrt(g/(4 a)))`: C. Huygens, Horologium oscillatorium, Paris 1673,
+second part.
 """
 
 import numpy as np

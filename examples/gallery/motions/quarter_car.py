@@ -3,10 +3,10 @@
 A wheel between a tyre and a suspension, a quarter of the car's body above: the model with which springs
 and dampers of cars are chosen. A shaker lifts the tyre like a wavy road or a test rig.
 
-Check: the motion from rest is X exp(i w t), the answer to the shaker, and the free motion that makes up
-for it at the start, by the matrix exponential: X solves m_b s^2 X_b = -(k + d s)(X_b - X_w), m_w s^2 X_w
-= (k + d s)(X_b - X_w) - (k_t + d_t s)(X_w - h) at s = i w, two equations by hand. D. Karnopp, Vehicle
-Dynamics, Stability, and Control, 2nd edition, CRC Press 2013, on the quarter car.
+Check: the motion from rest is `X exp(i w t)`, the answer to the shaker, and the free motion that makes up
+for it at the start, by the matrix exponential: `X` solves `m_b s^2 X_b = -(k + d s)(X_b - X_w)`, `m_w s^2
+X_w = (k + d s)(X_b - X_w) - (k_t + d_t s)(X_w - h)` at `s = i w`, two equations by hand. D. Karnopp,
+Vehicle Dynamics, Stability, and Control, 2nd edition, CRC Press 2013, on the quarter car.
 """
 
 import numpy as np

@@ -4,12 +4,13 @@ Half an ellipsoid, whose axes of inertia are turned a little against those of it
 keeps turning, spun the other way it begins to rattle, stops, and turns back. Its other name, celt, comes
 from stone axes that behave like this.
 
-Check: the equations of the turning alone, derived here: with n the upward normal in the axes of the body
-and r = -A n/sqrt(n.A n) + h the point of contact, A the squared half-axes, rolling gives the velocity of
-the centre of mass, v = r x w, and the contact, whose moment about the centre turns L = I w, gives L' + w
-x L = r x m (v' + w x v + g n), n' = n x w: three equations for w' without joints, multipliers or angles,
-of which all samples must be solutions. Sizes as in T. R. Kane and D. A. Levinson, Realistic mathematical
-modeling of the rattleback, Int. J. Non-Linear Mechanics 17 (1982).
+Check: the equations of the turning alone, derived here: with `n` the upward normal in the axes of the
+body and `r = -A n/sqrt(n.A n) + h` the point of contact, `A` the squared half-axes, rolling gives the
+velocity of the centre of mass, `v = r cross w`, and the contact, whose moment about the centre turns
+`L = I w`, gives `L' + w cross L = r cross m (v' + w cross v + g n)`, `n' = n cross w`: three equations
+for `w'` without joints, multipliers or angles, of which all samples must be solutions. Sizes as in T. R.
+Kane and D. A. Levinson, Realistic mathematical modeling of the rattleback, Int. J. Non-Linear Mechanics
+17 (1982).
 """
 
 import numpy as np

@@ -4,10 +4,11 @@ A hub with eight spokes rolls down a slope, spoke after spoke, and reaches the s
 the simplest of the passive walkers. A landing is an event, whose loss of speed is that of the angular
 momentum about the new foot.
 
-Check: at a landing the angular momentum about the new foot leaves cos(2 a) of the speed, 2 a the angle
-between spokes, all mass in the hub; over a step the weight adds 4 g/l sin(a) sin(slope) to the square of it.
-So each square follows from the one before, and the speed after landing tends to sqrt(4 g/l sin(a) sin(slope))
-cot(2 a): T. McGeer, Passive dynamic walking, Int. J. Robotics Research 9(2) (1990), from page 62.
+Check: at a landing the angular momentum about the new foot leaves `cos(2 a)` of the speed, `2 a` the
+angle between spokes, all mass in the hub; over a step the weight adds `4 g/l sin(a) sin(slope)` to the
+square of it. So each square follows from the one before, and the speed after landing tends to
+`sqrt(4 g/l sin(a) sin(slope)) cot(2 a)`: T. McGeer, Passive dynamic walking, Int. J. Robotics Research
+9(2) (1990), from page 62.
 """
 
 import numpy as np

@@ -3,10 +3,11 @@
 The two wheels of an axle are one, whose side force grows with its slip angle: the model with which
 steering and most lane-keeping controllers are designed.
 
-Check: side speed and yaw rate after a step of the steering wheel are those of the linear equations m (v'
-+ U r) = F_f + F_r, I r' = a F_f - b F_r by the matrix exponential, and end at r = U delta/(L + K U^2)
-with K = m (b/C_f - a/C_r)/L, the understeer gradient, by setting v' = r' = 0. Model: P. Riekert and T. E.
-Schunck, Zur Fahrmechanik des gummibereiften Kraftfahrzeugs, Ingenieur-Archiv 11 (1940).
+Check: side speed and yaw rate after a step of the steering wheel are those of the linear equations
+`m (v' + U r) = F_f + F_r`, `I r' = a F_f - b F_r` by the matrix exponential, and end at
+`r = U delta/(L + K U^2)` with `K = m (b/C_f - a/C_r)/L`, the understeer gradient, by setting
+`v' = r' = 0`. Model: P. Riekert and T. E. Schunck, Zur Fahrmechanik des gummibereiften Kraftfahrzeugs,
+Ingenieur-Archiv 11 (1940).
 """
 
 import numpy as np

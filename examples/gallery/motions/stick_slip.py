@@ -3,9 +3,9 @@
 A spring holds a block back on a moving belt. The belt carries it along until the spring breaks it away, it
 slides back, sticks again: why bows sound, doors creak and brakes squeal.
 
-Check: the times of all switches. The block breaks away at a pull mu_s m g, slides as an oscillator about mu m
-g/k for 2 (pi - atan(A w/V))/w, A = (mu_s - mu) m g/k, as it starts and ends at the speed V of the belt, A
-beyond and A before the middle, and sticks for 2 A/V. Derived here.
+Check: the times of all switches. The block breaks away at a pull `mu_s m g`, slides as an oscillator
+about `mu m g/k` for `2 (pi - atan(A w/V))/w`, `A = (mu_s - mu) m g/k`, as it starts and ends at the speed
+`V` of the belt, `A` beyond and `A` before the middle, and sticks for `2 A/V`. Derived here.
 """
 
 import math

@@ -3,10 +3,11 @@
 A body in free space that spins about its middle axis of inertia turns over, again and again, at even
 intervals; V. Dzhanibekov saw a wing nut do so in a space station.
 
-Check: Euler's equations are solved by w1 = p cn(x), w2 = q sn(x), w3 = r dn(x), x = s t + K(k), Jacobi's
-elliptic functions, L. D. Landau and E. M. Lifshitz, Mechanics, on the asymmetrical top. For a first spin q
-about the middle axis and e about the third, energy and angular momentum give p^2 = I2 (I3 - I2) q^2/(I1 (I3 -
-I1)) and r^2 = e^2 + I2 (I2 - I1) q^2/(I3 (I3 - I1)); then s = (I3 - I1) p r/(I2 q) and k^2 = 1 - e^2/r^2.
+Check: Euler's equations are solved by `w1 = p cn(x)`, `w2 = q sn(x)`, `w3 = r dn(x)`, `x = s t + K(k)`,
+Jacobi's elliptic functions, L. D. Landau and E. M. Lifshitz, Mechanics, on the asymmetrical top. For a
+first spin `q` about the middle axis and `e` about the third, energy and angular momentum give
+`p^2 = I2 (I3 - I2) q^2/(I1 (I3 - I1))` and `r^2 = e^2 + I2 (I2 - I1) q^2/(I3 (I3 - I1))`; then
+`s = (I3 - I1) p r/(I2 q)` and `k^2 = 1 - e^2/r^2`.
 """
 
 import numpy as np

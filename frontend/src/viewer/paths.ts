@@ -11,6 +11,7 @@ const SAMPLES = 80;
 const MOST_GROUND = 1.8; // a ground that is larger, in parts of what moves, may stick out
 const MOST_POINTS = 24_000; // that a view is fitted to
 const LOOSE: readonly string[] = ["free", "cartesian", "rectangular", "planar"]; // joints that hold nothing in its place
+const STANDS = 0.1; // of the size of a mechanism, by which an arm on its base may be lower than that at the start
 const FAR = 3; // times its own extent: a mechanism that moves farther is followed by the camera
 
 /** Call `visit` with the state at each of the times; the instant is reused. */
@@ -111,6 +112,7 @@ export function motionExtent(scene: Scene, source: StateSource, store = new Geom
   const moving: number[] = [];
   const carried: number[] = []; // beside the centre, which is where it is at the start
   const [corner, first, centre] = [new Vector3(), new Vector3(), new Vector3()];
+  let atStart = 0;
   visitStates(scene, source, chosenTimes(source, samples), ({ matrices }, index) => {
     centreOf(scene, matrices, centre);
     if (index === 0) first.copy(centre);
@@ -120,20 +122,46 @@ export function motionExtent(scene: Scene, source: StateSource, store = new Geom
         corner.sub(centre).add(first).toArray(carried, carried.length);
       }
     }
+    if (index === 0) atStart = moving.length;
   });
   if (!isTied(scene) && diagonal(moving) > FAR * diagonal(carried)) {
     return { points: new Float32Array(carried), box: new Box3().setFromArray(carried), roams: true };
   }
   const ground = local[0]!.flatMap((each) => each.toArray());
-  const extent = diagonal(moving);
-  const whole = moving.length === 0 || diagonal(ground) < MOST_GROUND * extent;
-  const points = [...(whole ? ground : heldPoints(scene)), ...moving];
+  const seen = aboveBase(scene, ground, moving, atStart);
+  const extent = diagonal(seen);
+  const whole = seen.length === 0 || diagonal(ground) < MOST_GROUND * extent;
+  const points = [...(whole ? ground : heldPoints(scene)), ...seen];
   const box = new Box3().setFromArray(points.length === 0 ? [0, 0, 0] : points);
   if (diagonal(points) < 0.05 * scene.size) {
     box.expandByScalar(0.5 * scene.size);
     points.push(...boxCorners(box).flatMap((each) => each.toArray()));
   }
   return { points: new Float32Array(points), box, roams: false };
+}
+
+/**
+ * Return which points of a motion the picture is fitted to: of a mechanism that stands on a base, those above its foot, where
+ * the floor is. It stands there if nothing is much lower at the start, the first `atStart` numbers; what hangs is seen whole.
+ */
+function aboveBase(scene: Scene, ground: number[], moving: number[], atStart: number): number[] {
+  if (scene.normal !== null || scene.bodies[0]!.solids.length === 0) return moving;
+  const up = new Vector3(...scene.up).normalize();
+  const base = lowest(ground, up);
+  const foot = Math.min(base, lowest(moving.slice(0, atStart), up));
+  if (base - foot > STANDS * scene.size) return moving;
+  return moving.filter((_, at) => height(moving, at - (at % 3), up) >= foot);
+}
+
+/** Return the least height of points (N, 3). */
+function lowest(points: number[], up: Vector3): number {
+  let least = Infinity;
+  for (let at = 0; at < points.length; at += 3) least = Math.min(least, height(points, at, up));
+  return least;
+}
+
+function height(points: number[], at: number, up: Vector3): number {
+  return points[at]! * up.x + points[at + 1]! * up.y + points[at + 2]! * up.z;
 }
 
 /** Return the points (N, 3) of the ground that hold the mechanism: of a ground that is too large they are seen. */

@@ -84,8 +84,8 @@ def solve_index_1(
     ----------
     equations : EquationSet or sequence of SymPy equations
         The constraints among SymPy's differentiated until they hold the highest derivatives, with
-        stabilizing terms or without; expressions are meant = 0. An EquationSet is brought to this form:
-        ``M u' - J^T lambda = F``, ``J u' = gamma``; `Baumgarte.applied` adds its terms.
+        stabilizing terms or without; an expression stands for an equation with 0. An EquationSet is brought
+        to this form: ``M u' - J^T lambda = F``, ``J u' = gamma``; `Baumgarte.applied` adds its terms.
     derivatives : sequence of SymPy derivatives
         The highest of each unknown: ``x.diff(t)``, or ``q.diff(t, 2)`` for equations of second order.
         The state is what each is the rate of, then the lower derivatives: (x), or (q', q).

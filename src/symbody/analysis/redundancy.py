@@ -43,7 +43,7 @@ class Redundancy:
     kept, dropped : tuple of str
         Names of multipliers of independent rows, and of rows that follow from these.
     instantaneous : int or None
-        Independent speeds at the guess itself, where these are not as many.
+        Independent speeds at the guess itself, where their number differs.
     notes : tuple of str
         Where the two counts differ, where branches of several dimensions meet, and undecided counts; also
         ropes that are taken as taut.

@@ -104,7 +104,7 @@ class State(Displayed):
     def values_of(
         self, names: Sequence[str]
     ) -> dict[str, float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
-        """Return several of what ``state[name]`` gives, by their names: outputs are compiled together.
+        """Return several values of ``state[name]`` by their names; the outputs are compiled together.
 
         Raises
         ------

@@ -59,7 +59,7 @@ def compile(
         function, on every computer. Values of parameters are put into the code; there are no lanes.
     time_limit : float, optional
         Seconds after which this ends with an error that names the stage; outputs whose formulas were found
-        stay with `eqs`, so that the next call continues from there. By default it takes its time.
+        stay with `eqs`, so that the next call continues from there. By default there is no limit.
 
     Raises
     ------

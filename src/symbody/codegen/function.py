@@ -226,7 +226,7 @@ class CompiledFunction:
         return self(t, state[..., count:], state[..., :count], r, p)
 
     def bind(self, p: ArrayLike) -> Callable[..., Any]:
-        """Return ``f(t, q, u, r=(), *, s=())`` with parameters fixed; what they decide is computed now."""
+        """Return ``f(t, q, u, r=(), *, s=())`` with parameters fixed, and what depends on them computed."""
         values = checked_group("p", p, self.signature.names("p"))
         if values.ndim == 1:
             bound = CompiledFunction.from_code(

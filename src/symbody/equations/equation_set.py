@@ -168,7 +168,7 @@ class EquationSet(PrintedEquations, NamedEquations):
 
     @property
     def position_jacobian(self) -> SympyMatrix:
-        """Derivatives of Phi by the coordinates, (n_h, n_q)."""
+        """Derivatives of Phi with respect to the coordinates, (n_h, n_q)."""
         return self.textbook.matrix("position_jacobian")
 
     @property
@@ -178,12 +178,12 @@ class EquationSet(PrintedEquations, NamedEquations):
 
     @property
     def A(self) -> SympyMatrix:
-        """Derivatives of x' by the states (u, q, s), (n_x, n_x), each with the others held fixed."""
+        """Derivatives of x' with respect to the states (u, q, s), (n_x, n_x), the others held fixed."""
         return self.textbook.derivatives("A")
 
     @property
     def B(self) -> SympyMatrix:
-        """Derivatives of x' by the inputs, (n_x, n_r)."""
+        """Derivatives of x' with respect to the inputs, (n_x, n_r)."""
         return self.textbook.derivatives("B")
 
     @property
@@ -271,14 +271,15 @@ class EquationSet(PrintedEquations, NamedEquations):
         return self.without_rows(negligible_rows(self.formed, parameters, program))
 
     def without_rows(self, silent: Items[bool]) -> EquationSet:
-        """Return these equations with some constraints set to 0 = 0; those of equal rows are the same."""
+        """Return these equations with some constraints set to 0 = 0; the same rows give the same object."""
         if not any(silent):
             return self
         changed: EquationSet = self.plans.get(("without rows", tuple(silent)), lambda: self._drop(silent))
         return changed
 
     def _drop(self, silent: Items[bool]) -> EquationSet:
-        return EquationSet(self.model, drop_rows(self.formed, silent), self.notes)
+        formed = drop_rows(self.formed, silent)
+        return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
 
     @property
     def textbook(self) -> Textbook:
@@ -319,7 +320,8 @@ class EquationSet(PrintedEquations, NamedEquations):
             the reference; "R" the rotation matrix that takes components in end to components in the
             reference; "w" and "wdot" the angular velocity and its time derivative as seen from the reference.
         end, reference, resolved_in : str
-            "Body.Frame", "Body" or "ground"; components are along the axes of the last, which "R" has not.
+            "Body.Frame", "Body" or "ground"; components are along the axes of the last, which "R"
+            does not use.
 
         Returns
         -------

@@ -63,7 +63,7 @@ def form_equations(
         and one constraint fewer; the coordinate and the multiplier stay outputs, the coordinate may have an
         initial value. `notes` lists them, and those that remain constraints, with the reason.
     time_limit : float, optional
-        Seconds after which forming ends with an error that names the stage; by default it takes its time.
+        Seconds after which forming ends with an error that names the stage; by default there is no limit.
         Equations that an earlier process formed are formed on first use, without this limit. `compile` has
         a limit of its own.
 

@@ -165,7 +165,7 @@ class FmuProgram:
         if not self.actions:
             return np.zeros(0)
         eqs, nothing, n = self.eqs, np.zeros(0), len(self.eqs.state_names)
-        events = numbers_of_events(eqs, self.events, self.functions["indicators"].sequence)
+        events = numbers_of_events(eqs, self.events, self.functions["indicators"])
         room_for_work = n + 1  # which the rules of events leave out
         sizes = WatchNumbers(room_for_work, len(eqs.speed_names), nothing, np.zeros(1), nothing)
         made = make_watch_block(events, sizes)

@@ -45,7 +45,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     FormatError
         If the file cannot be read, is not TOML, or has keys and types that do not fit.
     ModelError
-        If the mechanism it describes contradicts itself. Both tell all problems, with their lines.
+        If the mechanism it describes contradicts itself. Both list all problems, with their lines.
     """
     where = os.fsdecode(path)
     if where.lower().endswith(".urdf"):
@@ -57,13 +57,13 @@ def load_model(path: str | os.PathLike[str]) -> Model:
 def save_model(model: Model, path: str | os.PathLike[str]) -> None:
     """Write a model to a TOML file.
 
-    Comments, order and ``[layout]`` of a model file that is already there are kept, and that file as it
-    was beside it with ``.bak`` appended. The file is replaced in one step.
+    Comments, order and ``[layout]`` of an existing model file are kept, and so is the old file, with ``.bak``
+    appended to its name. The file is replaced in one step.
 
     Raises
     ------
     FormatError
-        If the file cannot be written, or the one that is there cannot be read and kept from; or if elements
+        If the file cannot be written, or the existing one cannot be read; or if elements
         are of classes that are not symbody's. The file that was there is unchanged.
     """
     _refuse_own_classes(model)

@@ -16,7 +16,7 @@ from symbody.model.frozen_mapping import FrozenMapping
 @checked_fields
 @dataclass(frozen=True, slots=True)
 class Initial:
-    """A first value of a coordinate, rate or speed, and its priority.
+    """An initial value of a coordinate, rate or speed, and its priority.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class Initial:
     Raises
     ------
     UsageError
-        If the priority is another.
+        If the priority is neither.
     """
 
     value: Value

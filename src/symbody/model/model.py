@@ -74,7 +74,7 @@ class Model(Displayed):
     ground : mapping of name to Frame
         Frames fixed on the ground.
     ground_shapes : iterable of Box, Cylinder, Sphere, Capsule, Cone or Mesh
-        What is seen of the ground, placed from its origin.
+        Shapes of the ground, placed relative to its origin.
     notes : iterable of str
         Remarks of a reader on what it assumed; they come before the model's own.
 
@@ -199,7 +199,7 @@ class Model(Displayed):
 
     @property
     def free_joints(self) -> tuple[Joint, ...]:
-        """For each body without a joint the free joint that stands for its motion; it bears its name."""
+        """For each body without a joint the free joint of its motion; it has the name of the body."""
         return tuple(free_joints(self.bodies, self.joints))
 
     @property
@@ -231,7 +231,7 @@ class Model(Displayed):
         return _find_named(self._joints, "joint", name)
 
     def parameter_order(self, overrides: Mapping[str, Formula] | None = None) -> tuple[str, ...]:
-        """Return the parameters so that each stands after those its formula, or the one instead, contains."""
+        """Return the parameters, each after those that its formula, or the one in its place, contains."""
         return dependence_order({**self.parameters, **(overrides or {})})
 
 

@@ -113,7 +113,7 @@ def save_report(
     ------
     UsageError
         A suffix, a section or a parameter that does not exist; a section "motion" without a motion; a
-        motion of other equations; a template of a notebook, or one with places for what there is not.
+        motion of other equations; a template for a notebook, or one with unknown placeholders.
     FormatError, EnvironmentFault
         If the template cannot be read; a file cannot be written, or nbformat is missing for a notebook.
 

@@ -73,9 +73,9 @@ def simulate(
         Tolerances of the local error, relative and absolute; by default atol is 1e-10 of the mechanism's
         largest length or of 1 rad, for speeds over its time; see `analysis.scales.Scales`.
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
-        What counts as large [m, s, kg] where it shall not follow from the model, or from a first value.
+        What counts as large [m, s, kg] where it should not follow from the model, or from an initial value.
     progress : bool or callable, optional
-        True shows stages and a bar; a callable takes the share that is done, and ends the motion by False.
+        True shows stages and a bar; a callable takes the share that is done, and returns False to end it.
 
     Raises
     ------

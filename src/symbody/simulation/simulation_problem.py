@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.configurations.plain_assembly import PlainState
+from symbody.analysis.derivatives import with_outputs
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.outputs.output_roots import OF_MOTIONS, OF_STEPS
+from symbody.equations.outputs.output_roots import OF_MOTIONS, OF_STEPS, combined_roots
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
@@ -27,6 +29,11 @@ from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")
+
+# A name, or several combined into one output. Each output is merged by itself, so that it has the same
+# bits whatever else is asked for; what only solvers read is merged at once, in a time that does not grow with
+# its number where formulas are shared, as those of accelerations and reactions are.
+OutputName = str | tuple[str, ...]
 
 NOTHING: Final = np.zeros(0)
 # Outputs that are measured by the scales of a motion.
@@ -52,10 +59,10 @@ class SimulationProblem:
     first: State | None = None
     sampler: Sampler | None = None
     # Functions already compiled; they follow from the fields above.
-    _functions: SingleFlight[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
-        default_factory=SingleFlight, repr=False, compare=False
+    _functions: SingleFlight[tuple[EquationSet, tuple[OutputName, ...], bool, bool], CompiledFunction] = (
+        field(default_factory=SingleFlight, repr=False, compare=False)
     )
-    _breakpoints: dict[tuple[EquationSet, tuple[str, ...]], tuple[list[float], Breakpoints]] = field(
+    _breakpoints: dict[tuple[EquationSet, tuple[OutputName, ...]], tuple[list[float], Breakpoints]] = field(
         default_factory=dict, repr=False, compare=False
     )
 
@@ -69,21 +76,44 @@ class SimulationProblem:
         made: T = self._made.get((self.eqs, key), make)
         return made
 
-    def compile_outputs(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
+    def compile_outputs(
+        self, outputs: str | Sequence[OutputName], *, quick: bool = False
+    ) -> CompiledFunction:
         """Return a function of t, q and u, and of the inputs that are callbacks; `quick` for few calls."""
         is_one = isinstance(outputs, str)
-        key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
+        names: tuple[OutputName, ...] = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        key = (self.eqs, names, is_one, quick)
 
         def compile_function() -> CompiledFunction:
-            return bound_function(self.eqs, outputs, self.parameters, (), self.laws.formulas, quick=quick)
+            eqs, words = self._combine(names)
+            asked = words[0] if is_one else words
+            return bound_function(eqs, asked, self.parameters, (), self.laws.formulas, quick=quick)
 
         return self._functions.get(key, compile_function)
+
+    def _combine(self, names: tuple[OutputName, ...]) -> tuple[EquationSet, tuple[str, ...]]:
+        """Return equations in which outputs that are combined are one, and the names of all there."""
+        words = tuple([name if isinstance(name, str) else f"combined {', '.join(name)}" for name in names])
+        if words == names:
+            return self.eqs, words
+        # its formulas contain those rows alone that count with these values
+        eqs = parameter_set(self.eqs, self.parameters).eqs
+
+        def make() -> EquationSet:
+            roots = [
+                combined_roots(eqs.formed, word, name)
+                for word, name in zip(words, names, strict=True)
+                if not isinstance(name, str)
+            ]
+            return with_outputs(eqs, roots)
+
+        return eqs.plans.get(words, make), words
 
     def with_other_times(self) -> SimulationProblem:
         """Return the problem without what was looked up of times at which it changes."""
         return replace(self, _breakpoints={})
 
-    def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
+    def breakpoints(self, span: tuple[float, float], watched: Sequence[OutputName] = ()) -> Breakpoints:
         """Return where what depends on time alone changes, in the equations and in expressions `watched`."""
         pieces_of_all = NO_BREAKPOINTS
         for outputs in (OF_STEPS, tuple(watched)):
@@ -94,7 +124,7 @@ class SimulationProblem:
                 pieces_of_all = pieces_of_all.unite(self._breakpoints[key][1])
         return pieces_of_all
 
-    def _find_breakpoints(self, outputs: tuple[str, ...], span: tuple[float, float]) -> Breakpoints:
+    def _find_breakpoints(self, outputs: tuple[OutputName, ...], span: tuple[float, float]) -> Breakpoints:
         function = self.compile_outputs(outputs)
         functions = function_of_time(function, self.laws.tables)
         if functions is None:

@@ -74,7 +74,7 @@ def assemble(
     ----------
     fixed : mapping of name to number or formula in parameters
         Coordinates, speeds, ``_dot`` names, any named joint coordinate, or states of signals, that must have
-        these values; of an angle also ``"30 deg"``. First values of the model with the priority "hold" are
+        these values; of an angle also ``"30 deg"``. Initial values of the model with the priority "hold" are
         among them.
     guess : mapping of name to number or formula in parameters
         Where to look for the others; by default the model's initial values, then 0. Among several
@@ -94,8 +94,8 @@ def assemble(
         Sizes of the mechanism [m, s, kg]; by default they follow from the model. Constraints are closed to
         1e-9 of the length, or rad.
 
-    Ropes are closed where the guess would have them longer than they are, and where their ends would move
-    apart although they are taut, unless fixed speeds demand that; those that are shorter are left alone.
+    Ropes are made taut where the guess would stretch them beyond their length, and where their ends would
+    move apart although they are taut, unless fixed speeds demand that; shorter ropes are left alone.
 
     Raises
     ------

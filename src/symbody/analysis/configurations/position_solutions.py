@@ -176,12 +176,12 @@ def solve_positions(
     """Return the dependent coordinates as functions of the independent ones, in closed form.
 
     Planar dyads and chains of them are solved by cosines and sines, everything else by SymPy, in a process
-    that is ended when the time is over.
+    that is stopped when the time is up.
 
     Parameters
     ----------
     constraints : EquationSet or sequence of SymPy expressions
-        The position constraints, each meant = 0.
+        The position constraints, each equal to 0.
     dependent : sequence of coordinates or names
         As many as there are constraints.
     seconds : float

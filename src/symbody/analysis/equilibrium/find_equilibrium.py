@@ -69,7 +69,7 @@ class Equilibrium(State):
 
         "critical" where the stiffness vanishes along a direction without further equilibria: terms of
         higher order decide, unless something else grows. "undecided" where there are no linear equations:
-        where branches cross, or an element may as well be slack as taut.
+        where branches cross, or an element may be either slack or taut.
         """
         if self._doubt == "undecided":
             return self._doubt
@@ -96,7 +96,7 @@ def find_equilibrium(
 ) -> Equilibrium:
     """Return the equilibrium nearest to a guess, with others found as its ``branches``.
 
-    Ropes pull or are slack, as the equilibrium requires: none pushes, and none is longer than it is. The
+    Ropes pull or are slack, as the equilibrium requires: none pushes, and none is stretched. The
     states of signals are those whose rates vanish.
 
     Parameters
@@ -109,7 +109,7 @@ def find_equilibrium(
     unknowns : str or sequence of str
         Inputs that take the value that holds the mechanism; they are in ``inputs`` of the result.
     fixed : mapping of name to number or formula
-        Coordinates that keep these values, as a rule with inputs unknown.
+        Coordinates that keep these values, usually together with `unknowns`.
     t : float
         Time at which motions and forces that depend on it are frozen [s].
     scales : mapping of "length", "time", "mass" to float, optional

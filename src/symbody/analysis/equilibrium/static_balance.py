@@ -19,6 +19,7 @@ from symbody.analysis.curvature import curved_places
 from symbody.analysis.derivatives import laws_key, partial_derivatives, with_laws, with_outputs
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_formula
@@ -197,7 +198,9 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     }
     laws = {name: law for name, law in given.items() if not _is_number(law, name)}
     key = "balance", tuple(unknowns), laws_key(laws)
-    plan: _BalancePlan = eqs.variants.get(key, lambda: _plan_balance(eqs, unknowns, laws))
+    # the formulas of its outputs contain those rows alone that count with these values
+    chosen = parameter_set(eqs, evaluator.parameters).eqs
+    plan: _BalancePlan = chosen.variants.get(key, lambda: _plan_balance(chosen, unknowns, laws))
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
     function = bound_function(plan.wider, words, evaluator.parameters, (), given)
     scales = evaluator.mechanism.constraints(eqs)

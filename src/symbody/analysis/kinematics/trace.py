@@ -39,11 +39,11 @@ class Positions:
     coordinate_names : tuple of str
         Names of the rows of `q`.
     q : (n_q, N) array
-        As far as the mechanism could be led.
+        As far as the mechanism could be driven.
     driven : mapping of coordinate to (N,) array
         Values of the driven coordinates.
     limits : mapping of coordinate to float
-        Empty if all values were reached; else where the driven coordinates stood at the dead end.
+        Empty if all values were reached; else the values of the driven coordinates at the dead end.
     joint : str
         The joint that moves fastest at the dead end; empty if there is none, or a rope ends the path.
     notes : tuple of str

@@ -45,7 +45,7 @@ class Linearization(Displayed):
     affine : (n,) array
         Rates of the states in that motion itself; 0 at an equilibrium or in a stationary motion.
     is_stationary : bool
-        Whether it is, up to rounding.
+        Whether that motion is stationary, up to rounding.
     at : State
         The state.
     notes : tuple of str
@@ -123,7 +123,7 @@ class Linearization(Displayed):
         Parameters
         ----------
         deviations : mapping of name to float, or (n, ...) array
-            Of the states; those not named are 0. Cyclic coordinates are taken as they are at the state.
+            Of the states; those not named are 0. Cyclic coordinates keep their values at the state.
 
         Raises
         ------
@@ -146,7 +146,7 @@ class Linearization(Displayed):
         return dict(zip(self._recovered, recovered, strict=True))
 
     def to_control(self) -> Any:
-        """Return a ``control.StateSpace`` with all names, of the package python-control.
+        """Return a ``control.StateSpace`` of the package python-control, with all names.
 
         Without outputs the states are the outputs. The affine term is not part of it.
 

@@ -57,7 +57,7 @@ def linearize(
     ----------
     at : mapping of name to number or formula, or State
         Coordinates and speeds of the state; `assemble` completes it, from the model's initial values where
-        nothing else is said. A State is taken as it is, with its parameters, inputs and time unless others
+        nothing else is given. A State is taken as it is, with its parameters, inputs and time unless others
         are given.
     inputs : mapping of name to number or formula
         Values that r deviates from, by default 0. Formulas in states close a loop: these are not inputs then.
@@ -68,7 +68,7 @@ def linearize(
         default those are dependent that have the largest pivots, and speeds go with the coordinates.
     cyclic : sequence of str
         Coordinates that nothing depends on, which is checked by the formulas, or along the motion; they leave
-        the states, speeds stay. With them steady motions such as precession or a ride straight on have
+        the states, speeds stay. With them steady motions such as precession or riding straight ahead have
         constant states.
     scales : mapping of "length", "time", "mass" to float, optional
         Sizes of the mechanism [m, s, kg], to which rest is relative, too; by default they follow from the

@@ -34,9 +34,9 @@ class Mode(Displayed):
     Attributes
     ----------
     eigenvalue : complex
-        [1/s]; of a pair the one with positive imaginary part stands first.
+        [1/s]; of a pair the one with positive imaginary part comes first.
     tolerance : float
-        Bound of its rounding [1/s].
+        Bound on its rounding error [1/s].
     shape : mapping of name to complex
         The eigenvector by names of states, the largest component 1, each in its own unit.
     """

@@ -40,7 +40,7 @@ class Recursive(Formulation):
     aligned : bool
         Whether the axes of links are put along joints and common normals.
     regrouped : bool
-        Whether the mass that a parent can carry as well is reckoned to it: base parameters.
+        Whether mass that a parent can carry as well is added to the parent: base parameters.
     """
 
     has_lazy_velocities: ClassVar[bool] = True

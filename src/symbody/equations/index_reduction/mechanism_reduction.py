@@ -28,9 +28,9 @@ class IndexReduction:
     unknowns : tuple of SymPy functions of time
         What the equations determine.
     ode : list of SymPy expressions
-        Each meant = 0 and linear in the highest derivatives of the unknowns.
+        Each equal to 0 and linear in the highest derivatives of the unknowns.
     algebraic : tuple of list of SymPy expressions
-        The hidden constraints, each meant = 0, one list for each differentiation: of a mechanism those on
+        The hidden constraints, each equal to 0, one list for each differentiation: of a mechanism those on
         positions, velocities, accelerations.
     assumed_nonzero : tuple of SymPy expressions
         Pivots: where one vanishes, the equations may mean something else.

@@ -33,8 +33,8 @@ def reduce_index(
     Parameters
     ----------
     equations : EquationSet or sequence of SymPy equations
-        Of first order and linear in the derivatives, where they are given as SymPy's; expressions are
-        meant = 0.
+        Of first order and linear in the derivatives, where they are given as SymPy's; an expression stands
+        for an equation with 0.
     unknowns : sequence of SymPy functions of time
         With SymPy's equations: all of them, reactions and multipliers among them.
 

@@ -53,15 +53,15 @@ class Separated:
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """Equations parted by whether they determine derivatives; unpacks as ``(equations, algebraic)``.
+    """Equations separated by whether they determine derivatives; unpacks as ``(equations, algebraic)``.
 
     Attributes
     ----------
     equations : list of SymPy expressions
-        As many as were given less those `dropped`, each meant = 0: those that determine a derivative, then
+        As many as were given less those `dropped`, each equal to 0: those that determine a derivative, then
         the time derivatives of `algebraic`.
     algebraic : list of SymPy expressions
-        The hidden constraints, each meant = 0, without the derivatives.
+        The hidden constraints, each equal to 0, without the derivatives.
     assumed_nonzero : tuple of SymPy expressions
         The pivots: where one vanishes, the equations may mean something else.
     dropped : tuple of int
@@ -88,7 +88,7 @@ def separate_derivatives(equations: Sequence[SympyExpr], derivatives: Sequence[S
     Parameters
     ----------
     equations : sequence of SymPy expressions or equations
-        Linear in the derivatives; expressions are meant = 0.
+        Linear in the derivatives; an expression stands for an equation with 0.
     derivatives : sequence of SymPy derivatives
         ``x.diff(t)`` of every unknown x, the reactions or multipliers among them.
 

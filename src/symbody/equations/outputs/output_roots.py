@@ -218,6 +218,15 @@ def evaluable_roots(formed: EquationsOfMotion, name: str) -> Roots:
     return _roots(name, roots.shape, found)
 
 
+def combined_roots(formed: EquationsOfMotion, name: str, outputs: Sequence[str]) -> Roots:
+    """Return the entries of some outputs as the roots of one, solved for together."""
+    values = [value for output in outputs for value in raw_output(formed, output)[1]]
+    solved = _put_in_solution(formed, values)
+    if formed.friction:
+        solved = substitute_solution(formed, solved)
+    return _roots(name, (len(solved),), solved)
+
+
 def code_roots(formed: EquationsOfMotion, name: str) -> Roots:
     """Return the roots of an output to be compiled: derivatives of trees with many columns side by side."""
     asked = parse_derivative(name)

@@ -37,15 +37,13 @@ def drop_negligible(formed: EquationsOfMotion, parameters: Mapping[str, float]) 
 
 
 def drop_rows(formed: EquationsOfMotion, silent: Items[bool]) -> EquationsOfMotion:
-    """Return the equations with some rows set to 0 = 0."""
-    if not any(silent):
-        return formed
+    """Return the equations with some rows set to 0 = 0; the same ones if these rows are so already."""
     zero = Expr(formed.graph, 0)
     rows = tuple(
         replace(row, jacobian={}, drift=zero, gamma=zero) if quiet else row
         for row, quiet in zip(formed.rows, silent, strict=True)
     )
-    return formed.with_rows(rows)
+    return formed if rows == tuple(formed.rows) else formed.with_rows(rows)
 
 
 def magnitude_program(formed: EquationsOfMotion) -> Sequence:

@@ -1,4 +1,4 @@
-"""Closed solutions within a time: SymPy runs in a process that is ended when the time is over."""
+"""Closed solutions within a time: SymPy runs in a process that is stopped when the time is up."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ def nodes_from_sympy(expressions: Iterable[object], graph: Graph, lookup: Lookup
 def nodes_from_equations(
     equations: Iterable[object], graph: Graph, lookup: Lookup | None = None
 ) -> list[int]:
-    """Return ``left - right`` of equations as nodes; expressions are meant = 0."""
+    """Return ``left - right`` of equations as nodes; an expression stands for an equation with 0."""
     return border.sympy_writer.nodes_from_equations(equations, graph, lookup)
 
 

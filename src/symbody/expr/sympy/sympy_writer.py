@@ -90,7 +90,7 @@ def to_sympy_with_definitions(
 def nodes_from_equations(
     equations: Iterable[object], graph: Graph, lookup: Lookup | None = None
 ) -> list[int]:
-    """Return ``left - right`` of equations as nodes; expressions are meant = 0."""
+    """Return ``left - right`` of equations as nodes; an expression stands for an equation with 0."""
     sides = [(item.lhs, item.rhs) if isinstance(item, sp.Eq) else (item, 0) for item in equations]
     nodes = nodes_from_sympy([side for pair in sides for side in pair], graph, lookup)
     return [sub(graph, a, b) for a, b in zip(nodes[::2], nodes[1::2], strict=True)]

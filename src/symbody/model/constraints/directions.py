@@ -61,9 +61,9 @@ class Perpendicular(FrameConstraint):
 @final
 @element
 class Angle(FrameConstraint):
-    """Holds the angle between a direction of start and one of end: its cosine is kept.
+    """Constrains the angle between a direction of start and one of end, by an equation in its cosine.
 
-    The angle must stay off 0 and pi, where the cosine has no slope.
+    The angle must stay away from 0 and pi, where the cosine has no slope.
     """
 
     rows: ClassVar[str] = "1"

@@ -14,7 +14,7 @@ from symbody.model.numeric_checks import NumericChecks, positive_length
 @final
 @element
 class Distance(FrameConstraint):
-    """Holds two points at a distance: a massless rod; or a rope, which may be shorter.
+    """Keeps two points at a distance, as a massless rod does; a rope lets them come closer.
 
     Its one multiplier is the force with which it pushes the points apart [N]; in a rope it is never positive.
     """
@@ -64,8 +64,8 @@ class PointOnPlane(FrameConstraint):
 class PointOnCurve(FrameConstraint):
     """Holds the origin of end on a curve fixed in start.
 
-    The curve's parameter becomes a coordinate of the mechanism, without mass; the derivative of the curve by
-    it must vanish nowhere.
+    The curve's parameter becomes a coordinate of the mechanism, without mass; the derivative of the curve
+    with respect to it must not vanish.
     """
 
     rows: ClassVar[str] = "3"

@@ -292,5 +292,5 @@ def _documentation(kind: type[Declared]) -> str:
         optional = ", optional" if field.default is None else ""
         words = " ".join(filter(None, (field.description, field.explanation)))
         lines += [f"{name} : {field.takes}{optional}", textwrap.indent(textwrap.fill(words, _WIDTH), "    ")]
-    lines += ["", "Raises", "------", "ModelError", "    With everything that is not valid."]
+    lines += ["", "Raises", "------", "ModelError", "    Listing everything that is not valid."]
     return "\n".join(lines) + (f"\n\nExamples\n{examples}" if examples else "\n")

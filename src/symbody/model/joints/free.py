@@ -35,7 +35,7 @@ _TWIST: Final = "twist"
 @final
 @element
 class Free(Joint):
-    """Prevents nothing; its coordinates are the position of end in start axes, then the orientation.
+    """Constrains nothing; its coordinates are the position of end in start axes, then the orientation.
 
     Examples
     --------

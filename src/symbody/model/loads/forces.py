@@ -61,7 +61,7 @@ def read_drive(arguments: Arguments, value: object, path: str) -> Drive | None:
 @final
 @element
 class Force(Element):
-    """A force in a point, and its reaction, which acts in the same point."""
+    """A force at a point, and its reaction, which acts at the same point."""
 
     equation: ClassVar[str] = "vector at the point `on`, in the axes of `resolved_in`"
     sign: ClassVar[str] = "the opposite force acts on `reaction_on` at the same point"

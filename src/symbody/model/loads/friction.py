@@ -47,7 +47,7 @@ class Friction(ElementPart):
     )
 
     def check(self, arguments: Arguments) -> None:
-        """Note words of both laws together."""
+        """Note arguments of both laws given together."""
         _check_laws(self, arguments)
 
     @property

@@ -107,7 +107,7 @@ class TorsionSpring(Connection):
 @final
 @element
 class Bushing(Connection):
-    """A compliance between two frames in all six directions; it prevents nothing, so that no joint is there.
+    """A compliance between two frames in all six directions; it constrains no motion, so there is no joint.
 
     Its coordinates are those of a free joint with ``angles="xyz"``: the position of end's origin in start
     axes, and the Cardan angles, which for small angles are the rotation vector. Along each acts

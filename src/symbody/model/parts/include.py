@@ -34,9 +34,9 @@ class Include:
     connect : mapping of str to str
         Inputs of the part to symbols or formulas of the whole; signals of the part to the names they get.
     share : iterable of str
-        Parameters and inputs that keep their names, so that several parts and the whole have them together.
+        Parameters and inputs that keep their names, so that several parts and the whole share them.
     parameters : mapping of name to number or formula
-        Take the place of the values of the part, in symbols of the whole.
+        Values in place of those of the part, in symbols of the whole.
     file : str
         The part's file by its path from `folder`, where it was read from one: `save_model` writes this.
     folder : str

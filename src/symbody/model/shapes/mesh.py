@@ -35,7 +35,7 @@ class ScaleFactors(Field[Value | Iterable[Value], Triple]):
 @final
 @part
 class Mesh(BodyShape):
-    """Triangles of a file: STL, OBJ, glTF or GLB, DAE."""
+    """Triangles from a file: STL, OBJ, glTF or GLB, DAE."""
 
     path: FilePath = FilePath(
         "Path of the file, relative to the directory of the model file, or to `folder`."
@@ -67,7 +67,7 @@ class Mesh(BodyShape):
         return os.path.join(self.folder, self.path)
 
     def path_from(self, folder: str) -> str:
-        """Return the path from another folder, with slashes; absolute paths and addresses stay."""
+        """Return the path from another folder, with slashes; absolute paths and addresses do not change."""
         is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
         if is_same or os.path.isabs(self.path) or "://" in self.path:
             return self.path

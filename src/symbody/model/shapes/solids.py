@@ -63,7 +63,7 @@ class Capsule(RoundShape):
 @final
 @part
 class Cone(RoundShape):
-    """A cone about its z axis, to which it points; it stands half way up its axis."""
+    """A cone that points along its z axis; its centre is half way up the axis."""
 
     radius: Quantity = Quantity("Radius of its base.", unit="m")
     length: Quantity = Quantity("Height from base to tip.", unit="m")

@@ -22,7 +22,7 @@ def without_sampling(model: Model) -> Model:
     Raises
     ------
     ModelError
-        Naming what has none, or a ring that samples opened.
+        Naming what has none, or an algebraic loop that sampling opened.
     """
     problems: list[Problem] = []
     elements = [_continuous(element, problems) for element in model.elements]

@@ -17,7 +17,7 @@ from symbody.model.signals.domains import SAMPLE_TIME, Demand
 @final
 @element
 class Signal(Element):
-    """A name that formulas may contain: of a value, of an output of the mechanism, or of a state with a rate.
+    """A name that formulas may contain: for a value, an output of the mechanism, or a state with a rate.
 
     Examples
     --------

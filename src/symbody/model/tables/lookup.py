@@ -107,9 +107,9 @@ def _lookup(kind: type[Lookup]) -> type[Lookup]:
 @final
 @_lookup
 class Lookup(Element):
-    """A name for a function of one variable by points: two columns of a CSV file, or points given here.
+    """A name for a function of one variable given by points: two columns of a CSV file, or points given here.
 
-    Formulas contain the name. A place that stands twice is a jump: the later value holds from there on.
+    Formulas contain the name. A place given twice is a jump: the later value holds from there on.
 
     Examples
     --------

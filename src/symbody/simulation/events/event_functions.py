@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
+from symbody.expr.sequences.sequence import Output
 from symbody.expr.sequences.sequence import Sequence as Operations
 from symbody.kernels.events.event_monitor import RECORDS, SETS, STOPS, EventMonitor
 from symbody.simulation.events.events import Event, LevelEvent
@@ -24,9 +26,18 @@ from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import closing_block, closing_of, metric
 from symbody.simulation.native.description import RightHandSide
-from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 
 Floats = NDArray[np.float64]
+
+
+class HasSequence(Protocol):
+    """What has a computational sequence."""
+
+    @property
+    def sequence(self) -> Operations:
+        """The operations."""
+        ...
 
 
 class EventFunctions:
@@ -66,8 +77,10 @@ class EventFunctions:
         self._share = share
         self._hands_over = free is not None
         self._closed = free or problem
-        self._values = problem.compile_outputs([str(event.expression) for event in self.events])
-        check_value_shapes(self.events, self._values)
+        names = watched_outputs(self.events)
+        self._values = problem.compile_outputs(names)
+        own = [isinstance(name, str) for name in names].count(True)
+        check_value_shapes(self.events[:own], self._values.outputs[:own])
         outputs = action_outputs(self.events)
         self._actions = problem.compile_outputs(outputs) if outputs else None
         check_action_shapes(self.events, self._actions)
@@ -109,7 +122,7 @@ class EventFunctions:
             empty if self._actions is None else self._numbers(self._actions),
             empty if self._closing is None else self._close_by(self._closing),
         )
-        return make_watch_block(numbers_of_events(eqs, self.events, self._values.sequence), numbers)
+        return make_watch_block(numbers_of_events(eqs, self.events, self._values), numbers)
 
     def _close_by(self, function: CompiledFunction) -> Floats:
         """Return the block of what closes states with a function."""
@@ -141,13 +154,23 @@ class EventFunctions:
         )
 
 
+def watched_outputs(events: Sequence[Event]) -> tuple[OutputName, ...]:
+    """Return the values of events; those of levels, which stand last and are no results, are combined."""
+    names = [str(event.expression) for event in events]
+    levels = [isinstance(event, LevelEvent) for event in events]
+    if not any(levels) or any(event.mapping for event in events):
+        return tuple(names)
+    count = levels.index(True)
+    return (*names[:count], tuple(names[count:]))
+
+
 def action_outputs(events: Sequence[Event]) -> list[str]:
     """Return what the function of actions writes: energy, new values, rates; nothing if no event acts."""
     formulas = [str(value) for event in events for value in event.mapping.values()]
     return ["energy", *formulas, "xdot"] if formulas else []
 
 
-def check_value_shapes(events: Sequence[Event], values: CompiledFunction) -> None:
+def check_value_shapes(events: Sequence[Event], outputs: Sequence[Output]) -> None:
     """Check that values of events are numbers.
 
     Raises
@@ -158,7 +181,7 @@ def check_value_shapes(events: Sequence[Event], values: CompiledFunction) -> Non
     problems = [
         Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
                 "an event needs a single number", "name one component, such as 'reaction J Fx'")
-        for event, output in zip(events, values.outputs, strict=True) if output.shape
+        for event, output in zip(events, outputs, strict=True) if output.shape
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
@@ -203,11 +226,11 @@ def _reads_wrapped_angle(eqs: EquationSet, expression: str) -> bool:
 
 
 def numbers_of_events(
-    eqs: EquationSet, events: Sequence[Event], values: Operations
+    eqs: EquationSet, events: Sequence[Event], values: HasSequence
 ) -> tuple[WatchedEvent, ...]:
-    """Return events as numbers; `values` computes theirs."""
+    """Return events as numbers; `values` computes theirs, and its sequence is formed only if it matters."""
     if not any(event.mapping for event in events):
         return tuple(event_numbers(eqs, event, False) for event in events)
-    reads = dependencies(written_out(values))
+    reads = dependencies(written_out(values.sequence))
     of_time = [{group for group, _ in read}.isdisjoint(("q", "u", "s")) for read in reads]
     return tuple(event_numbers(eqs, event, alone) for event, alone in zip(events, of_time, strict=True))

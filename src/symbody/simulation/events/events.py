@@ -68,7 +68,7 @@ class Event:
     An event that sets values also happens where its value is zero at a start, or where a motion continues
     after an action, a sample or a jump, and leaves zero in the event's direction: the first rate that is not
     zero decides, of the first and second. So balls that touch hit each other. If the value is zero
-    again after that action and goes the same way, as for a ball that lies on its floor, the motion ends as
+    again after that action and goes the same way, as for a ball that lies on the floor, the motion ends as
     `Status.CHATTERING`. An event that records or stops, and one of direction 0 whose value had no sign yet,
     happens once its value has left zero.
 

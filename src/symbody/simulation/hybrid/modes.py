@@ -20,7 +20,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.output_roots import OF_MODES
 from symbody.simulation.events.events import Event
 from symbody.simulation.methods.constraints import PROJECTED
-from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 
 Floats = NDArray[np.float64]
 Modes = tuple[int, ...]
@@ -135,7 +135,8 @@ class HybridMechanism:
     def _values(
         self, problem: SimulationProblem, names: Sequence[tuple[str, ...]], t: float, x: Floats
     ) -> list[Floats]:
-        flat = iter(evaluate_outputs(problem, [name for kind_names in names for name in kind_names], t, x))
+        all_names = tuple(name for kind_names in names for name in kind_names)
+        flat = iter(evaluate_outputs(problem, (all_names,), t, x)[0])
         arrays = []
         for kind, kind_names in zip(self.kinds, names, strict=True):
             values = np.array([next(flat) for _ in kind_names], dtype=np.float64)
@@ -226,9 +227,9 @@ def _openings(
 
 
 def evaluate_outputs(
-    problem: SimulationProblem, names: Sequence[str], t: float, x: Floats
+    problem: SimulationProblem, names: Sequence[OutputName], t: float, x: Floats
 ) -> tuple[Any, ...]:
-    """Return outputs at one time and state x = (u, q)."""
+    """Return outputs at one time and state x = (u, q); those of a tuple of names as one array."""
     n_u = len(problem.eqs.speed_names)
     q, u = x[n_u:], x[:n_u]
     values = problem.compile_outputs(names)(t, q, u, problem.laws.evaluate(t, q, u))

@@ -34,8 +34,8 @@ class FmuInput:
     parameters : mapping of str to float
         What variables of the FMU are set to before it is initialized.
     is_late : bool
-        Whether an output acts only when the FMU's own time has reached it, one sample later; at first there
-        is what the FMU has after its initialization.
+        Whether an output acts only when the FMU's own time has reached it, one sample later; until then the
+        input is what the FMU has after its initialization.
 
     Raises
     ------

@@ -37,8 +37,8 @@ class Table:
         Straight between points; or between jumps cubics that are monotonic where the points are (Fritsch and
         Carlson), or a spline with continuous curvature (not-a-knot ends).
     outside : "hold" or "error"
-        Before the first and after the last time: the first and the last value, or a refusal to simulate
-        beyond them.
+        Before the first and after the last time: the first and the last value, or an error where a motion
+        goes beyond them.
 
     Raises
     ------
@@ -86,7 +86,7 @@ class Table:
         Parameters
         ----------
         path : str or path
-            Values separated by commas, semicolons or tabs, UTF-8; lines that begin with ``#`` are left out.
+            Values separated by commas, semicolons or tabs, UTF-8; lines that begin with ``#`` are ignored.
         columns : (2,) str or int
             Of the times and of the values: names of the first row, or numbers counted from 1.
         units : (2,) str
@@ -181,7 +181,7 @@ class Table:
 
     @property
     def jumps(self) -> Floats:
-        """The times that stand there twice."""
+        """The times that are given twice."""
         times = np.asarray(self.t)
         return np.asarray(times[1:][np.diff(times) == 0.0], dtype=np.float64)
 

@@ -61,7 +61,7 @@ def inverse_dynamics(
     unknowns : str or sequence of str
         Inputs to find; if there are more than degrees of freedom, the minimum-norm solution, with a note.
     times : (N,) array
-        Rising times [s]; positions are followed from each to the next. One number gives one sample.
+        Increasing times [s]; positions are followed from each to the next. One number gives one sample.
     parameters, inputs : mapping
         As for `simulate`; inputs without a law are 0.
     guess : mapping of name to number or formula in parameters

@@ -45,8 +45,8 @@ class Explicit:
     order : int
         8 (the default, for smooth motions and tight tolerances) or 5.
     max_step : float, optional
-        Longest step [s]; give it where a Python function as input is short or fast, which cannot be looked
-        at before the motion.
+        Longest step [s]; needed where a Python function as input has short or fast features, as it cannot be
+        examined before the motion.
     first_step : float, optional
         First step [s]; by default it follows from the first accelerations.
 

@@ -16,7 +16,7 @@ _TABLEAUS: Final = {"rk4": RUNGE_KUTTA_4, "semi-implicit": SEMI_IMPLICIT}
 @checked_fields
 @dataclass(frozen=True, slots=True)
 class FixedStep:
-    """Steps of one length: for real time, for comparisons, for laws that jump on a raster.
+    """Steps of one length: for real time, for comparisons, for laws that jump at regular times.
 
     No error is estimated: tolerances do not matter, and nothing shows whether the step was short enough.
     Closed loops are closed after every step, however far they moved. The last step is shorter where the

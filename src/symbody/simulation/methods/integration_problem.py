@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.simulation.events.event_functions import EventFunctions
+from symbody.simulation.events.event_functions import EventFunctions, watched_outputs
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event, EventSide
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
@@ -113,7 +113,7 @@ class IntegrationProblem:
     @property
     def breakpoints(self) -> Breakpoints:
         """Where what depends on time alone changes."""
-        return self.problem.breakpoints(self.span, [str(event.expression) for event in self.events])
+        return self.problem.breakpoints(self.span, watched_outputs(self.events))
 
     def part(
         self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int,

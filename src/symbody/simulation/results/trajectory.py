@@ -33,7 +33,7 @@ Floats = NDArray[np.float64]
 class Trajectory(SampleTable):
     """The samples of a motion; time is the last axis of every array.
 
-    As of a mapping, ``in``, ``len``, iteration and ``dict(run)`` go over the names that are stored.
+    As in a mapping, ``in``, ``len``, iteration and ``dict(run)`` are over the names that are stored.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Trajectory(SampleTable):
 
     @property
     def model(self) -> Model | None:
-        """The mechanism that moves; None where nobody described it, or a file of an older version did not."""
+        """The mechanism that moves; None where it was not described, or by a file of an older version."""
         return None if self.provenance is None else self.provenance.model
 
     @property
@@ -192,7 +192,7 @@ class Trajectory(SampleTable):
         return self.stored.get(name)
 
     def state_arrays(self) -> tuple[Floats, Floats]:
-        """Return q with s behind, as compiled functions take them, and u; time last."""
+        """Return q followed by s, as compiled functions take them, and u; time last."""
         positions = np.concatenate([self.q, self.s]) if self.signal_state_names else self.q
         return self._with_time(positions), self._with_time(self.u)
 
@@ -328,7 +328,7 @@ class Trajectory(SampleTable):
         EnvironmentFault
             If the file cannot be opened.
         FormatError, ModelError
-            If it is not a trajectory, or its model is none.
+            If it is not a trajectory, or its model is not valid.
         UsageError
             If the motion is not one of `model`.
         """

@@ -52,7 +52,7 @@ class LaneStepper(OwnCopies):
     Parameters
     ----------
     dt : float
-        How long each step is [s].
+        Length of each step [s].
     lanes : int
         How many motions there are, N.
     parameters, initial : mapping of name to number, formula, or N of them; first values also `Initial`
@@ -138,7 +138,7 @@ class LaneStepper(OwnCopies):
 
     @property
     def dt(self) -> float:
-        """How long each step is [s]."""
+        """Length of each step [s]."""
         return self._lanes[0].dt
 
     @property
@@ -206,8 +206,8 @@ class LaneStepper(OwnCopies):
         Parameters
         ----------
         only : int, sequence of int, or (N,) array of bool, optional
-            The lanes meant.
-        **values : number, formula, or as many as lanes are meant
+            The lanes to change.
+        **values : number, formula, or one of them for each of these lanes
             See `Stepper.set`.
         """
         return self._change(only, values, Stepper.set)

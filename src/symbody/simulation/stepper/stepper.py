@@ -67,7 +67,7 @@ class Stepper(OwnCopies):
     Parameters
     ----------
     dt : float
-        How long each step is [s].
+        Length of each step [s].
     parameters, initial, guess : mapping of name to number or formula
         As for `simulate`.
     inputs : mapping of name to law, or names, optional
@@ -174,7 +174,7 @@ class Stepper(OwnCopies):
 
     @property
     def dt(self) -> float:
-        """How long each step is [s]."""
+        """Length of each step [s]."""
         return self._settings.dt
 
     @property
@@ -268,7 +268,7 @@ class Stepper(OwnCopies):
     def reset(self, initial: Mapping[str, FirstValue] | None = None, /, **values: Value | Initial) -> Self:
         """Go back to the start, there with other initial values where they are given; return this stepper.
 
-        Parameters keep their values, inputs lose theirs: what follows does not depend on what was.
+        Parameters keep their values, inputs lose theirs: the next motion does not depend on the last one.
 
         Raises
         ------

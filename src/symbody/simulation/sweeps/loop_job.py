@@ -127,14 +127,14 @@ def case_watch(
     values = bound_function(eqs, [str(event.expression) for event in events], parameters, free, inputs)
     outputs = action_outputs(events)
     actions = bound_function(eqs, outputs, parameters, free, inputs) if outputs else None
-    check_value_shapes(events, values)
+    check_value_shapes(events, values.outputs)
     check_action_shapes(events, actions)
     labels = tuple(event.label for event in events)
     closing, close = None, closing_of(eqs, holds=bool(outputs))
     if close.is_needed and any(event.action != "record" for event in events):
         closing = bound_function(close.eqs, close.outputs, parameters, free, inputs)
     return CaseWatch(
-        values, actions, labels, numbers_of_events(eqs, events, values.sequence), eqs.state_names,
+        values, actions, labels, numbers_of_events(eqs, events, values), eqs.state_names,
         closing, close.shape, share,
     )  # fmt: skip
 

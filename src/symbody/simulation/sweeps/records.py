@@ -192,7 +192,7 @@ class Records:
     Attributes
     ----------
     x : (cases, N, n) array
-        The samples, not a number where a motion did not reach.
+        The samples, NaN where a motion did not get that far.
     codes : (cases,) array of int
         How each ended.
     counts : (cases, `Counts.size`) array of int

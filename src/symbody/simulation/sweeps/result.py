@@ -44,7 +44,7 @@ class Sweep(Displayed):
     t : (N,) array
         Times of the samples [s].
     x : (cases, n, N) array
-        States x = (u, q); not a number where a motion did not reach.
+        States x = (u, q); NaN where a motion did not get that far.
     cases : mapping of name to (cases,) array
         What varied, in the order of the cases.
     status : tuple of Status
@@ -54,9 +54,9 @@ class Sweep(Displayed):
     reached : (cases,) array
         Time up to which each motion is known [s].
     case_notes : mapping of int to str
-        What there is to say of single cases, such as why they failed.
+        Remarks on single cases, such as why they failed.
     notes : tuple of str
-        What there is to say of all.
+        Remarks on all of them.
     """
 
     t: Floats

@@ -78,7 +78,7 @@ def sweep(
     combine : "product" or "list"
         Every combination of all sequences, the last varying fastest; or the first values, the second, ...
     samples, seed : int
-        How many values are drawn for each `Samples`, together, for every combination; what they follow from.
+        How many values are drawn for each `Samples`, together, for every combination; and their seed.
     executor : concurrent.futures.Executor, optional
         Whose workers compute, by default threads of this process. Parts that workers lose are computed again.
     threads : int, optional
@@ -99,7 +99,7 @@ def sweep(
     CompileError, AssemblyError, UsageError
         Names, values, times or an executor that make no sense, all of them listed.
     SimulationError, EnvironmentFault
-        More samples than the memory holds; no worker that begins or can compute; a store without use.
+        More samples than the memory holds; no worker that begins or can compute; a store that cannot be used.
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     inputs = {**laws_of_tables(eqs), **(inputs or {})}

@@ -65,7 +65,7 @@ def save_animation(
     Raises
     ------
     UsageError
-        An unknown suffix, view, point or element; times outside of the motion; a size or speed of no picture.
+        An unknown suffix, view, point or element; times outside of the motion; an impossible size or speed.
     EnvironmentFault
         If the file cannot be written, or ffmpeg is missing.
     """

@@ -51,7 +51,7 @@ class Look:
     size : (width, height)
         In pixels; 96 are an inch where lengths count.
     traces : tuple of str
-        Points whose ways are drawn: ``"body.frame"``, or a body for its centre of mass.
+        Points whose paths are drawn: ``"body.frame"``, or a body for its centre of mass.
     labels, frames : bool
         Whether joints and bodies are named, and the axes of frames drawn.
     dark : bool

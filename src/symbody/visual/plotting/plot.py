@@ -63,7 +63,7 @@ def plot(
         Any name or formula of ``run[...]``, such as ``"0.5*m*x_dot^2"`` and
         ``"sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)"``; all coordinates if none is given.
         A vector makes three curves. A tuple makes a path of its two or three components: ``("X", "Y")``, or
-        ``("frame r P",)`` for the way of a frame, in its plane x, y or z = constant if there is one.
+        ``("frame r P",)`` for the path of a frame, in its plane x, y or z = constant if there is one.
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,

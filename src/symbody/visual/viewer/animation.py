@@ -42,7 +42,7 @@ _HEIGHT: Final = 520  # pixels in a notebook
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Animation:
-    """A motion as it is shown; in a notebook it shows itself.
+    """A motion to show; notebooks display it.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Animation:
 
     @property
     def data(self) -> PageData:
-        """What a page is given, as values that JSON can say."""
+        """The data of a page, as values that JSON can represent."""
         return page_data(self.scene, self.motion, self.title, self.options)
 
     @property
@@ -153,7 +153,7 @@ def animate(
         Forces and torques that are drawn: "applied" those of `Force` and `Torque`, by default if they are
         few; "all" also reactions of joints and forces of springs; or those of elements by their names.
     traces : sequence of str
-        Points whose ways are drawn: ``"Body.frame"``, or a body for its centre of mass.
+        Points whose paths are drawn: ``"Body.frame"``, or a body for its centre of mass.
     times : (start, end) or (N,) array, optional
         The part of the motion that is shown, or all samples [s]. By default there are as many samples as the
         eye needs: what is interpolated between them is within a thousandth of the mechanism's size.

@@ -35,7 +35,7 @@ def load_urdf(
     """Return the model of a robot in a URDF file.
 
     Links held together by fixed joints are one body, named after the first, with a frame for each link.
-    Coordinates are named after the joints; each joint that moves, but for those that follow others and those
+    Coordinates are named after the joints; each joint that moves, except those that follow others and those
     that float, has the input ``tau_<joint>``, its effort. What was assumed, made exact or ignored is in
     `Model.notes`. Visuals are shapes of the bodies; collision shapes are left out.
 
@@ -54,7 +54,7 @@ def load_urdf(
     snap_angles : float
         Angles this near to a multiple of pi/12 are taken as that [rad]; nearer than 2e-11 they always are.
     loops : str or path, optional
-        A TOML file of joints, constraints and springs in the words of the model file, between links.
+        A TOML file of joints, constraints and springs in the syntax of the model file, between links.
 
     Raises
     ------

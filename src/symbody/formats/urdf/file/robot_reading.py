@@ -37,7 +37,7 @@ def read_urdf(path: str | os.PathLike[str], snap_angles: float = 0) -> Robot:
     FormatError
         If the file cannot be read, is not XML, or has elements and numbers that do not fit.
     ModelError
-        If its links and joints form no tree. Both tell all problems, with their lines.
+        If its links and joints form no tree. Both list all problems, with their lines.
     """
     return robot_from_text(read_text(path), os.fsdecode(path), snap_angles)
 

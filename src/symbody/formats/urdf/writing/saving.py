@@ -32,7 +32,7 @@ def save_urdf(
     """Write a model to a URDF file.
 
     The ground becomes the link ``world``; each frame of a body becomes a link fixed on it. URDF names
-    coordinates after joints and has no word for gravity, which its readers choose. Shapes become visuals,
+    coordinates after joints and has no element for gravity, which its readers choose. Shapes become visuals,
     cones excepted, which URDF does not have.
 
     Parameters

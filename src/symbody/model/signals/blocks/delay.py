@@ -23,9 +23,9 @@ _EXACT: Final = 1e-9  # share by which times in decimals may miss a whole number
 @final
 @block
 class Delay(SignalBlock):
-    """A delay, by the approximation of Pade of an order: exact delays are not states.
+    """A delay, by a Pade approximation: an exact delay has no finite number of states.
 
-    Sampled, it is exact: what was sampled `time` ago, 0 before that.
+    Sampled, it is exact: the output is what was sampled `time` ago, and 0 before that.
     """
 
     equation: ClassVar[str] = "y(t) = input(t - time), approximately, for frequencies below order/time"
@@ -41,7 +41,7 @@ class Delay(SignalBlock):
     )  # fmt: skip
 
     def check(self, arguments: Arguments) -> None:
-        """Note an order that is none, and a delay that is not a number of samples."""
+        """Note an order that is not valid, and a delay that is not a whole number of samples."""
         SignalBlock.check(self, arguments)
         if self.sample is not None and self._samples is None:
             arguments.add(
@@ -59,7 +59,7 @@ class Delay(SignalBlock):
             )  # fmt: skip
 
     def joint_demands(self) -> Iterator[Demand]:
-        """Yield the demand on the time: sampled, a delay may be none."""
+        """Yield the demand on the time: sampled, a delay may be zero."""
         yield Demand("time", self.time, TIME if self.sample is None else NOT_NEGATIVE)
 
     @property

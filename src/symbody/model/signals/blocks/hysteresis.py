@@ -21,7 +21,7 @@ _THRESHOLDS: Final = Domain(
 @final
 @block
 class Hysteresis(SignalBlock):
-    """A relay with two thresholds, looked at from sample to sample; between them it stays as it is.
+    """A relay with two thresholds, evaluated at each sample; between them its output does not change.
 
     Examples
     --------
@@ -46,7 +46,7 @@ class Hysteresis(SignalBlock):
 
     @property
     def continuous(self) -> None:
-        """No smooth block is like it."""
+        """None: no smooth block is equivalent."""
         return
 
     @property

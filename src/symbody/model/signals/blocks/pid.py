@@ -33,11 +33,11 @@ _SAME_SIGN: Final = Domain(
 @final
 @block
 class PID(SignalBlock):
-    """A controller with proportional, integral and filtered derivative part; parts without gain are left out.
+    """A controller with proportional, integral and filtered derivative parts; those without gain are omitted.
 
-    Where the output is limited, the integral is led back: by what the limits cut off, over `tracking`.
-    Sampled, the integral is a sum (Euler forward, counted from the next sample on), and the filtered
-    derivative a difference (Euler backward).
+    Where the output is limited, the integral is driven back by what the limits cut off, divided by
+    `tracking`. Sampled, the integral is a sum (Euler forward, counted from the next sample on), and the
+    filtered derivative a difference (Euler backward).
 
     Examples
     --------
@@ -68,7 +68,7 @@ class PID(SignalBlock):
     )
 
     def check(self, arguments: Arguments) -> None:
-        """Note a derivative without filter, and limits without a time in which to lead the integral back."""
+        """Note a derivative without filter, and limits without a time in which to reset the integral."""
         SignalBlock.check(self, arguments)
         if self._has("d") and not self._has("filter") and self.sample is None:
             arguments.add(

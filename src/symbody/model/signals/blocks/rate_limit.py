@@ -16,7 +16,7 @@ from symbody.model.signals.signal import Signal
 @final
 @block
 class RateLimit(SignalBlock):
-    """A follower whose slope is limited; what is slower it follows with a first-order lag.
+    """Follows a signal with a limited slope; slower changes it follows with a first-order lag.
 
     Sampled, it follows without a lag: from sample to sample by as much as the slopes allow.
     """

@@ -49,7 +49,7 @@ _BY_CALLBACKS: Final = "ggl slopes by callbacks"
 
 @dataclass(frozen=True, slots=True)
 class GGL:
-    """Constraints of positions and of velocities both hold at each step, with a multiplier each."""
+    """Constraints on positions and on velocities both hold at each step, with a multiplier each."""
 
 
 def run_ggl(

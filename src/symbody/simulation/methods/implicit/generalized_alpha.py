@@ -66,7 +66,7 @@ class GeneralizedAlpha:
         0 most; slow motions are damped little.
     step : float, optional
         Length of all steps [s]; by default they follow the local error. Nothing shows whether it was short
-        enough; rtol and atol then bound only what the solution of the equations of each step leaves.
+        enough; rtol and atol then bound only the residual of the equations of each step.
     max_step : float, optional
         Longest step [s], where `step` is left out.
 
