@@ -7,7 +7,7 @@ import { redo, select, undo, useStore, type State } from "../store";
 import * as editing from "./editing";
 import { newModel, save } from "./files";
 import { insertFrame } from "./insert";
-import { cancelJob, deriveEquations, simulate } from "./jobs";
+import { cancelJobs, deriveEquations, simulate } from "./jobs";
 
 export interface Command {
   readonly title: string;
@@ -46,7 +46,7 @@ export const COMMANDS = {
   fit: { title: "Show the whole diagram", keys: ["F"], run: fitDiagram, enabled: hasDocument },
   equations: { title: "Derive the equations", keys: ["F6"], run: deriveEquations, enabled: hasDocument, inText: true },
   simulate: { title: "Simulate", keys: ["F5"], run: () => { simulate(); }, enabled: hasDocument, inText: true },
-  cancel: { title: "Cancel what is running", keys: ["Shift+Escape"], run: () => { void cancelJob(); }, enabled: ({ run }) => run !== null, inText: true },
+  cancel: { title: "Cancel what is running", keys: ["Shift+Escape"], run: () => { cancelJobs(); }, enabled: ({ runs }) => Object.keys(runs).length > 0, inText: true },
   drawLayout: { title: "Draw: large diagram", keys: ["1"], run: () => { useStore.setState({ layout: "draw" }); }, enabled: hasDocument },
   watchLayout: { title: "Watch: large picture", keys: ["2"], run: () => { useStore.setState({ layout: "watch", panel: "picture" }); }, enabled: hasDocument },
   readLayout: { title: "Read: large results", keys: ["3"], run: () => { useStore.setState({ layout: "read", panel: "results" }); }, enabled: hasDocument },
@@ -112,7 +112,7 @@ function isText(target: EventTarget | null): boolean {
 function isKept(keys: string, target: EventTarget | null): boolean {
   if (isText(target)) return true;
   if (useStore.getState().dialog !== null) return keys !== "Escape";
-  return target instanceof Element && target.closest(".sb-player") !== null && !keys.includes("Ctrl");
+  return target instanceof Element && target.closest(".sb-player:not(.sb-curves-only)") !== null && !keys.includes("Ctrl");
 }
 
 /** Give the command of a key press, if it has one here. */
