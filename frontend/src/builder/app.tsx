@@ -74,6 +74,7 @@ function Editor(): ReactElement {
   return (
     <div className={`editor layout-${layout} panel-${panel}${presents ? " presents" : ""}`} style={style}>
       <SkipLinks />
+      <h1 className="hidden">Diagram editor</h1>
       <Header />
       <div className="bars"><ServerBar /><OutsideBar /><Panels /></div>
       <div className="columns">

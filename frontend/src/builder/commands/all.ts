@@ -1,6 +1,6 @@
 /** Every command of the page, its keys, and when it can be given. */
 
-import { fitDiagram } from "../diagram/flow";
+import { fitDiagram, focusInDiagram } from "../diagram/flow";
 import { insertInMiddle } from "../diagram/gestures";
 import { GROUND } from "../model/entries";
 import { redo, select, undo, useStore, type State } from "../store";
@@ -71,21 +71,24 @@ function escape(): void {
   const { popup, dialog, document } = useStore.getState();
   if (popup !== null) useStore.setState({ popup: null });
   else if (dialog !== null && document !== null) useStore.setState({ dialog: null });
-  else if (!backToDiagram()) select([], "Nothing selected");
+  else if (!backToDiagram()) {
+    select([], "Nothing selected");
+    if (window.document.activeElement === window.document.body) focusInDiagram(GROUND);
+  }
 }
 
-/** Put the focus into the first field of the right side. */
+/** Put the focus into the name on the right side, or its first field. */
 function toProperties(): void {
-  document.querySelector<HTMLElement>(".properties input, .properties select, .properties button")?.focus();
+  const fields = [".properties [data-pointer$='/name']", ".properties input, .properties select, .properties button"];
+  fields.map((each) => document.querySelector<HTMLElement>(each)).find((each) => each !== null)?.focus();
 }
 
 /** Put the focus onto what is selected in the diagram; return whether it was elsewhere in a field. */
 function backToDiagram(): boolean {
   const active = document.activeElement;
   if (!(active instanceof HTMLElement) || active.closest(".properties, .left, .panel") === null) return false;
-  const [id] = useStore.getState().selection;
   active.blur();
-  document.querySelector<HTMLElement>(`.react-flow [data-id="${id ?? GROUND}"]`)?.focus();
+  focusInDiagram(useStore.getState().selection[0] ?? GROUND);
   return true;
 }
 

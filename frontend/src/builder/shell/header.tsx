@@ -166,9 +166,10 @@ function StateButton({ worst, text }: { readonly worst: "error" | "warning" | "c
 }
 
 function Counts({ summary }: { readonly summary: Summary }): ReactElement {
+  const { freedoms } = summary;
   return (
     <span className="counts">
-      {summary.freedoms !== null && <b>{summary.freedoms === 1 ? "1 degree of freedom" : `${summary.freedoms} degrees of freedom`}</b>}
+      {freedoms !== null && <b title={`${plural(freedoms, "degree")} of freedom`}>{freedoms} <span className="long">degree{freedoms === 1 ? "" : "s"} of freedom</span><span className="short" aria-hidden="true">DOF</span></b>}
       <span>{plural(summary.coordinates.length, "coordinate")}</span>
       <span>{plural(summary.constraints, "constraint")}</span>
       {summary.redundant.length > 0 && <span className="warning">{summary.redundant.length} redundant</span>}
