@@ -78,10 +78,9 @@ def test_a_simulation_does_not_wait_for_equations(visit: Any) -> None:
     builder.wait("s.equations !== null", 120)
     builder.wait("window.symbodyPicture.shown.base.curves.length > 0")
     page.get_by_role("tab", name="Curves").click()
-    unit = ".sb-curves .u-label"
-    assert "rad" in page.locator(unit).all_inner_texts()
+    page.get_by_role("group", name="Curves, rad", exact=True).wait_for()
     page.get_by_role("button", name="Angles in degrees").click()
-    assert "deg" in page.locator(unit).all_inner_texts()
+    page.get_by_role("group", name="Curves, deg", exact=True).wait_for()
     page.reload()  # the choice is remembered
     assert page.evaluate("JSON.parse(localStorage.getItem('symbody-angles'))") == {
         "degrees": True,
