@@ -74,7 +74,6 @@ function Editor(): ReactElement {
   return (
     <div className={`editor layout-${layout} panel-${panel}${presents ? " presents" : ""}`} style={style}>
       <SkipLinks />
-      <h1 className="hidden">Diagram editor</h1>
       <Header />
       <div className="bars"><ServerBar /><OutsideBar /><Panels /></div>
       <div className="columns">
@@ -138,6 +137,7 @@ function LeftSide(): ReactElement {
   const roving = useRoving('[role="tab"]');
   return (
     <aside className="left" aria-label="Palette and trees">
+      <h2 className="hidden">Palette and trees</h2>
       <div className="tabs"><div role="tablist" aria-label="Left side" {...roving}>
         {LEFT.map(([name, title]) => <button key={name} type="button" role="tab" aria-selected={tab === name} onClick={() => { useStore.setState({ leftTab: name }); }}>{title}</button>)}
       </div></div>

@@ -15,6 +15,7 @@ export function Header(): ReactElement {
   const roving = useRoving("button");
   return (
     <header className="topbar">
+      <h1 className="hidden">Diagram editor</h1>
       <FileMenu />
       <Title />
       <div className="tools" role="toolbar" aria-label="Commands" {...roving}>
