@@ -59,13 +59,13 @@ describe("curves", () => {
   const curve = (name: string, unit: string): { name: string; unit: string; values: Float32Array } => ({ name, unit, values: new Float32Array([0, 2, -1]) });
 
   it("stand in one panel for each unit", () => {
-    const groups = groupCurves([curve("a", "m"), curve("b", "rad"), curve("c", "m")]);
+    const groups = groupCurves([curve("a", "m"), curve("b", "rad"), curve("c", "m")], { degrees: false, wrap: false });
     expect(groups.map((each) => [each.unit, each.curves.map((one) => one.name)])).toEqual([["m", ["a", "c"]], ["rad", ["b"]]]);
   });
 
   it("have values between samples", () => {
-    expect(valueAt(times, curve("a", "").values, 1.5)).toBe(0.5);
-    expect(valueAt(times, curve("a", "").values, 9)).toBe(-1);
+    expect(valueAt(times, curve("a", "").values, 1.5, 0)).toBe(0.5);
+    expect(valueAt(times, curve("a", "").values, 9, 0)).toBe(-1);
   });
 
   it("are written as CSV", () => {

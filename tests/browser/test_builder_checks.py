@@ -129,16 +129,16 @@ def test_deriving_names_its_stages_and_is_cancelled(visit: Visit) -> None:
     builder.keys("F6")
     progress = page.get_by_test_id("progress")
     progress.wait_for()
-    builder.wait("s.run !== null && s.run.state !== null && s.run.state.stages.length >= 3", 60)
-    stages = builder.state("run.state.stages")
+    builder.wait("s.runs.equations?.state != null && s.runs.equations.state.stages.length >= 3", 60)
+    stages = builder.state("runs.equations.state.stages")
     assert "trees" in stages and "kinematics" in stages
     shown = "document.querySelector('[data-testid=progress]').innerText"
-    builder.wait(f"s.run.state.stages.some(stage => {shown}.includes(stage))", 20)
+    builder.wait(f"s.runs.equations.state.stages.some(stage => {shown}.includes(stage))", 20)
     page.get_by_test_id("node-Ground").click(position={"x": 12, "y": 12})  # the page stays usable
     assert builder.state("selection") == ["ground"]
-    job = builder.state("run.job")
+    job = builder.state("runs.equations.job")
     progress.get_by_role("button", name="Cancel").click()
-    assert builder.state("run") is None and progress.count() == 0
+    assert builder.state("runs") == {} and progress.count() == 0
     assert page.evaluate(f"{ASK}('{job}')") == "cancelled"
     assert builder.state("equations") is None
 
@@ -154,7 +154,7 @@ def test_equations_of_motion_come_first_and_the_rest_on_demand(visit: Visit) -> 
     builder.open_example("four_bar")
     builder.keys("F6")
     builder.wait("s.equations !== null", 120)
-    assert builder.state("run") is None and builder.state("tab") == "equations"  # nothing waits for the rest
+    assert builder.state("runs") == {} and builder.state("tab") == "equations"  # nothing waits for the rest
     page.locator(".equation-block").first.wait_for()
     assert page.locator(".equation-block h3").all_inner_texts() == [
         "Equations of motion",

@@ -33,6 +33,61 @@ def test_a_ring_of_three_links_moves_at_once(visit: Any) -> None:
     assert max(values) - min(values) > 1.0  # it swings under gravity
 
 
+CHAIN = ("link", "revolute", "link", "revolute", "slider", "revolute", "prismatic")
+
+
+def test_a_slider_crank_of_links_is_built_with_few_keys(visit: Any) -> None:
+    builder = visit()
+    builder.page.locator(".card").first.wait_for()
+    builder.go_to("New model")
+    builder.keys("Enter")
+    builder.page.get_by_test_id("node-Ground").wait_for()
+    for (
+        element
+    ) in CHAIN:  # each joint goes on from the body that is held to the new one, the last one to the ground
+        builder.insert(element)
+    pairs = [each["between"] for each in builder.state("data.joint")]
+    assert pairs == [
+        ["ground", "Link1.A"],
+        ["Link1.B", "Link2.A"],
+        ["Link2.B", "Slider1"],
+        ["ground", "Slider1"],
+    ]
+    builder.keys("F4")
+    assert builder.page.evaluate("document.activeElement.dataset.pointer").endswith("/name")
+    builder.keys("Escape", "Escape")
+    builder.wait("document.activeElement.closest('.react-flow') !== null", 5)  # keys go to the diagram
+    builder.wait_checked()
+    assert errors(builder) == [] and builder.state("check.summary.freedoms") == 1
+    builder.simulate()
+    _, values = builder.curve("J4")
+    assert max(values) - min(values) > 3.9  # two links of 1 m swing through the whole way
+
+
+@pytest.mark.exhaustive
+def test_a_simulation_does_not_wait_for_equations(visit: Any) -> None:
+    builder = visit(viewport={"width": 1024, "height": 768})
+    page = builder.page
+    builder.page.get_by_test_id("example-four_bar").click()
+    builder.wait_checked()
+    builder.keys("F6")
+    builder.wait("s.runs.equations !== undefined")
+    page.get_by_test_id("simulate").click()
+    builder.wait("s.runs.computation !== undefined || s.simulated !== null")
+    builder.wait("s.simulated !== null", 120)
+    builder.wait("s.equations !== null", 120)
+    builder.wait("window.symbodyPicture.shown.base.curves.length > 0")
+    page.get_by_role("tab", name="Curves").click()
+    page.get_by_role("group", name="Curves, rad", exact=True).wait_for()
+    page.get_by_role("button", name="Angles in degrees").click()
+    page.get_by_role("group", name="Curves, deg", exact=True).wait_for()
+    page.reload()  # the choice is remembered
+    assert page.evaluate("JSON.parse(localStorage.getItem('symbody-angles'))") == {
+        "degrees": True,
+        "wrap": False,
+    }
+
+
 @pytest.mark.exhaustive
 def test_a_name_that_cannot_be_stays_in_its_field_with_a_reason(visit: Any) -> None:
     builder = visit()

@@ -137,6 +137,7 @@ function LeftSide(): ReactElement {
   const roving = useRoving('[role="tab"]');
   return (
     <aside className="left" aria-label="Palette and trees">
+      <h2 className="hidden">Palette and trees</h2>
       <div className="tabs"><div role="tablist" aria-label="Left side" {...roving}>
         {LEFT.map(([name, title]) => <button key={name} type="button" role="tab" aria-selected={tab === name} onClick={() => { useStore.setState({ leftTab: name }); }}>{title}</button>)}
       </div></div>

@@ -43,7 +43,15 @@ export interface Run {
   readonly state: JobState | null;
   /** The model that it was started with. */
   readonly of: Model;
+  /** What else it was started with, as JSON. */
+  readonly options: string;
+  /** Its number among all runs of the page. */
+  readonly turn: number;
 }
+
+/** Jobs that do not wait for each other: the equations that are read, and what computes with the mechanism. */
+export type Lane = "equations" | "computation";
+export type Runs = Readonly<Partial<Record<Lane, Run>>>;
 
 export interface Simulated {
   readonly job: string;
@@ -91,7 +99,8 @@ export interface State {
   readonly renaming: EntryId | null;
   readonly spoken: string;
   readonly notice: readonly Problem[];
-  readonly run: Run | null;
+  /** What is running. */
+  readonly runs: Runs;
   readonly equations: { readonly of: Model; readonly job: string; readonly result: JobState["result"] } | null;
   readonly analysis: { readonly kind: JobKind; readonly of: Model; readonly result: JobState["result"] } | null;
   readonly simulated: Simulated | null;
@@ -128,7 +137,7 @@ export const useStore = create<State>()(
     (): State => ({
       data: EMPTY, document: null, saved: EMPTY, schema: null, selection: [], check: null, checked: null, openProblems: [],
       server: "here", outside: false, copied: null, popup: null, dialog: "start", tab: "positions", leftTab: "palette",
-      layout: "draw", panel: "diagram", presents: false, simulation: FIVE_SECONDS, theme: "auto", focusPointer: null, renaming: null, spoken: "", notice: [], run: null, equations: null,
+      layout: "draw", panel: "diagram", presents: false, simulation: FIVE_SECONDS, theme: "auto", focusPointer: null, renaming: null, spoken: "", notice: [], runs: {}, equations: null,
       analysis: null, simulated: null, showsMotion: false, highlighted: [], glowing: [], posed: null, dragged: null, pictureNote: "",
       analysisPicture: null,
     }), // prettier-ignore
@@ -206,7 +215,7 @@ export function showDocument(answer: DocumentAnswer): void {
     document: { id: answer.document, path: answer.path, name: answer.name, fingerprint: answer.fingerprint, comments: answer.comments },
     openProblems: answer.problems,
     selection: [], check: null, checked: null, popup: null, dialog: null, outside: false, renaming: null, notice: [],
-    run: null, equations: null, analysis: null, simulated: null, showsMotion: false, highlighted: [], glowing: [], posed: null, dragged: null, pictureNote: "",
+    runs: {}, equations: null, analysis: null, simulated: null, showsMotion: false, highlighted: [], glowing: [], posed: null, dragged: null, pictureNote: "",
     analysisPicture: null,
     spoken: `${answer.name} opened`,
   }); // prettier-ignore

@@ -1,26 +1,31 @@
 /** Curves as groups of one unit, as text, and their values at a time. */
 
 import { sampleBefore, type MotionCurve } from "../viewer";
+import { inView, turnOf, wrapped, type AngleView } from "./angles";
 
 /** Curves that share a unit and so an axis. */
 export interface CurveGroup {
   readonly unit: string;
   readonly curves: readonly MotionCurve[];
+  /** At what difference values begin anew; 0: they count on. */
+  readonly turn: number;
 }
 
-/** Return the curves by their unit, in the order in which units come first. */
-export function groupCurves(curves: readonly MotionCurve[]): CurveGroup[] {
-  const units = [...new Set(curves.map((each) => each.unit))];
-  return units.map((unit) => ({ unit, curves: curves.filter((each) => each.unit === unit) }));
+/** Return the curves as they are shown, by their unit, in the order in which units come first. */
+export function groupCurves(curves: readonly MotionCurve[], view: AngleView): CurveGroup[] {
+  const shown = curves.map((each) => inView(each, view));
+  const units = [...new Set(shown.map((each) => each.unit))];
+  return units.map((unit) => ({ unit, curves: shown.filter((each) => each.unit === unit), turn: view.wrap ? turnOf(unit) : 0 }));
 }
 
-/** Return the value at a time, straight between samples. */
-export function valueAt(times: Float64Array, values: Float32Array, time: number): number {
+/** Return the value at a time, straight between samples; of wrapped angles on the shorter way. */
+export function valueAt(times: Float64Array, values: Float32Array, time: number, turn: number): number {
   const before = sampleBefore(times, time);
   const after = Math.min(before + 1, times.length - 1);
   const span = times[after]! - times[before]!;
   const weight = span > 0 ? Math.min(Math.max((time - times[before]!) / span, 0), 1) : 0;
-  return values[before]! + weight * (values[after]! - values[before]!);
+  const step = values[after]! - values[before]!;
+  return turn > 0 ? wrapped(values[before]! + weight * wrapped(step, turn), turn) : values[before]! + weight * step;
 }
 
 /** Return a number with four digits that keeps its width. */

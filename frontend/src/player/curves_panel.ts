@@ -1,6 +1,7 @@
 /** All panels of curves, in step with the time and with each other. */
 
 import type { StateSource } from "../viewer";
+import { isAngular, rememberAngles, rememberedAngles, type AngleView } from "./angles";
 import { groupCurves, toCsv } from "./curve_table";
 import { create, download, fileName, setText } from "./dom";
 import { iconButton } from "./icons";
@@ -14,10 +15,12 @@ const GAP = 4;
 
 export class CurvesPanel {
   readonly element: HTMLElement;
-  readonly plots: Plot[];
+  plots: readonly Plot[];
   private readonly list = create("div", { class: "sb-plots" });
   private readonly readout = create("span", { class: "sb-number sb-hover" });
+  private readonly angles = { degrees: this.createSwitch("degrees"), wrap: this.createSwitch("wrap") };
   private readonly watcher: ResizeObserver;
+  private view = rememberedAngles();
   private time = 0;
   private hovered: number | null = null;
 
@@ -25,12 +28,9 @@ export class CurvesPanel {
     private readonly source: StateSource,
     private readonly title: string,
     shown: readonly string[] | null,
-    seek: (time: number) => void,
+    private readonly seek: (time: number) => void,
   ) {
-    const hooks = { seek, hover: (time: number | null) => { this.hover(time); }, choose: () => undefined };
-    const groups = groupCurves(source.curves);
-    this.plots = groups.map((group, index) => new Plot(group, source.times, source.events, shown, hooks, index === groups.length - 1));
-    this.list.append(...this.plots.map((plot) => plot.element));
+    this.plots = this.createPlots(shown);
     this.element = create("section", { class: "sb-curves", "aria-label": "Curves" }, this.createHeader(), this.list);
     this.watcher = new ResizeObserver(() => { this.resize(); });
     this.watcher.observe(this.list);
@@ -74,11 +74,55 @@ export class CurvesPanel {
     for (const plot of this.plots) plot.dispose();
   }
 
+  /** Make the plots of the curves as they are shown now, and put them in. */
+  private createPlots(shown: readonly string[] | null): Plot[] {
+    const { source, seek } = this;
+    const hooks = { seek, hover: (time: number | null) => { this.hover(time); }, choose: () => undefined };
+    const groups = groupCurves(source.curves, this.view);
+    const plots = groups.map((group, index) => new Plot(group, source.times, source.events, shown, hooks, index === groups.length - 1));
+    this.list.replaceChildren(...plots.map((plot) => plot.element));
+    this.showSwitches();
+    return plots;
+  }
+
+  /** Show angles in another way; what is ticked and the part of the time stay. */
+  private showAngles(view: AngleView): void {
+    const drawn = this.plots.flatMap((plot) => plot.drawn.map((index) => plot.group.curves[index]!.name));
+    const zoom = this.plots[0]?.zoom;
+    for (const plot of this.plots) plot.dispose();
+    this.view = view;
+    rememberAngles(view);
+    this.plots = this.createPlots(drawn);
+    this.resize();
+    for (const plot of this.plots) plot.zoomTo(zoom);
+  }
+
+  private createSwitch(name: keyof AngleView): HTMLButtonElement {
+    const button = create("button", { type: "button", class: "sb-button sb-switch" });
+    button.addEventListener("click", () => { this.showAngles({ ...this.view, [name]: !this.view[name] }); });
+    return button;
+  }
+
+  private showSwitches(): void {
+    const { degrees, wrap } = this.angles;
+    const half = this.view.degrees ? "180°" : "π";
+    const words = [[degrees, "deg", "Angles in degrees", this.view.degrees], [wrap, `±${half}`, `Wrap angles to −${half} … ${half}`, this.view.wrap]] as const;
+    for (const [button, text, label, pressed] of words) {
+      setText(button, text);
+      button.hidden = !this.source.curves.some((each) => isAngular(each.unit));
+      button.title = label;
+      button.setAttribute("aria-label", label);
+      button.setAttribute("aria-pressed", String(pressed));
+    }
+  }
+
   private createHeader(): HTMLElement {
     return create(
       "div",
       { class: "sb-curves-head" },
       this.readout,
+      this.angles.degrees,
+      this.angles.wrap,
       iconButton("zoomOut", "Show the whole time (double-click a plot)", "", () => { for (const plot of this.plots) plot.resetZoom(); }),
       iconButton("table", "Save the curves as CSV", "", () => { this.saveCsv(); }),
       iconButton("camera", "Save the curves as a picture", "", () => { this.savePng(); }),

@@ -7,6 +7,9 @@ import { create, setText } from "./dom";
 import { nameElement, printedUnit } from "./readable";
 
 const DASHES: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
+// Distances of marks that divide a turn well, and those of all other numbers below and above.
+const DEGREES = [-9, -8, -7, -6, -5, -4, -3, -2, -1].flatMap((power) => [1, 2, 5].map((each) => Number(`${each}e${power}`)))
+  .concat([1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1800, 3600, 7200, 18000, 36000], [5, 6, 7, 8, 9].flatMap((power) => [1, 2, 5].map((each) => each * 10 ** power)));
 const COLORS = 8; // that the style has for curves
 export const MOST_SHOWN = 6; // curves that a panel shows at first
 
@@ -48,6 +51,7 @@ export class Plot {
       dash: [...curveDash(index)],
       width: 2,
       pxAlign: 0,
+      ...(group.turn > 0 ? { paths: wrappedPath(group.turn) } : {}),
       show: visible(index),
       points: { show: false },
     }));
@@ -95,12 +99,22 @@ export class Plot {
 
   showValues(time: number): void {
     this.rows.forEach((row, index) => {
-      setText(row.value, formatValue(valueAt(this.times, this.group.curves[index]!.values, time)));
+      setText(row.value, formatValue(valueAt(this.times, this.group.curves[index]!.values, time, this.group.turn)));
     });
   }
 
   resetZoom(): void {
-    this.chart.setScale("x", { min: this.times[0]!, max: this.times[this.times.length - 1]! });
+    this.zoomTo([this.times[0]!, this.times[this.times.length - 1]!]);
+  }
+
+  /** The part of the time that is seen. */
+  get zoom(): readonly [number, number] | undefined {
+    const { min, max } = this.chart.scales["x"] ?? {};
+    return min == null || max == null ? undefined : [min, max];
+  }
+
+  zoomTo(part: readonly [number, number] | undefined): void {
+    if (part !== undefined) this.chart.setScale("x", { min: part[0], max: part[1] });
   }
 
   dispose(): void {
@@ -196,6 +210,29 @@ function timeAxis(last: boolean): uPlot.Axis {
   return { ...plainAxis(), size: 24, gap: 2, values: (_, splits) => splits.map((each, index) => (index === splits.length - 1 ? `${formatTick(each)} s` : formatTick(each))) };
 }
 
+/** Return what draws a wrapped angle: where it passes half a turn the line ends, and begins anew on the other side. */
+function wrappedPath(turn: number): uPlot.Series.PathBuilder {
+  return (chart, index, first, last) => {
+    const [times, values] = [chart.data[0], chart.data[index]!];
+    const stroke = new Path2D();
+    const put = (draw: "moveTo" | "lineTo", time: number, value: number): void => { stroke[draw](chart.valToPos(time, "x", true), chart.valToPos(value, "y", true)); };
+    put("moveTo", times[first]!, values[first]!);
+    for (let k = first + 1; k <= last; k += 1) {
+      const [start, end] = [values[k - 1]!, values[k]!];
+      const laps = Math.round((end - start) / turn); // 1: from below on to above
+      if (laps !== 0) {
+        const edge = (-laps * turn) / 2;
+        const part = (edge - start) / (end - laps * turn - start);
+        const time = times[k - 1]! + part * (times[k]! - times[k - 1]!);
+        put("lineTo", time, edge);
+        put("moveTo", time, -edge);
+      }
+      put("lineTo", times[k]!, end);
+    }
+    return { stroke };
+  };
+}
+
 /** Return the ends of an axis; what differs by rounding alone is a level line. */
 function valueRange(low: number | null, high: number | null): uPlot.Range.MinMax {
   if (low === null || high === null) return [0, 1];
@@ -208,7 +245,7 @@ function valueRange(low: number | null, high: number | null): uPlot.Range.MinMax
 function valueAxis(unit: string): uPlot.Axis {
   // without a unit too: the axes of all panels begin at one place
   const named = { label: unit === "" ? " " : printedUnit(unit), labelFont: FONT, labelSize: 18, labelGap: 0 };
-  return { ...plainAxis(), ...named, size: 54, space: 22, values: (_, splits) => splits.map(formatTick) };
+  return { ...plainAxis(), ...named, size: 54, space: 22, ...(unit === "deg" ? { incrs: DEGREES } : {}), values: (_, splits) => splits.map(formatTick) };
 }
 
 function formatTick(value: number): string {

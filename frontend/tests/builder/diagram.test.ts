@@ -3,7 +3,7 @@ import { flowEdges, flowNodes } from "../../src/builder/diagram/elements";
 import { curveOf, pointAt } from "../../src/builder/model/curves";
 import { addElement } from "../../src/builder/model/edit";
 import { diagramOf } from "../../src/builder/model/graph";
-import { sizeOf, spotsOf, withLayout } from "../../src/builder/model/layout";
+import { automaticSpots, forgetArrangement, sizeOf, spotsOf, withLayout } from "../../src/builder/model/layout";
 import { valueAt } from "../../src/builder/model/pointers";
 import type { Model } from "../../src/builder/types";
 import { elementNamed, schema, sliderCrank, stewart } from "./models";
@@ -34,6 +34,17 @@ describe("the diagram of a model", () => {
     let chain: Model = {};
     for (let body = 0; body < 100; body += 1) chain = addElement(schema, chain, elementNamed("body"), null, [40, 40]).data;
     expect(overlapping(chain)).toEqual([]);
+  });
+
+  it("has inputs of one reader beside it, not in rows below everything", () => {
+    const graph = diagramOf(sliderCrank);
+    const wires = graph.edges.filter((each) => each.name === "D").map((each) => ({ source: graph.nodes.at(-1)!.id, target: each.id, names: ["F"], roots: ["F"] }));
+    forgetArrangement();
+    const spots = automaticSpots({ ...graph, wires });
+    const input = spots.get(graph.nodes.at(-1)!.id)!;
+    const lowest = Math.max(...graph.nodes.slice(0, -1).map((each) => spots.get(each.id)![1] + sizeOf(each).height));
+    expect(input[1]).toBeLessThan(lowest + 80); // where rows of signals begin
+    forgetArrangement();
   });
 
   it("keeps all nodes where they are once one was placed", () => {

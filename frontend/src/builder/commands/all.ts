@@ -1,13 +1,13 @@
 /** Every command of the page, its keys, and when it can be given. */
 
-import { fitDiagram } from "../diagram/flow";
+import { fitDiagram, focusInDiagram } from "../diagram/flow";
 import { insertInMiddle } from "../diagram/gestures";
 import { GROUND } from "../model/entries";
 import { redo, select, undo, useStore, type State } from "../store";
 import * as editing from "./editing";
 import { newModel, save } from "./files";
 import { insertFrame } from "./insert";
-import { cancelJob, deriveEquations, simulate } from "./jobs";
+import { cancelJobs, deriveEquations, simulate } from "./jobs";
 
 export interface Command {
   readonly title: string;
@@ -46,7 +46,7 @@ export const COMMANDS = {
   fit: { title: "Show the whole diagram", keys: ["F"], run: fitDiagram, enabled: hasDocument },
   equations: { title: "Derive the equations", keys: ["F6"], run: deriveEquations, enabled: hasDocument, inText: true },
   simulate: { title: "Simulate", keys: ["F5"], run: () => { simulate(); }, enabled: hasDocument, inText: true },
-  cancel: { title: "Cancel what is running", keys: ["Shift+Escape"], run: () => { void cancelJob(); }, enabled: ({ run }) => run !== null, inText: true },
+  cancel: { title: "Cancel what is running", keys: ["Shift+Escape"], run: () => { cancelJobs(); }, enabled: ({ runs }) => Object.keys(runs).length > 0, inText: true },
   drawLayout: { title: "Draw: large diagram", keys: ["1"], run: () => { useStore.setState({ layout: "draw" }); }, enabled: hasDocument },
   watchLayout: { title: "Watch: large picture", keys: ["2"], run: () => { useStore.setState({ layout: "watch", panel: "picture" }); }, enabled: hasDocument },
   readLayout: { title: "Read: large results", keys: ["3"], run: () => { useStore.setState({ layout: "read", panel: "results" }); }, enabled: hasDocument },
@@ -71,21 +71,24 @@ function escape(): void {
   const { popup, dialog, document } = useStore.getState();
   if (popup !== null) useStore.setState({ popup: null });
   else if (dialog !== null && document !== null) useStore.setState({ dialog: null });
-  else if (!backToDiagram()) select([], "Nothing selected");
+  else if (!backToDiagram()) {
+    select([], "Nothing selected");
+    if (window.document.activeElement === window.document.body) focusInDiagram(GROUND);
+  }
 }
 
-/** Put the focus into the first field of the right side. */
+/** Put the focus into the name on the right side, or its first field. */
 function toProperties(): void {
-  document.querySelector<HTMLElement>(".properties input, .properties select, .properties button")?.focus();
+  const fields = [".properties [data-pointer$='/name']", ".properties input, .properties select, .properties button"];
+  fields.map((each) => document.querySelector<HTMLElement>(each)).find((each) => each !== null)?.focus();
 }
 
 /** Put the focus onto what is selected in the diagram; return whether it was elsewhere in a field. */
 function backToDiagram(): boolean {
   const active = document.activeElement;
   if (!(active instanceof HTMLElement) || active.closest(".properties, .left, .panel") === null) return false;
-  const [id] = useStore.getState().selection;
   active.blur();
-  document.querySelector<HTMLElement>(`.react-flow [data-id="${id ?? GROUND}"]`)?.focus();
+  focusInDiagram(useStore.getState().selection[0] ?? GROUND);
   return true;
 }
 
@@ -112,7 +115,7 @@ function isText(target: EventTarget | null): boolean {
 function isKept(keys: string, target: EventTarget | null): boolean {
   if (isText(target)) return true;
   if (useStore.getState().dialog !== null) return keys !== "Escape";
-  return target instanceof Element && target.closest(".sb-player") !== null && !keys.includes("Ctrl");
+  return target instanceof Element && target.closest(".sb-player:not(.sb-curves-only)") !== null && !keys.includes("Ctrl");
 }
 
 /** Give the command of a key press, if it has one here. */

@@ -1,6 +1,8 @@
 /** Files: open, save, drafts, and changes from outside. */
 
 import { api, problemsOf, ServerError, type Opened } from "../api";
+import { focusInDiagram } from "../diagram/flow";
+import { GROUND } from "../model/entries";
 import { isDirty, showDocument, useStore, say } from "../store";
 import type { DocumentAnswer, ExportAnswer, Problem } from "../types";
 
@@ -17,6 +19,7 @@ function mayLeave(): boolean {
 async function show(answer: Promise<DocumentAnswer>): Promise<boolean> {
   try {
     showDocument(await answer);
+    focusInDiagram(GROUND);
     return true;
   } catch (error) {
     notice(problemsOf(error));

@@ -1,11 +1,11 @@
 /** New elements of the model. */
 
 import { api } from "../api";
-import { showNode } from "../diagram/flow";
+import { focusInDiagram, showNode } from "../diagram/flow";
 import { addElement, addFrame } from "../model/edit";
-import { entryAt, GROUND, referenceText, type EntryId } from "../model/entries";
+import { entriesOf, entryAt, GROUND, referenceText, type EntryId } from "../model/entries";
 import { isObject } from "../model/pointers";
-import { portFor } from "../model/ports";
+import { joinedBodies, portFor } from "../model/ports";
 import { definitionNode } from "../model/schema";
 import type { Spot } from "../model/layout";
 import { edit, endGesture, select, useStore } from "../store";
@@ -22,14 +22,22 @@ export function joins(element: PaletteElement): boolean {
   return isObject(properties) && (properties["between"] !== undefined || properties["on"] !== undefined);
 }
 
-/** Return what a new edge joins where nothing says so: the selected bodies, else the ground and the last body. */
+/** Return what a new edge joins where nothing says so: the selected bodies, else a chain goes on to the selected or the last body. */
 export function likelyEnds(data: Model, selection: readonly EntryId[]): Ends {
   const bodies = selection.filter((id) => id === GROUND || id.startsWith("body/"));
   const end = (id: EntryId): string => referenceText({ body: id === GROUND ? GROUND : (entryAt(data, id)?.name ?? GROUND), frame: portFor(data, id) });
   if (bodies.length >= 2) return [end(bodies[0]!), end(bodies[1]!)];
   const list = data["body"];
   const last = Array.isArray(list) && list.length > 0 ? `body/${list.length - 1}` : GROUND;
-  return [end(GROUND), end(bodies[0] !== undefined && bodies[0] !== GROUND ? bodies[0] : last)];
+  const body = bodies.find((each) => each !== GROUND) ?? last;
+  return [end(chainBefore(data, body)), end(body)];
+}
+
+/** Return what holds a body best: of a body that nothing holds yet the latest one that is held, else the ground. */
+function chainBefore(data: Model, body: EntryId): EntryId {
+  const names = joinedBodies(data);
+  const held = entriesOf(data).filter((each) => each.section === "body" && names.has(each.name)).map((each) => each.id);
+  return held.includes(body) ? GROUND : (held.at(-1) ?? GROUND);
 }
 
 export function insertElement(section: string, type: string, spot: Spot | null = null, ends: Ends | null = null): void {
@@ -43,11 +51,13 @@ function insert({ schema }: SchemaAnswer, element: PaletteElement, data: Model, 
   const { data: next, ids } = addElement(schema, data, element, joined, spot);
   endGesture();
   edit(() => next);
+  const byChoice = useStore.getState().popup !== null;
   useStore.setState({ popup: null });
   if (joined !== null) localStorage.setItem(LAST_KEY, nameOf(element));
   const [id] = ids;
   select(ids, `${element.title} added`);
   if (spot === null && joined === null) showNode(id!);
+  if (byChoice) focusInDiagram(id!);
 }
 
 /** What joins two bodies most often; the rest follows in its own order. */

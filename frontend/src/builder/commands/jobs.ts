@@ -1,39 +1,68 @@
 /** Long work of the server: started, followed, cancelled. */
 
 import { api, problemsOf } from "../api";
-import { endGesture, say, useStore, type Panel, type SimulationOptions, type Tab } from "../store";
+import { endGesture, say, useStore, type Lane, type Panel, type Run, type SimulationOptions, type Tab } from "../store";
 import type { JobKind, JobState, Json, JsonObject, Model } from "../types";
 
-function finished({ state }: JobState): boolean {
-  return state !== "running";
+const LANES: readonly Lane[] = ["computation", "equations"];
+let turns = 0;
+
+export function laneOf(kind: JobKind): Lane {
+  return kind === "equations" ? "equations" : "computation";
 }
 
-/** Run a job to its end, and keep its result. */
+function runIn(lane: Lane): Run | undefined {
+  return useStore.getState().runs[lane];
+}
+
+/** Whether a run is the one in its lane: neither cancelled nor replaced. */
+function isCurrent({ kind, turn }: Run): boolean {
+  return runIn(laneOf(kind))?.turn === turn;
+}
+
+/** Put a run into its lane; undefined: nothing runs there. */
+function setRun(lane: Lane, run: Run | undefined): void {
+  const others = Object.entries(useStore.getState().runs).filter(([name]) => name !== lane);
+  useStore.setState({ runs: Object.fromEntries(run === undefined ? others : [...others, [lane, run]]) });
+}
+
+function isSame(one: Run, other: Run): boolean {
+  return one.kind === other.kind && one.of === other.of && one.options === other.options;
+}
+
+/** Run a job to its end, and keep its result; it takes the place of what runs in its lane, unless that is the same. */
 export async function runJob(kind: JobKind, options: Json = {}): Promise<void> {
-  const { data, run, document } = useStore.getState();
-  if (run?.state !== undefined && run.state !== null && !finished(run.state)) await cancelJob();
+  const { data, document } = useStore.getState();
+  const lane = laneOf(kind);
+  const before = runIn(lane);
+  const run: Run = { kind, job: null, state: null, of: data, options: JSON.stringify(options), turn: turns += 1 };
+  if (before !== undefined && isSame(before, run)) return;
   endGesture();
-  useStore.setState({ run: { kind, job: null, state: null, of: data }, notice: [], spoken: `${labelOfJob(kind)} started` });
+  setRun(lane, run);
+  useStore.setState({ notice: [], spoken: `${labelOfJob(kind)} started` });
   try {
+    await endJob(before);
+    if (!isCurrent(run)) return;
     const job = await api.job(document?.id ?? "", kind, data, options);
-    useStore.setState({ run: { kind, job, state: null, of: data } });
-    const state = await followJob(kind, job, data);
+    const state = await followJob({ ...run, job });
     if (state !== null) takeResult(kind, job, data, state);
   } catch (error) {
-    useStore.setState({ run: null, notice: problemsOf(error) });
+    if (!isCurrent(run)) return;
+    setRun(lane, undefined);
+    useStore.setState({ notice: problemsOf(error) });
   }
 }
 
-/** Follow a job; null where another one took its place. */
-async function followJob(kind: JobKind, job: string, of: Model): Promise<JobState | null> {
-  let seen = -1;
-  for (;;) {
-    const state = await api.jobState(job, seen);
-    ({ seen } = state);
-    if (useStore.getState().run?.job !== job) return null;
-    useStore.setState({ run: { kind, job, state, of } });
-    if (finished(state)) return state;
+/** Follow a job until it leaves its lane; null where it was cancelled, or replaced by another one or by another model. */
+async function followJob(run: Run & { readonly job: string }): Promise<JobState | null> {
+  const lane = laneOf(run.kind);
+  for (let state: JobState | null = null; isCurrent(run); state = await api.jobState(run.job, state?.seen ?? -1)) {
+    const ended = state !== null && state.state !== "running";
+    setRun(lane, ended ? undefined : { ...run, state });
+    if (ended) return state;
   }
+  await endJob(run);
+  return null;
 }
 
 /** Derive the equations, in view of where they come. */
@@ -53,7 +82,7 @@ function takeResult(kind: JobKind, job: string, of: Model, state: JobState): voi
     useStore.setState({ notice: state.problems, spoken: `${labelOfJob(kind)} ${state.state}` });
     return;
   }
-  useStore.setState({ run: null, notice: state.problems });
+  useStore.setState({ notice: state.problems });
   if (kind === "equations") {
     useStore.setState({ equations: { of, job, result } });
     void writeTab("Equations"); // once more, with the sources of its terms, while all else goes on
@@ -80,11 +109,18 @@ export async function writeTab(name: string): Promise<void> {
   useStore.setState({ equations: { ...equations, result: { ...result, tabs: [...tabs, tab] } } });
 }
 
-export async function cancelJob(): Promise<void> {
-  const { run } = useStore.getState();
-  if (run === null) return;
-  useStore.setState({ run: null, spoken: "Cancelled" });
-  if (run.job !== null) await api.cancel(run.job).catch(() => undefined);
+/** End what runs, in one lane or in all. */
+export function cancelJobs(lanes: readonly Lane[] = LANES): void {
+  for (const lane of lanes) {
+    const run = runIn(lane);
+    setRun(lane, undefined);
+    void endJob(run);
+  }
+  say("Cancelled");
+}
+
+async function endJob(run: Run | undefined): Promise<void> {
+  if (run?.job != null) await api.cancel(run.job).catch(() => undefined);
 }
 
 const LABELS: Readonly<Record<JobKind, string>> = {

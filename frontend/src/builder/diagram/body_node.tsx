@@ -7,7 +7,8 @@ import { Icon } from "../shell/icons";
 import { INPUTS } from "../model/entries";
 import type { CouplingLink } from "../model/couplings";
 import { select, useStore } from "../store";
-import { handleOf, type BodyFlowNode, type Port } from "./flow";
+import type { Port } from "../model/port_places";
+import { handleOf, type BodyFlowNode } from "./flow";
 import { NameEditor } from "./name_editor";
 
 const POSITIONS: Readonly<Record<Port["side"], Position>> = {

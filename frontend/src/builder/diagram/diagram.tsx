@@ -1,7 +1,7 @@
 /** The diagram: the model as nodes and edges that the pointer and the keyboard change. */
 
 import {
-  applyNodeChanges, Background, BackgroundVariant, ConnectionMode, Panel, ReactFlow, SelectionMode, type NodeChange,
+  applyNodeChanges, Background, BackgroundVariant, ConnectionMode, Panel, ReactFlow, SelectionMode, useStore as useFlow, type NodeChange,
 } from "@xyflow/react"; // prettier-ignore
 import "@xyflow/react/dist/base.css";
 import { useCallback, useEffect, useMemo, useState, type MouseEvent as ReactMouseEvent, type ReactElement } from "react";
@@ -94,10 +94,26 @@ export function Diagram(): ReactElement {
         <CouplingLines links={graph.links} nodes={nodes} edges={edges} selection={selection} />
         <Guides lines={guides.lines} />
         <Panel position="bottom-left"><ZoomButtons /></Panel>
+        <Legibility />
       </ReactFlow>
       {nodes.length === 1 && <EmptyHint />}
     </section>
   );
+}
+
+const FAR = 0.6; // scale below which frames, masses and icons could not be read
+const LEAST_NAME = 9.5 / 13; // of the height of a name at scale 1
+const MOST_NAME = 1.7;
+
+/** From afar names alone are shown, larger than drawn to scale. */
+function Legibility(): null {
+  const scale = useFlow(({ transform }) => (transform[2] >= FAR ? 1 : Math.round(20 * transform[2]) / 20));
+  useEffect(() => {
+    const { classList, style } = document.querySelector<HTMLElement>(".diagram")!;
+    classList.toggle("far", scale < FAR);
+    style.setProperty("--name-scale", String(scale < FAR ? Math.min(MOST_NAME, LEAST_NAME / scale) : 1));
+  }, [scale]);
+  return null;
 }
 
 function ZoomButtons(): ReactElement {

@@ -1,12 +1,13 @@
 /** The nodes and edges that the diagram draws. */
 
 import { badgeParts, type End } from "../model/curves";
+import { endAt, portsOf } from "../model/port_places";
 import type { DiagramEdge, DiagramGraph, DiagramNode } from "../model/graph";
 import { entryOfPointer, INPUTS, type EntryId } from "../model/entries";
 import { sidesOf, sizeOf, spotsOf } from "../model/layout";
 import { isInTree } from "../model/trees";
 import type { Model, Problem, Severity, Summary } from "../types";
-import { handleOf, type BodyFlowNode, type Coupled, type JointFlowEdge, type Port } from "./flow";
+import { handleOf, type BodyFlowNode, type Coupled, type JointFlowEdge } from "./flow";
 
 const ORDER: readonly Severity[] = ["error", "warning", "note"];
 
@@ -56,24 +57,10 @@ function roleOf({ kind, type, section }: DiagramNode): string {
   return kind === "coupling" ? type : kind;
 }
 
-function portsOf(node: DiagramNode, sideOf: (frame: string) => Port["side"]): Port[] {
-  const counts: Record<Port["side"], number> = { left: 0, right: 0, top: 0, bottom: 0 };
-  for (const frame of node.frames) counts[sideOf(frame)] += 1;
-  const used: Record<Port["side"], number> = { left: 0, right: 0, top: 0, bottom: 0 };
-  return node.frames.map((frame) => {
-    const side = sideOf(frame);
-    used[side] += 1;
-    return { frame, side, part: used[side] / (counts[side] + 1) };
-  });
-}
-
 /** Return where on the screen of the diagram a port is. */
 export function endOfPort(node: BodyFlowNode, frame: string): End {
-  const { side, part } = node.data.ports.find((each) => each.frame === frame)!;
-  const { x, y } = node.position;
-  const { width = 0, height = 0 } = node;
-  if (side === "left" || side === "right") return { x: side === "left" ? x : x + width, y: y + part * height, side };
-  return { x: x + part * width, y: side === "top" ? y : y + height, side };
+  const { position: { x, y }, width = 0, height = 0 } = node;
+  return endAt([x, y], { width, height }, node.data.ports.find((each) => each.frame === frame)!);
 }
 
 export function flowEdges(data: Model, graph: DiagramGraph, nodes: readonly BodyFlowNode[], summary: Summary | null, { selection, highlighted, worst }: Marks): JointFlowEdge[] {

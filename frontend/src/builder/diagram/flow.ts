@@ -4,15 +4,8 @@ import type { Edge, Node, ReactFlowInstance } from "@xyflow/react";
 import type { CouplingLink } from "../model/couplings";
 import type { EntryId } from "../model/entries";
 import type { DiagramEdge, DiagramNode } from "../model/graph";
-import type { Side } from "../model/layout";
+import type { Port } from "../model/port_places";
 import type { Severity } from "../types";
-
-export interface Port {
-  readonly frame: string;
-  readonly side: Side;
-  /** Place along its side, from 0 to 1. */
-  readonly part: number;
-}
 
 /** A coupling that a joint takes part in. */
 export interface Coupled {
@@ -101,6 +94,16 @@ export function fitWhenDrawn(count: () => number): () => void {
   };
   look(LOOKS);
   return () => { clearTimeout(timer); };
+}
+
+/** Put the focus onto an element of the diagram, once it is drawn. */
+export function focusInDiagram(id: string): void {
+  const look = (left: number, before: Element | null): void => {
+    if (document.activeElement !== before || before instanceof HTMLInputElement) return; // a person went on meanwhile
+    document.querySelector<HTMLElement>(`.react-flow [data-id="${id}"]`)?.focus({ preventScroll: true }); // in vain while it is measured
+    if (left > 0) setTimeout(() => { look(left - 1, before); }, FIRST_LOOK / 2);
+  };
+  setTimeout(() => { look(LOOKS, document.activeElement); });
 }
 
 export function showNode(id: string): void {

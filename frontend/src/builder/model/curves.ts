@@ -1,7 +1,8 @@
 /** The lines of edges and the places of their badges. */
 
 import type { DiagramEdge, DiagramGraph } from "./graph";
-import { sizeOf, type Side, type Spot } from "./layout";
+import { sizeOf } from "./sizes";
+import type { Side, Spot } from "./spots";
 
 const LANE = 44;
 

@@ -2,39 +2,17 @@
 
 import { Graph, layout as arrange } from "@dagrejs/dagre";
 import { diagramOf, topologyOf, type DiagramGraph, type DiagramNode } from "./graph";
-import { GROUND, INPUTS, layoutNameOf, referenceText } from "./entries";
+import { GROUND, layoutNameOf, referenceText } from "./entries";
+import { spotsBesideReaders } from "./beside_readers";
+import { endAt, portsOf } from "./port_places";
 import { arrangedSignals } from "./signal_layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
-import type { Size, Spot } from "./spots";
+import { GRID, SIDES, type Side, type Size, type Spot } from "./spots";
+import { sizeOf, snapped } from "./sizes";
 import type { Json, Model } from "../types";
 
-export type { Size, Spot };
-export type Side = "left" | "right" | "top" | "bottom";
-export const SIDES: readonly Side[] = ["left", "right", "top", "bottom"];
-export const GRID = 10;
-
-/** Return the size that a node is drawn with. */
-export function sizeOf(node: DiagramNode): Size {
-  if (node.kind === "signal") return signalSize(node);
-  const label = Math.max(node.kind === "ground" ? 6 : 2, ...node.frames.map((each) => each.length));
-  const detail = node.kind === "coupling" ? 8 * node.detail.length + 40 : 0; // with a frame about each coordinate
-  const letter = node.kind === "part" ? 17 : 14; // names of its bodies are longer, and an icon stands beside its own
-  const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 30 + letter * Math.min(label, 14), Math.min(detail, 320));
-  // ports may all be on one side
-  const height = Math.max(node.kind === "body" ? 70 : 50, 22 * (node.frames.length - 1));
-  return { width: 2 * snapped(width / 2), height: 2 * snapped(height / 2) };
-}
-
-/** Return the size of a signal; long formulas are shortened. */
-function signalSize({ name, section, detail }: DiagramNode): Size {
-  const title = 8.6 * name.length + 52;
-  if (section === INPUTS) return { width: 2 * snapped(Math.max(70, title) / 2), height: 40 };
-  return { width: 2 * snapped(Math.max(110, title, Math.min(7.4 * detail.length + 34, 210)) / 2), height: 60 };
-}
-
-export function snapped(value: number): number {
-  return GRID * Math.round(value / GRID);
-}
+export { GRID, SIDES, sizeOf, snapped };
+export type { Side, Size, Spot };
 
 /** Return the name under which the layout of a file keeps a node. */
 export function layoutName(node: DiagramNode): string {
@@ -91,9 +69,22 @@ function arranged(graph: DiagramGraph): ReadonlyMap<string, Spot> {
   placeCouplings(graph, spots, bottom + 60);
   const below = couplings.length === 0 ? bottom : bottom + 60 + Math.max(...couplings.map((each) => sizeOf(each).height));
   const right = Math.max(0, ...mechanical.map((each) => spots.get(each.id)![0] + sizeOf(each).width));
-  const signals = arrangedSignals(graph, sizeOf, (id) => middleAt(graph, spots, id), right);
+  const beside = besideReaders(graph, spots);
+  const others = { ...graph, nodes: graph.nodes.filter((each) => !beside.has(each.id)) };
+  const signals = arrangedSignals(others, sizeOf, (id) => middleAt(graph, spots, id), right);
+  for (const [id, [x, y]] of beside) spots.set(id, [snapped(x), snapped(y)]);
   for (const [id, [x, y]] of signals) spots.set(id, [snapped(x), snapped(y + below + 80)]);
   return spots;
+}
+
+function besideReaders(graph: DiagramGraph, spots: ReadonlyMap<string, Spot>): ReadonlyMap<string, Spot> {
+  const nodes = graph.nodes.filter((each) => spots.has(each.id));
+  const sides = sidesOf({}, { ...graph, nodes }, spots);
+  const byId = new Map(nodes.map((node) => [node.id, { node, ports: portsOf(node, (frame) => sides.get(`${node.id} ${frame}`)!) }]));
+  return spotsBesideReaders(graph, spots, sizeOf, (id, frame) => {
+    const { node, ports } = byId.get(id)!;
+    return endAt(spots.get(id)!, sizeOf(node), ports.find((each) => each.frame === frame)!);
+  });
 }
 
 /** Return how far right the middle of a node, or of what joins two nodes, is; null before it has a place. */

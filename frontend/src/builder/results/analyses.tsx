@@ -17,7 +17,7 @@ const KINDS: readonly (readonly [JobKind, string])[] = [
 
 export function Analyses(): ReactElement {
   const analysis = useStore((state) => state.analysis);
-  const busy = useStore((state) => state.run !== null);
+  const busy = useStore((state) => state.runs.computation !== undefined);
   return (
     <div className="analyses pad" data-testid="analyses">
       <div className="row">

@@ -77,7 +77,7 @@ export function Equations(): ReactElement {
 }
 
 function NotDerived(): ReactElement {
-  const deriving = useStore((state) => state.run?.kind === "equations");
+  const deriving = useStore((state) => state.runs.equations !== undefined);
   if (deriving) return <p className="soft pad" role="status">Being derived…</p>;
   return (
     <div className="pad soft">

@@ -1,18 +1,26 @@
 /** What is running: its stage, percentage, time, and Cancel. */
 
 import { useEffect, useState, type ReactElement } from "react";
-import { cancelJob, labelOfJob } from "../commands/jobs";
+import { cancelJobs, labelOfJob, laneOf } from "../commands/jobs";
 import { ProblemLines } from "../panels/field_frame";
 import { Icon } from "../shell/icons";
 import { useStore, type Run } from "../store";
 
 export function Progress(): ReactElement {
-  const run = useStore((state) => state.run);
-  return run !== null && (run.state === null || run.state.state === "running") ? <Running run={run} /> : <Failed />;
+  const { computation, equations } = useStore((state) => state.runs);
+  return (
+    <>
+      <div className="progress-list">
+        {equations !== undefined && <Running run={equations} />}
+        {computation !== undefined && <Running run={computation} />}
+      </div>
+      <Failed />
+    </>
+  );
 }
 
 function Running({ run }: { readonly run: Run }): ReactElement {
-  const elapsed = useElapsed(run.of);
+  const elapsed = useElapsed(run.turn);
   const percent = run.state?.percent ?? null;
   return (
     <div className="progress" role="status" data-testid="progress">
@@ -20,18 +28,18 @@ function Running({ run }: { readonly run: Run }): ReactElement {
       <span className="soft">{run.state?.stage ?? "starting"}{percent === null ? "" : ` ${Math.round(percent)} %`}</span>
       <progress aria-label={labelOfJob(run.kind)} max={100} {...(percent === null ? {} : { value: percent })} />
       <span className="soft number">{elapsed.toFixed(0)} s</span>
-      <button type="button" className="button small" onClick={() => { void cancelJob(); }}>Cancel</button>
+      <button type="button" className="button small" onClick={() => { cancelJobs([laneOf(run.kind)]); }}>Cancel</button>
     </div>
   );
 }
 
-function useElapsed(of: unknown): number {
+function useElapsed(turn: number): number {
   const [elapsed, setElapsed] = useState(0);
   useEffect(() => {
     const begun = performance.now();
     const timer = setInterval(() => { setElapsed((performance.now() - begun) / 1000); }, 1000);
     return () => { clearInterval(timer); };
-  }, [of]);
+  }, [turn]);
   return elapsed;
 }
 
@@ -42,7 +50,7 @@ function Failed(): ReactElement | null {
   return (
     <div className="notice" data-testid="notice">
       <ProblemLines problems={notice} />
-      <button type="button" className="icon-button" aria-label="Close the message" onClick={() => { useStore.setState({ notice: [], run: null }); }}><Icon name="close" size={15} /></button>
+      <button type="button" className="icon-button" aria-label="Close the message" onClick={() => { useStore.setState({ notice: [] }); }}><Icon name="close" size={15} /></button>
     </div>
   );
 }

@@ -15,6 +15,7 @@ export function Header(): ReactElement {
   const roving = useRoving("button");
   return (
     <header className="topbar">
+      <h1 className="hidden">Diagram editor</h1>
       <FileMenu />
       <Title />
       <div className="tools" role="toolbar" aria-label="Commands" {...roving}>
@@ -47,12 +48,11 @@ function Tool({ name, icon, text = "", disabled = false }: { readonly name: Comm
 }
 
 function SimulateButton(): ReactElement {
-  const busy = useStore((state) => state.run !== null && (state.run.state === null || state.run.state.state === "running"));
   return (
     <span className="split-button">
-      <button type="button" className="tool go" disabled={busy} title="Simulate (F5)" data-testid="simulate" onClick={() => { giveCommand("simulate"); }}><Icon name="play" /><span>Simulate</span></button>
+      <button type="button" className="tool go" title="Simulate (F5)" data-testid="simulate" onClick={() => { giveCommand("simulate"); }}><Icon name="play" /><span>Simulate</span></button>
       <Duration />
-      <button type="button" className="tool go" disabled={busy} aria-label="Simulate with other settings" title="Inputs, output step, solver" onClick={() => { useStore.setState({ dialog: "simulate" }); }}><Icon name="down" size={14} /></button>
+      <button type="button" className="tool go" aria-label="Simulate with other settings" title="Inputs, output step, solver" onClick={() => { useStore.setState({ dialog: "simulate" }); }}><Icon name="down" size={14} /></button>
     </span>
   );
 }
@@ -61,16 +61,16 @@ function SimulateButton(): ReactElement {
 function Duration(): ReactElement {
   const simulation = useStore((state) => state.simulation);
   const [text, setText] = useState<string | null>(null);
-  const accept = (): void => {
-    const seconds = Number(text);
-    if (text !== null && seconds > 0 && seconds <= 1e6) useStore.setState({ simulation: { ...simulation, t_end: seconds } });
-    setText(null);
+  const take = (typed: string): void => {
+    const seconds = Number(typed);
+    setText(typed);
+    if (seconds > 0 && seconds <= 1e6) useStore.setState({ simulation: { ...simulation, t_end: seconds } }); // F5 takes it from here
   };
   return (
     <label className="tool go duration" title="Duration of the simulation">
       <input
-        aria-label="Duration of the simulation in seconds" size={3} value={text ?? String(simulation.t_end)} onBlur={accept}
-        onChange={(event) => { setText(event.target.value); }} onKeyDown={(event) => { if (event.key === "Enter") accept(); }}
+        aria-label="Duration of the simulation in seconds" size={3} value={text ?? String(simulation.t_end)} aria-invalid={text !== null && Number(text) !== simulation.t_end}
+        onChange={(event) => { take(event.target.value); }} onBlur={() => { setText(null); }} onKeyDown={(event) => { if (event.key === "Enter") setText(null); }}
       />
       <span aria-hidden="true">s</span>
     </label>
@@ -167,9 +167,10 @@ function StateButton({ worst, text }: { readonly worst: "error" | "warning" | "c
 }
 
 function Counts({ summary }: { readonly summary: Summary }): ReactElement {
+  const { freedoms } = summary;
   return (
     <span className="counts">
-      {summary.freedoms !== null && <b>{summary.freedoms === 1 ? "1 degree of freedom" : `${summary.freedoms} degrees of freedom`}</b>}
+      {freedoms !== null && <b title={`${plural(freedoms, "degree")} of freedom`}>{freedoms} <span className="long">degree{freedoms === 1 ? "" : "s"} of freedom</span><span className="short" aria-hidden="true">DOF</span></b>}
       <span>{plural(summary.coordinates.length, "coordinate")}</span>
       <span>{plural(summary.constraints, "constraint")}</span>
       {summary.redundant.length > 0 && <span className="warning">{summary.redundant.length} redundant</span>}
