@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, ModeVerdict, decide
+from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, ModeVerdict, Responses, decide
 from symbody.kernels.modes.mode_problem import CONE, HOLDS, LOOSE, UNILATERAL
 
 Floats = NDArray[np.float64]

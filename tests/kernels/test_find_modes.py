@@ -12,8 +12,8 @@ import scipy
 
 from symbody.analysis.modes.reduced_modes import (
     ModeCandidate,
-    Responses,
     ModeVerdict,
+    Responses,
     decide,
     mode_problem,
     mode_solution,

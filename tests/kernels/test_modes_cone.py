@@ -7,7 +7,7 @@ import pytest
 import scipy
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import ModeCandidate, Responses, ModeVerdict, decide
+from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeVerdict, Responses, decide
 from symbody.kernels.modes.mode_problem import CONE, HOLDS, LOOSE
 from tests.kernels.contact_rows import Plane
 

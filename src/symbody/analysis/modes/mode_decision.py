@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, ModeVerdict, decide
+from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, ModeVerdict, Responses, decide
 from symbody.analysis.scales import Scales
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.mode_responses import candidate_laws, candidate_ropes, reaction_sizes

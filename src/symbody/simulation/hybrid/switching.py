@@ -39,7 +39,8 @@ Floats = NDArray[np.float64]
 _MOST_NOTES: Final = 20  # of impacts
 _UNDETERMINED: Final = MappingProxyType(
     {
-        ModeVerdict.NONE: "no combination of sticking and slipping is consistent with the friction of the joints",
+        ModeVerdict.NONE: "no combination of sticking and slipping is consistent with the friction of the "
+        "joints",
         ModeVerdict.TWO: "two combinations of sticking and slipping, with different accelerations, are "
         "consistent with the friction of the joints",
         ModeVerdict.NOT_FOUND: "no combination of sticking and slipping was found that is consistent with "
