@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -20,66 +21,68 @@ def pack(kind: type[RecordLayout], **values: Any) -> Floats:
     **values : numbers and arrays
         Of fields by their names. What is not given is zero, and a single record that is not given is nowhere.
         A record in line is the array that `pack` returns for it.
-    """
-    numbers, inner = _in_line(kind, values)
-    record, end = kind(numbers), kind.round_up(kind.size)
-    arrays: list[tuple[int, Floats]] = []
-    for field, rest in inner:  # what it stores lies behind the whole record
-        for place in _pointer_places(field.kind, field.place):
-            numbers[place] += (numbers[place] != 0.0) * (end - field.place - field.size)
-        arrays.append((end, rest))
-        end = kind.round_up(end + rest.size)
-    for field in kind.pointers:
-        given = values.get(field.name)
-        array = None if given is None else np.asarray(given, dtype=np.float64)
-        size = field.count(record) * field.entry_size if array is None else array.size
-        if size or field.sizes:
-            numbers[field.place] = end
-        if array is not None and size:
-            arrays.append((end, array.ravel()))
-        end = kind.round_up(end + size)
-    block = np.zeros(end)
-    block[: kind.size] = numbers
-    for begin, array in arrays:
-        block[begin : begin + array.size] = array
-    return block
-
-
-def _in_line(
-    kind: type[RecordLayout], values: dict[str, Any]
-) -> tuple[list[float], list[tuple[RecordField, Floats]]]:
-    """Return the numbers of a record, and what records in line with it store, each with its field.
 
     Raises
     ------
     ValueError
         More reals than a field has room for.
     """
-    numbers = [0.0] * kind.size
-    inner: list[tuple[RecordField, Floats]] = []
+    numbers: list[tuple[int, float]] = []
+    arrays: list[tuple[int, Floats]] = []
+    inner, end = _place_in_line(kind, values, numbers, arrays)
+    for field in kind.pointers:
+        given = values.get(field.name)
+        if given is None:
+            size = _count(field, values) * field.entry_size
+        else:
+            array = np.asarray(given, dtype=np.float64).ravel()
+            arrays.append((end, array))
+            size = array.size
+        if size or field.sizes:
+            numbers.append((field.place, end))
+            end = kind.round_up(end + size)
+    block = np.zeros(end)
+    for begin, array in arrays:
+        block[begin : begin + array.size] = array
+    for place, number in numbers:
+        block[place] = number
+    for field, begin in inner:
+        for place in field.kind.stores:
+            if block[field.place + place] != 0.0:
+                block[field.place + place] += begin - field.place - field.size
+    return block
+
+
+def _place_in_line(
+    kind: type[RecordLayout],
+    values: Mapping[str, Any],
+    numbers: list[tuple[int, float]],
+    arrays: list[tuple[int, Floats]],
+) -> tuple[list[tuple[RecordField, int]], int]:
+    """Place numbers, and arrays and records in line; return where what these store begins, and the end."""
+    inner: list[tuple[RecordField, int]] = []
+    end = kind.round_up(kind.size)
     for name, value in values.items():
         field = kind.fields[name]
         if field.pointer is not None:
             continue
         if not (field.is_record or field.inline):
-            numbers[field.place] = float(value)
+            numbers.append((field.place, value))
             continue
         entries = np.asarray(value, dtype=np.float64).ravel()
-        own = entries[: field.size]
-        numbers[field.place : field.place + own.size] = own.tolist()
-        if field.is_record:
-            inner.append((field, entries[field.size :]))
+        arrays.append((field.place, entries[: field.size]))
+        if field.is_record:  # what it stores lies behind the whole record
+            inner.append((field, end))
+            arrays.append((end, entries[field.size :]))
+            end = kind.round_up(end + entries.size - field.size)
         elif entries.size > field.size:
             raise ValueError(f"{name} has room for {field.size} reals, not for {entries.size}")
-    return numbers, inner
+    return inner, end
 
 
-def _pointer_places(kind: type[RecordLayout], begin: int) -> list[int]:
-    """Return where a record that begins somewhere, and those in line with it, keep where something lies."""
-    places: list[int] = []
-    for field in kind.fields.values():
-        if field.pointer is not None:
-            places.append(begin + field.place)
-        elif field.is_record:
-            places += _pointer_places(field.kind, begin + field.place)
-    return places
+def _count(field: RecordField, values: Mapping[str, Any]) -> int:
+    """Return how many reals or records a field points to, by the values of the fields that say so."""
+    count = int(bool(field.sizes))
+    for factor in field.sizes:
+        count *= int(values.get(factor, 0)) if isinstance(factor, str) else factor
+    return count

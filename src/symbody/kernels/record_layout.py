@@ -65,9 +65,13 @@ class RecordField:
         How many reals lie in line where the field is an array that does.
     is_record, is_row : bool
         Whether it is a record or points to some, and whether to several.
+    size, entry_size : int
+        How many entries the field takes in line, and how many a real, or one of the records, takes.
     """
 
-    __slots__ = ("inline", "is_record", "is_row", "kind", "name", "place", "pointer", "sizes")
+    __slots__ = (
+        "entry_size", "inline", "is_record", "is_row", "kind", "name", "place", "pointer", "size", "sizes",
+    )  # fmt: skip
 
     def __init__(self, name: str, annotation: Any, place: int, size: Pointer | Inline | None) -> None:
         self.name, self.place = name, place
@@ -77,17 +81,8 @@ class RecordField:
         self.kind: Any = get_args(annotation)[0] if self.is_row else annotation
         self.is_record = issubclass(self.kind, RecordLayout)
         self.sizes = () if self.pointer is None else self.pointer.factors
-
-    @property
-    def size(self) -> int:
-        """How many entries the field takes in line."""
-        return self.inline or (self.entry_size if self.pointer is None else 1)
-
-    @property
-    def entry_size(self) -> int:
-        """How many entries a real, or one of the records, takes."""
-        size: int = self.kind.size if self.is_record else 1
-        return size
+        self.entry_size: int = self.kind.size if self.is_record else 1
+        self.size = self.inline or (self.entry_size if self.pointer is None else 1)
 
     def __get__(self, record: "RecordLayout | None", owner: type) -> Any:
         """Return the value of the field in a record; the field itself for the class."""
@@ -138,6 +133,8 @@ class RecordLayout(Reals):
         Those of them that say where something lies.
     layout : mapping of name to int
         Where each number and pointer lies, those of records in line by names such as ``counts.steps``.
+    stores : tuple of int
+        Places of all pointers, those of records in line among them.
     size : int
         How many entries the fields take.
     alignment : int
@@ -148,6 +145,7 @@ class RecordLayout(Reals):
     fields: ClassVar[Mapping[str, RecordField]] = MappingProxyType({})
     pointers: ClassVar[tuple[RecordField, ...]] = ()
     layout: ClassVar[Mapping[str, int]] = MappingProxyType({})
+    stores: ClassVar[tuple[int, ...]] = ()
     size: ClassVar[int] = 0
     alignment: ClassVar[int] = 1
 
@@ -171,6 +169,10 @@ class RecordLayout(Reals):
             fields[name] = field = RecordField(name, annotation, cls.size, cls.__dict__.get(name))
             inner = field.kind.layout if field.is_record and field.pointer is None else {"": 0}
             layout |= {f"{name}.{key}".rstrip("."): cls.size + place for key, place in inner.items()}
+            if field.pointer is not None:
+                cls.stores += (cls.size,)
+            elif field.is_record:
+                cls.stores += tuple(cls.size + place for place in field.kind.stores)
             cls.size += field.size
             setattr(cls, name, field)
         cls.fields, cls.layout = MappingProxyType(fields), MappingProxyType(layout)
@@ -179,7 +181,7 @@ class RecordLayout(Reals):
     @classmethod
     def round_up(cls, place: int) -> int:
         """Return a place, or the next one where something may begin."""
-        return -(-place // cls.alignment) * cls.alignment
+        return place if cls.alignment == 1 else -(-place // cls.alignment) * cls.alignment
 
     @classmethod
     def view(cls, array: Reals, place: int) -> Self:
