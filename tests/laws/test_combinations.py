@@ -54,7 +54,6 @@ ALWAYS = ("simulate",)
 
 # Consumers and fragment -> what they make of it today: a code where it is rejected, or the values that are wrong.
 ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
-    (SWEEPS, FMU, "fmu_input.elsewhere"),
     (PROGRAMS, DRY, "simulation.program"),
     (PROGRAMS, ROPE, "simulation.program"),
     (PROGRAMS, JUMP, "simulation.program"),

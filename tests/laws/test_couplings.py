@@ -22,7 +22,6 @@ from tests.laws.test_combinations import (
     ALWAYS,
     FMUS,
     PROGRAMS,
-    SWEEPS,
     NotYetError,
 )
 
@@ -35,11 +34,6 @@ SAMPLED = (
     "sampled force on a joint that sticks", "sampled thrust of a ball that bounces", "sampled force through a rope",
     "sampled torque by the measured angle of a cut joint",
 )  # fmt: skip
-FROM_FMU = (
-    "FMU force through a rope",
-    "FMU force on a joint that sticks",
-    "FMU force on a body that bounces",
-)
 SWITCHING = (
     "table that jumps on a joint that sticks", "table that jumps through a rope", "rope at a joint that sticks",
     "lag on a joint that sticks",
@@ -60,7 +54,6 @@ ACTIONS = (
 TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (TEXTS, ACTIONS, "call.unknown_argument"),
     (TEXTS, SAMPLED, "signal.sampled"),
-    (SWEEPS, FROM_FMU, "fmu_input.elsewhere"),
     (PROGRAMS, SWITCHING, "simulation.program"),
     (("live page",), SWITCHING, "animation.live_switching"),
     (FMUS, STRUCK, "fmu.motion"),

@@ -104,7 +104,7 @@ def refuse_fmu_inputs(inputs: Mapping[str, object]) -> None:
     if names:
         raise UsageError(
             Problem("fmu_input.elsewhere", ", ".join(f"input {name}" for name in names),
-                    "FMUs compute inputs in simulate and Stepper only",
+                    "FMUs compute inputs in simulate, sweep and Stepper only",
                     "an FMU has its own state, which continues from sample to sample",
                     "call simulate for each case, or use a Stepper")
         )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -85,10 +86,11 @@ class _NotYet:
         return np.full(np.shape(t), math.nan)
 
 
-def held_later(eqs: EquationSet) -> dict[str, HeldLaw]:
-    """Return laws for the held values of motions that are still to be computed."""
+def held_later(eqs: EquationSet, inputs: Collection[str] = ()) -> dict[str, HeldLaw]:
+    """Return laws for the held values of motions still to be computed, and for `inputs` by FMUs."""
     signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
-    return {signal.name: HeldLaw(_NotYet(), signal.name) for signal in signals}
+    names = (*(signal.name for signal in signals), *inputs)
+    return {name: HeldLaw(_NotYet(), name) for name in names}
 
 
 def places_in(samples: Floats, t: Floats) -> NDArray[np.intp]:
@@ -96,3 +98,15 @@ def places_in(samples: Floats, t: Floats) -> NDArray[np.intp]:
     margin = ONE_INSTANT * np.maximum(np.abs(t), np.abs(samples[0]))
     places: NDArray[np.intp] = np.maximum(np.searchsorted(samples, t + margin, side="right") - 1, 0)
     return places
+
+
+def join_records(given: Sequence[HeldRecord], order: Sequence[str]) -> HeldRecord | None:
+    """Return several records as one, with names in this order; None without any sample."""
+    records = [record for record in given if record.t.size]
+    if not records:
+        return None
+    t = np.unique(np.concatenate([record.t for record in records]))
+    t = t[np.diff(t, prepend=-np.inf) > 2.0 * ONE_INSTANT * np.maximum(np.abs(t), abs(float(t[0])))]
+    by_name: Mapping[str, HeldRecord] = {name: record for record in records for name in record.names}
+    names = tuple(name for name in order if name in by_name)
+    return HeldRecord(names, t, np.stack([by_name[name].values_at(name, t) for name in names]))

@@ -22,10 +22,10 @@ from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.fmu_input import FmuInput
-from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
+from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord, join_records
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.sampling.sampled_loop import SampledLoop
-from symbody.simulation.sampling.sampler import HeldValue, Sampler, record_of
+from symbody.simulation.sampling.sampler import HeldValue, Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
@@ -79,7 +79,8 @@ class HeldSignals:
     @property
     def record(self) -> HeldRecord | None:
         """What was sampled."""
-        return record_of((self.active, *self.passive), self.names)
+        samplers = [sampler for sampler in (self.active, *self.passive) if sampler.values]
+        return join_records([sampler.samples for sampler in samplers], self.names)
 
     def others(self, given: Mapping[str, Value] | None) -> dict[str, Value]:
         """Return what is given by name without held values."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -172,16 +172,3 @@ class Sampler:
         """Forget what was recorded: the values at present are the first."""
         self.hold.recorded, self.hold.room = 0, len(self.record)
         self._first = self.block.copy()
-
-
-def record_of(samplers: Sequence[Sampler], order: Sequence[str]) -> HeldRecord | None:
-    """Return what several samplers recorded, as one record with names in this order; None without any."""
-    records = [sampler.samples for sampler in samplers if sampler.values]
-    records = [record for record in records if record.t.size]
-    if not records:
-        return None
-    t = np.unique(np.concatenate([record.t for record in records]))
-    t = t[np.diff(t, prepend=-np.inf) > 2.0 * ONE_INSTANT * np.maximum(np.abs(t), abs(float(t[0])))]
-    by_name: Mapping[str, HeldRecord] = {name: record for record in records for name in record.names}
-    names = tuple(name for name in order if name in by_name)
-    return HeldRecord(names, t, np.stack([by_name[name].values_at(name, t) for name in names]))

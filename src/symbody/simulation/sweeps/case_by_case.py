@@ -14,11 +14,14 @@ from symbody.errors import SymbodyError
 from symbody.kernels.block import Counts
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.hybrid.switching import switches
+from symbody.simulation.inputs.fmu_input import FmuInput
+from symbody.simulation.inputs.held_law import HeldRecord, join_records
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.results.piecewise import Piecewise
+from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.records import NOT_STARTED, CaseDetails, Records
 from symbody.simulation.sweeps.sweep_job import SweepJob
@@ -98,5 +101,16 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         run.stored["work"][:samples],
         () if parts is None else tuple(parts.starts.tolist()),
         () if parts is None else parts.modes,
-        run.held_values,
+        _held_values(job, run),
     )
+
+
+def _held_values(job: SweepJob, run: Trajectory) -> HeldRecord | None:
+    """Return what was sampled in a case, and what FMUs computed."""
+    records = [] if run.held_values is None else [run.held_values]
+    tables = {} if run.provenance is None else run.provenance.tables
+    for name, law in job.inputs.items():
+        if isinstance(law, FmuInput) and name in tables:  # two points a sample
+            t, values = np.asarray(tables[name].t)[::2], np.asarray(tables[name].values)[::2]
+            records.append(HeldRecord((name,), t, values[np.newaxis]))
+    return join_records(records, [name for record in records for name in record.names])

@@ -20,6 +20,7 @@ from symbody.errors import SymbodyError
 from symbody.kernels import block as at
 from symbody.model.first_values import FirstValue, Initial, PlainValue, by_priority
 from symbody.simulation.events.events import Event, check_events
+from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
@@ -103,7 +104,10 @@ def sweep(
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     inputs = {**laws_of_tables(eqs), **(inputs or {})}
-    laws = input_laws(eqs.input_names, {**inputs, **held_later(eqs)}, span, len(eqs.coordinate_names))
+    fmus = [name for name, law in inputs.items() if isinstance(law, FmuInput)]
+    check_fmu_inputs(inputs, eqs.input_names)
+    known = {**inputs, **held_later(eqs, fmus)}
+    laws = input_laws(eqs.input_names, known, span, len(eqs.coordinate_names))
     limits = (rtol, atol), max_steps, lanes, scales_by_name(eqs, scales)
     options = MotionOptions.check(span, times, integrator, constraints, *limits)
     workers = check_workers(executor, threads, part, patience)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels.block import Counts
 from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.input_laws import InputLaws, Law
 from symbody.simulation.methods.explicit import check_rtol, check_single_atol, check_times
 from symbody.simulation.methods.integration import Constraints, Integrator
@@ -161,8 +163,10 @@ class SweepJob:
             options.span, options.times, options.integrator, options.constraints, options.rtol, options.atol,
             options.max_steps, options.scales,
         )  # fmt: skip
+        fmus = {Path(law.path) for law in self.inputs.values() if isinstance(law, FmuInput)}
+        files = [path.read_bytes() for path in sorted(fmus)]
         return content_hash(
-            symbody.__version__, self.eqs, self.table, self.guess, self.inputs, self.events, choices
+            symbody.__version__, self.eqs, self.table, self.guess, self.inputs, self.events, choices, files
         )
 
 
