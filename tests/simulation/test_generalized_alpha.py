@@ -248,13 +248,16 @@ def test_other_ways_to_hold_constraints() -> None:
             sb.simulate(held_pendulum(), 1.0, integrator=method, constraints=way)
 
 
-def test_sampled_controllers_are_refused() -> None:
+def test_sampled_controllers_move_what_explicit_steps_move() -> None:
     body = sb.Body("Mass", mass=1)
     slide = sb.Prismatic("slide", "ground", body, axis="x", coordinate="x", force=sb.Drive(applied="pull"))
     control = sb.Signal("pull", "-x_dot", sample=0.1)
     eqs = sb.form_equations(sb.Model("sampled", [body, slide, control], initial={"x_dot": 1}))
-    with pytest.raises(sb.UsageError, match=r"simulation\.sampled.*sb\.GeneralizedAlpha"):
-        sb.simulate(eqs, 1.0, integrator=sb.GeneralizedAlpha())
+    times = np.linspace(0, 1, 21)
+    runs = [sb.simulate(eqs, 1.0, times=times, integrator=method) for method in (sb.GeneralizedAlpha(), None)]
+    # Each sample takes a tenth of the rate there.
+    np.testing.assert_allclose(runs[1]["x_dot"][::2], 0.9 ** np.arange(11), atol=1e-9)
+    np.testing.assert_allclose(runs[0]["x_dot"], runs[1]["x_dot"], atol=1e-5)
 
 
 @pytest.mark.parametrize(

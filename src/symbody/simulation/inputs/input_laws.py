@@ -72,14 +72,14 @@ class InputLaws:
             return np.empty((t.size, 0))
         values = np.zeros((t.size, len(self.callbacks)))
         held_laws = self.held_laws
-        for place, (name, law) in enumerate(self.callbacks.items()):
+        for place, name in enumerate(self.callbacks):
             if place in self.tables:
                 values[:, place] = self.tables[place].at(t)
             elif place in held_laws:
                 values[:, place] = held_laws[place].values_at(t)
             else:
                 points = zip(t.tolist(), q[: self.coordinates].T, u.T, strict=True)
-                values[:, place] = [_call_law(name, law, *point) for point in points]
+                values[:, place] = [self.call(name, *point) for point in points]
         return values
 
     @property
@@ -105,7 +105,11 @@ class InputLaws:
             If a law raises, or returns anything but a finite number.
         """
         q = q[: self.coordinates]
-        return [_call_law(name, law, t, q, u) for name, law in self.callbacks.items()]
+        return [self.call(name, t, q, u) for name in self.callbacks]
+
+    def call(self, name: str, t: float, q: Floats, u: Floats) -> float:
+        """Return the value of one callback."""
+        return _call_law(name, self.callbacks[name], t, q, u)
 
     def slopes(self, t: float, x: Floats, n_u: int) -> Floats:
         """Return the derivatives of callbacks by x = (u, q), (n, x.size), as differences.

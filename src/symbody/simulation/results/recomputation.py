@@ -114,9 +114,9 @@ class Recomputation:
 class StoredLaws(InputLaws):
     """Laws of inputs from a file; inputs whose law is lost are not numbers."""
 
-    def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
-        """Return the values of callbacks at one time."""
-        return [law(t, q, u) for law in self.callbacks.values()]
+    def call(self, name: str, t: float, q: Floats, u: Floats) -> float:
+        """Return the value of one callback."""
+        return self.callbacks[name](t, q, u)
 
 
 def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) -> Provenance:
