@@ -110,7 +110,7 @@ class _MotionByPieces:
         self._step = float(np.copysign(margin, span[1] - span[0]))
         self._jumped: list[tuple[float, float]] = []  # jumps that changed a speed: when, and the energy
         self._passed = 0  # of the jumps
-        self._modes = SwitchingModes(problem, self._pieces) if switches(problem.eqs.formed) else None
+        self._modes = SwitchingModes(held.problem, self._pieces) if switches(problem.eqs.formed) else None
         self._acts = any(event.mapping for event in integration.events)
         self._changes: list[float] = []
         if self._modes is not None:
