@@ -234,7 +234,6 @@ def two_ropes() -> sb.EquationSet:
     )  # fmt: skip
 
 
-@pytest.mark.exhaustive
 def test_the_second_of_two_ropes_takes_over_or_stops_the_ball() -> None:
     eqs = two_ropes()
     corner = np.array([0.0, -L])  # of a swing from the left, at which the second rope goes taut

@@ -157,7 +157,7 @@ class SwitchingModes:
                 raise DeadEndError(t, Status.SINGULAR, "no speeds were found that keep the ropes taut")
             self._pieces.begin_behind(t, self._first_state(t, x))
             self._pieces.add_energy(found.change)
-            x = self._note_impact(found).x
+            x = self._note_impact(found, x).x
             at = self._hybrid_state(t, x, {}, {})
         modes, verdict = find_modes(self.mechanism, at)
         if modes is None:
@@ -209,15 +209,15 @@ class SwitchingModes:
         """Return what a jump of the momenta that prescribed rates give does; None if no speeds were found."""
         at = self._hybrid_state(t, x, self.known, {})
         found = strike(self.mechanism, self.ropes, at, momenta)
-        return None if found is None else self._note_impact(found)
+        return None if found is None else self._note_impact(found, x)
 
-    def _note_impact(self, found: Impact) -> Impact:
-        """Note an impact, in which ropes may have gone taut."""
+    def _note_impact(self, found: Impact, before: Floats) -> Impact:
+        """Note an impact at a state, in which ropes may have gone taut."""
         if found.impulses:
             self._impacts.append(found)
         for name in found.impulses:
             if self.known.get(name) != TAUT:
-                self._note(f"{name} taut", found.t, found.x)
+                self._note(f"{name} taut", found.t, before)
             self.known[name] = TAUT
         return found
 
