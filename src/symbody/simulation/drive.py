@@ -107,7 +107,8 @@ class _MotionByPieces:
         self._plan, self._held = plan, held
         self._pieces = Pieces(plan)
         self._times, margin = jump_times(problem, integration.state, span)
-        self._step = float(np.copysign(margin, span[1] - span[0]))
+        self._way = 1.0 if span[1] >= span[0] else -1.0
+        self._step = self._way * margin
         self._jumped: list[tuple[float, float]] = []  # jumps that changed a speed: when, and the energy
         self._passed = 0  # of the jumps
         self._modes = SwitchingModes(held.problem, self._pieces) if switches(problem.eqs.formed) else None
@@ -158,8 +159,7 @@ class _MotionByPieces:
 
     def _next_instant(self, t: float) -> MotionInstant:
         """Return when more happens than events."""
-        end = self._plan.integration.span[1]
-        way = 1.0 if self._step >= 0.0 else -1.0
+        end, way = self._plan.integration.span[1], self._way
         if way * (end - t) <= 0.0:  # behind a jump at the end
             return MotionInstant("end", t, t, t)
         found = MotionInstant("end", end, end, end)
