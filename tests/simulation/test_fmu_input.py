@@ -357,14 +357,24 @@ def test_fmu_without_states_is_not_saved(controller: Maker, tmp_path: Path) -> N
 
 def test_where_no_motion_is_computed_at_once(controller: Maker) -> None:
     eqs, law = equations_of("cart_pole"), sb.FmuInput(controller("2.0"), "F", READS, STEP)
-    calls: list[Callable[[], object]] = [
-        lambda: sb.sweep(eqs, 1.0, {"m": [1.0, 2.0]}, inputs={"F": law}),
-        lambda: sb.generate_simulation(eqs, 1.0, inputs={"F": law}),
-    ]
-    for call in calls:
-        assert problem_of(call).code == "fmu_input.elsewhere"
+    program = problem_of(lambda: sb.generate_simulation(eqs, 1.0, inputs={"F": law}))
+    assert program.code == "fmu_input.elsewhere"
     back = problem_of(lambda: sb.simulate(eqs, (1.0, 0.0), inputs={"F": law}))
     assert back.code == "fmu_input.backwards"
+
+
+def test_a_sweep_computes_each_case_with_an_fmu_of_its_own(controller: Maker, tmp_path: Path) -> None:
+    eqs, law = equations_of("cart_pole"), sb.FmuInput(controller("2.0"), "F", READS, STEP)
+    times = np.linspace(0, 0.5, 11)
+    given = {"times": times, "inputs": {"F": law}}
+    swept = sb.sweep(eqs, 0.5, {"m": [1.0, 2.0]}, store=tmp_path / "store", **given)
+    again = sb.sweep(eqs, 0.5, {"m": [1.0, 2.0]}, store=tmp_path / "store", **given)
+    for case, mass in enumerate((1.0, 2.0)):
+        run = sb.simulate(eqs, 0.5, parameters={"m": mass}, **given)
+        for name in (*eqs.state_names, "F", "energy"):
+            np.testing.assert_array_equal(swept[name][case], run[name])
+            np.testing.assert_array_equal(again[name][case], run[name])
+    assert problem_of(lambda: sb.sweep(eqs, 0.5, {"m": [1.0]}, inputs={"G": law})).code == "fmu_input.unknown"
 
 
 # Ends

@@ -22,7 +22,7 @@ from symbody.model.first_values import FirstValue, Initial, PlainValue, by_prior
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs
 from symbody.simulation.inputs.held_law import held_later
-from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables, silent_input_note
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
@@ -104,10 +104,7 @@ def sweep(
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     inputs = {**laws_of_tables(eqs), **(inputs or {})}
-    fmus = [name for name, law in inputs.items() if isinstance(law, FmuInput)]
-    check_fmu_inputs(inputs, eqs.input_names)
-    known = {**inputs, **held_later(eqs, fmus)}
-    laws = input_laws(eqs.input_names, known, span, len(eqs.coordinate_names))
+    laws = _laws(eqs, inputs, span)
     limits = (rtol, atol), max_steps, lanes, scales_by_name(eqs, scales)
     options = MotionOptions.check(span, times, integrator, constraints, *limits)
     workers = check_workers(executor, threads, part, patience)
@@ -117,6 +114,14 @@ def sweep(
     job = SweepJob(eqs, table, near, dict(inputs), laws, options, check_events(events, eqs))
     with show_progress(progress, "sweep") as report:
         return _run_sweep(job, workers, store, report)
+
+
+def _laws(eqs: EquationSet, inputs: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
+    """Return the laws of inputs; those that each case samples for itself are not known yet."""
+    check_fmu_inputs(inputs, eqs.input_names)
+    fmus = [name for name, law in inputs.items() if isinstance(law, FmuInput)]
+    known = {**inputs, **held_later(eqs, fmus)}
+    return input_laws(eqs.input_names, known, span, len(eqs.coordinate_names))
 
 
 def _first_values(
