@@ -216,7 +216,7 @@ def test_curves_are_linked_with_the_time(surfer: Surfer, four_bar: Any) -> None:
     page.mouse.up()
     ranges = "symbodyPlayer.curves.plots.map(p => p.chart.scales.x.max - p.chart.scales.x.min)"
     wait_until(page, f"{ranges}.every(each => each < 3)")  # zoomed together
-    page.mouse.dblclick(area["x"] + 300, area["y"] + 20)
+    page.mouse.dblclick(area["x"] + 300, area["y"] + 20, delay=100)  # as slowly as a hand
     wait_until(page, f"{ranges}.every(each => each > 5.9)")
 
     page.get_by_label("rocker angle").uncheck()

@@ -63,7 +63,13 @@ export class Plot {
       scales: { x: { time: false }, y: { range: (_, low, high) => valueRange(low, high) } },
       series: [{}, ...series],
       axes: [timeAxis(last), valueAxis(group.unit)],
-      cursor: { sync: { key: "symbody" }, drag: { x: true, y: false, setScale: true }, points: { size: 7 } },
+      cursor: {
+        sync: { key: "symbody" },
+        drag: { x: true, y: false, setScale: true },
+        points: { size: 7 },
+        // the first of two clicks puts the time's line under the pointer: the second may come from there
+        bind: { dblclick: (_chart, _target, handle) => handle },
+      },
       hooks: {
         draw: [(chart) => { drawEvents(chart, events); }],
         setSize: [() => { this.showTime(this.time); }],
