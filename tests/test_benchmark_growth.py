@@ -39,6 +39,7 @@ def test_a_chain_that_takes_too_long_ends_the_table() -> None:
     assert "2 bodies: not done within 0.001 s" in table.notes
 
 
+@pytest.mark.exhaustive
 def test_the_peer_is_timed_for_the_same_chain() -> None:
     found = growth._peer_seconds(2, 60.0)
     assert found is not None and 0.0 < found < 60.0

@@ -81,6 +81,7 @@ def test_grown_graphs_have_about_the_size_asked_for() -> None:
         assert len(grow(10_000)().graph) == pytest.approx(10_000, rel=0.05)
 
 
+@pytest.mark.exhaustive
 def test_expressions_tables_are_complete_for_symbody() -> None:
     problems = [serial_chain(1), random_operations(20), pendulum(1)]
     tables = list(expressions.tables(ONCE, problems, [engine("Absent", "no_such_package")]))
@@ -145,6 +146,7 @@ def test_a_peer_that_fails_is_not_asked_for_larger_mechanisms() -> None:
     )
 
 
+@pytest.mark.exhaustive
 def test_a_process_is_ended_at_its_limit_and_what_it_said_is_kept() -> None:
     start = time.monotonic()
     with Process(sleepy) as process:
@@ -241,6 +243,7 @@ def test_figures_are_written_to_three_digits() -> None:
     assert ratio_text(1.0, None) == ""
 
 
+@pytest.mark.exhaustive
 def test_turns_interleave_and_medians_ignore_one_slow_round() -> None:
     order: list[str] = []
 
@@ -279,6 +282,7 @@ def test_command_names_the_benchmarks_there_are(capsys: pytest.CaptureFixture[st
             main(wrong)
 
 
+@pytest.mark.exhaustive
 def test_rooms_table_counts_files_and_functions() -> None:
     table, sizes = rooms.tables(ONCE)
     assert all(len(row) == len(sizes.columns) for row in sizes.rows)
@@ -290,12 +294,14 @@ def test_rooms_table_counts_files_and_functions() -> None:
     assert not any("benchmarks" in row[0] for row in counts)
 
 
+@pytest.mark.exhaustive
 def test_evaluation_table_compares_lanes_with_points_one_by_one() -> None:
     table = evaluation.evaluations(Settings(rounds=1), ["spinning_top"], [2])
     assert [row[0] for row in table.rows] == ["spinning_top", "chain, 2 bodies"]
     assert all(len(row) == len(table.columns) and row[-1].endswith("x)") for row in table.rows)
 
 
+@pytest.mark.exhaustive
 def test_motion_table_compares_evaluations() -> None:
     table = motion.motions(Settings(rounds=1), [("spinning_top", 0.5, 1e-8), ("slider_crank", 2.0, 1e-6)])
     assert [row[0] for row in table.rows] == ["spinning_top", "slider_crank"]
@@ -341,6 +347,7 @@ def test_chain_of_mujoco_has_the_masses_of_ours() -> None:
     assert set(re.findall(r'mass="([^"]+)"', text)) == {str(moving.parameters(3)["m2"])}
 
 
+@pytest.mark.exhaustive
 def test_a_peer_that_cannot_be_used_is_left_out_with_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(links: int, end: float) -> moving.Engine:
         raise ImportError("no Cython\nhere")

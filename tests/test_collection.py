@@ -33,6 +33,7 @@ def test_who_has_it_off_keeps_it_off() -> None:
     assert not gc.isenabled()
 
 
+@pytest.mark.exhaustive
 def test_reading_forming_and_compiling_leave_it_be(tmp_path: Path) -> None:
     path = tmp_path / "chain.toml"
     sb.save_model(chain(3), path)

@@ -133,6 +133,7 @@ def test_one_sequence_serves_the_first_state_and_the_motion_of_a_large_tree() ->
     assert still == 0.0 and np.linalg.norm(run.u[:, -1]) > 0.0
 
 
+@pytest.mark.exhaustive
 def test_no_least_squares_on_trees(monkeypatch: pytest.MonkeyPatch) -> None:
     """There is nothing to solve for where nothing is closed, by which way ever values are given."""
     sizes: list[int] = []

@@ -230,6 +230,7 @@ def test_gestures_are_single_steps_and_escape_leaves_no_trace(visit: Any) -> Non
     assert builder.state("data") == before
 
 
+@pytest.mark.exhaustive
 def test_a_message_leads_to_its_field_and_mends_it(visit: Any) -> None:
     builder = visit()
     page = builder.page
@@ -251,6 +252,7 @@ def test_a_message_leads_to_its_field_and_mends_it(visit: Any) -> None:
     assert [each for each in builder.state("check.problems") if each["severity"] == "error"] == []
 
 
+@pytest.mark.exhaustive
 def test_selection_trees_and_picture_go_together(visit: Any) -> None:
     builder = visit()
     page = builder.page
@@ -269,6 +271,7 @@ def test_selection_trees_and_picture_go_together(visit: Any) -> None:
     assert "error" in live or builder.state("check.summary.tree_choice.C.rotation") is False
 
 
+@pytest.mark.exhaustive
 def test_a_file_is_saved_as_it_was_and_changes_outside_are_seen(visit: Any, settings: Any) -> None:
     path = settings.roots[0] / "crank.toml"
     text = (examples_folder() / "slider_crank" / "slider_crank.toml").read_text(encoding="utf-8")

@@ -36,6 +36,7 @@ def test_a_ring_of_three_links_moves_at_once(visit: Any) -> None:
 CHAIN = ("link", "revolute", "link", "revolute", "slider", "revolute", "prismatic")
 
 
+@pytest.mark.exhaustive
 def test_a_slider_crank_of_links_is_built_with_few_keys(visit: Any) -> None:
     builder = visit()
     builder.page.locator(".card").first.wait_for()

@@ -137,6 +137,7 @@ def test_wires_follow_names_and_names_follow_signals(visit: Visit) -> None:
     assert wires(builder) == start and errors_of(builder) == []
 
 
+@pytest.mark.exhaustive
 def test_signals_by_keys_copied_and_changed_in_kind(visit: Visit) -> None:
     builder = visit()
     page = builder.page
@@ -160,6 +161,7 @@ def test_signals_by_keys_copied_and_changed_in_kind(visit: Visit) -> None:
     assert overlaps(page, ".body-node") == []
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", ["four_legs", "quarter_car"])
 def test_examples_with_parts_and_tables_are_complete(visit: Visit, name: str) -> None:
     builder = visit()
@@ -179,6 +181,7 @@ def test_examples_with_parts_and_tables_are_complete(visit: Visit, name: str) ->
     assert [each.prefix for each in sb.load_model(path).includes] == ["FL", "FR", "RL", "RR"]
 
 
+@pytest.mark.exhaustive
 def test_an_fmu_is_written_from_the_menu(visit: Visit, tmp_path: Path) -> None:
     builder = visit()
     page = builder.page

@@ -60,6 +60,7 @@ def on_screen(page: Any, body: int) -> tuple[float, float]:
     return x, y
 
 
+@pytest.mark.exhaustive
 def test_the_mechanism_moves_and_has_many_colours(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     first, second = pixels(page, 0.5), pixels(page, 2.0)
@@ -101,6 +102,7 @@ def test_play_scrub_and_steps(surfer: Surfer, four_bar: Any) -> None:
     assert page.evaluate("[symbodyPlayer.clock.speed, symbodyPlayer.clock.loop]") == [0.25, False]
 
 
+@pytest.mark.exhaustive
 def test_views_and_fit(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar, reduced_motion="reduce")
     settle(page)
@@ -157,6 +159,7 @@ def test_what_is_shown(surfer: Surfer, four_bar: Any) -> None:
     assert page.get_by_role("group", name="Scale of arrows").inner_text().count("N") >= 2
 
 
+@pytest.mark.exhaustive
 def test_pick_and_select(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     page.evaluate("symbodyPlayer.settings.set('labels', false); symbodyPlayer.settings.set('force', false)")
@@ -177,6 +180,7 @@ def test_pick_and_select(surfer: Surfer, four_bar: Any) -> None:
     assert page.evaluate("(symbodyPlayer.select('C'), symbodyPlayer.viewer.selected.type)") == "revolute"
 
 
+@pytest.mark.exhaustive
 def test_the_camera_goes_with_the_selected_body(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     page.evaluate("symbodyPlayer.setTime(0.5); symbodyPlayer.select('crank')")
@@ -223,6 +227,7 @@ def test_curves_are_linked_with_the_time(surfer: Surfer, four_bar: Any) -> None:
     assert page.evaluate("symbodyPlayer.curves.plots[0].chart.series[2].show") is False
 
 
+@pytest.mark.exhaustive
 def test_curves_and_picture_are_saved(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     page.get_by_label("rocker angle").uncheck()
@@ -238,6 +243,7 @@ def test_curves_and_picture_are_saved(surfer: Surfer, four_bar: Any) -> None:
         assert download.value.suggested_filename.endswith(".png")
 
 
+@pytest.mark.exhaustive
 def test_one_instant_is_a_picture_without_time(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player({**four_bar, "motion": None})
     settle(page)
@@ -245,6 +251,7 @@ def test_one_instant_is_a_picture_without_time(surfer: Surfer, four_bar: Any) ->
     assert len(np.unique(pixels(page).reshape(-1, 4), axis=0)) > 50
 
 
+@pytest.mark.exhaustive
 def test_without_webgl_time_and_curves_go_on(playwright_driver: Any, four_bar: Any, tmp_path: Path) -> None:
     flags = [*FLAGS, "--disable-software-rasterizer"]
     browser = playwright_driver.chromium.launch(executable_path=executable(), args=flags)
@@ -278,6 +285,7 @@ def test_no_serious_violation(surfer: Surfer, four_bar: Any) -> None:
         assert not serious
 
 
+@pytest.mark.exhaustive
 def test_preferences_of_the_system(surfer: Surfer, four_bar: Any) -> None:
     playing = {**four_bar, "options": {}}
     page = surfer.open_player(playing, reduced_motion="reduce", color_scheme="dark")
@@ -292,6 +300,7 @@ SIZES = [(1280, 720), (2560, 1440), (640, 360), (390, 844)]  # the third is 200 
 TWO_FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
+@pytest.mark.exhaustive
 def test_nothing_is_cut_off(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player({**four_bar, "options": {"autoplay": False}}, size=SIZES[0])
     for width, height in SIZES:
@@ -318,6 +327,7 @@ def assert_nothing_is_cut_off(page: Any, size: tuple[int, int]) -> None:
     assert box["height"] > 0.25 * size[1]
 
 
+@pytest.mark.exhaustive
 def test_the_split_is_moved_by_keys_and_remembered(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     before = page.locator(".sb-curves").bounding_box()["height"]
@@ -329,6 +339,7 @@ def test_the_split_is_moved_by_keys_and_remembered(surfer: Surfer, four_bar: Any
     assert page.locator(".sb-curves").bounding_box()["height"] > before + 40
 
 
+@pytest.mark.exhaustive
 def test_two_hundred_bodies_take_a_few_draws(surfer: Surfer, chain: Any) -> None:
     page = surfer.open_player(chain)
     first, second = pixels(page, 0.2), pixels(page, 1.5)
@@ -338,6 +349,7 @@ def test_two_hundred_bodies_take_a_few_draws(surfer: Surfer, chain: Any) -> None
     assert seen["calls"] < 12
 
 
+@pytest.mark.exhaustive
 def test_keys_are_listed(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     page.keyboard.press("?")
@@ -354,6 +366,7 @@ def test_damaged_data_are_named(surfer: Surfer, text: str, reason: str) -> None:
     assert reason in page.get_by_role("alert").inner_text()
 
 
+@pytest.mark.exhaustive
 def test_dispose_leaves_nothing(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     page.evaluate("symbodyPlayer.setPlaying(true); symbodyPlayer.dispose()")

@@ -88,6 +88,7 @@ def points() -> Iterator[tuple[Any, str, int, bool]]:
                 yield place, name, turn, after
 
 
+@pytest.mark.exhaustive
 def test_a_file_is_old_or_new_wherever_a_save_ends(settings: BuilderSettings) -> None:
     path = settings.roots[0] / "a.toml"
     ends: dict[str, int] = {OLD: 0, NEW: 0}

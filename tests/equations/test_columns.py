@@ -180,6 +180,7 @@ def test_accelerations_have_their_bits_with_and_without_derivatives() -> None:
     np.testing.assert_array_equal(slopes(0.0, q, u, r), both(0.0, q, u, r)[1])
 
 
+@pytest.mark.exhaustive
 def test_what_is_no_tree_of_single_joints_goes_one_by_one() -> None:
     few = sb.form_equations(random_tree(12, FEWEST_SPEEDS - 1, floating=False), sb.Recursive())
     assert not has_programs(few, "d udot/d(q, u)")

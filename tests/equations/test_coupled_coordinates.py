@@ -199,6 +199,7 @@ def chain(number: int, gears: list[Any]) -> sb.Model:
 GEARS = [sb.Gear("g", ["q1", "q4"], ratio=2), sb.Gear("h", ["q2", "q3"], ratio=-1)]
 
 
+@pytest.mark.exhaustive
 def test_derivatives_of_coupled_chains_side_by_side() -> None:
     model = chain(10, GEARS)
     recursive, other = (

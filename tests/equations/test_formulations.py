@@ -20,6 +20,7 @@ from tests.laws.formulations import OTHERS, compared, multiplier_condition
 from tests.laws.mechanisms import random_mechanism
 from tests.laws.rotations import Array
 from tests.laws.tally import BOUND, Tally
+from tests.tiers import cases
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/*.toml"))
 CASES = [pytest.param(formulation, id=name) for name, formulation in OTHERS.items()]
@@ -82,7 +83,9 @@ def check(
 
 
 @pytest.mark.parametrize("formulation", CASES)
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", cases(EXAMPLES, fast=lambda path: path.stem != "stewart_platform"), ids=lambda path: path.stem
+)
 def test_examples_have_the_same_equations(path: Path, formulation: Formulation) -> None:
     check(sb.load_model(path), formulation)
 

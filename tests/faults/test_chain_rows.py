@@ -85,6 +85,7 @@ def check_chain(count: int) -> EquationSet:
     return eqs
 
 
+@pytest.mark.exhaustive
 def test_row_14_equations_of_a_chain_need_no_recursion() -> None:
     # One call more a body would nest deeper than the 75 that are allowed.
     assert len(check_chain(80).speed_names) == 80

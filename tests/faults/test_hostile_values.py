@@ -369,6 +369,7 @@ def optimized(script: str) -> list[str]:
     return run.stdout.splitlines()
 
 
+@pytest.mark.exhaustive
 def test_python_without_docstrings_and_assertions() -> None:
     printed = optimized(SCRIPT)
     assert "Derivative(x(t), (t, 2))" in printed[0]

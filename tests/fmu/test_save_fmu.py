@@ -17,6 +17,7 @@ from symbody.codegen.formation.sequences import form_sequence
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.precise_numbers import MPMATH
 from tests.fmu.importer import EXAMPLES, check_archive, example, instance, pendulum, simulate, states
+from tests.tiers import cases
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 
@@ -251,7 +252,7 @@ def test_table_that_is_the_law_of_an_input_is_noted(tmp_path: Path) -> None:
     assert "use co-simulation, or a tolerance of 1e-10" in made.notes[-2]
 
 
-@pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
+@pytest.mark.parametrize("kind", cases(["ModelExchange", "CoSimulation"], fast=["CoSimulation"]))
 def test_what_an_action_sets_holds_in_a_loop(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -18,19 +18,26 @@ from tests.laws.tally import Tally
 
 FILES = sorted(CORPUS.glob("*.toml"))
 # Seeds with springs and revolute joints among much else, in a tree, a planar and a spatial loop.
-SHRUNK = (3, 0, 6)
+SHRUNK = (3, 6)
+
+
+# Of models of many bodies the ways in which they once failed; the exhaustive tier goes all ways.
+LARGE = {
+    "assembled_speeds_near_dependent", "cuts_of_screw_and_telescope", "gear_on_a_cut_coordinate",
+    "projection_planar_bodies", "projection_planar_loops", "reactions_ill_conditioned",
+}  # fmt: skip
+FEW = {POWER, ASSEMBLED, "absolute", "joints", "generated code"}
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_the_corpus_obeys_all_laws(path: Path) -> None:
     model = sb.load_model(path)
-    found = errors_of(model, states=1)
+    found = errors_of(model, FEW if path.stem in LARGE else (), states=1)
     print(worst(found), found.left_out)
     assert not found.broken
     # Something was compared: with absolute coordinates at least, and with every other formulation.
-    assert {
-        f"{way}: accelerations" for way in ("absolute", "Newton-Euler", "Lagrange", "generated code")
-    } <= set(found.errors)
+    others = ("Newton-Euler", "Lagrange") if path.stem not in LARGE else ()
+    assert {f"{way}: accelerations" for way in ("absolute", "generated code", *others)} <= set(found.errors)
 
 
 def test_the_corpus_is_small_and_says_what_failed() -> None:

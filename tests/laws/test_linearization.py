@@ -190,12 +190,12 @@ def error(found: Array, expected: Array, bound: float) -> float:
 
 
 def test_linear_equations_follow_from_differences() -> None:
-    check((3, 5), random_mechanism)
+    check((5,), random_mechanism)
 
 
 def test_linear_equations_of_turning_bodies_follow_from_differences() -> None:
     """States that move, with all parametrizations of rotations."""
-    check((0, 1, 9, 10), turning_mechanism)
+    check((1, 9), turning_mechanism)
 
 
 @pytest.mark.exhaustive

@@ -111,7 +111,7 @@ def compare(seed: int, *, damped: bool) -> None:
 
 
 @pytest.mark.parametrize("damped", [True, False])
-@pytest.mark.parametrize("seed", [1, 5])
+@pytest.mark.parametrize("seed", [1])
 def test_little_mass_is_nearly_none(seed: int, damped: bool) -> None:
     compare(seed, damped=damped)
 

@@ -32,7 +32,7 @@ def check_mix(number: int) -> None:
 
 
 def test_the_mix_is_as_promised() -> None:
-    check_mix(400)
+    check_mix(200)
 
 
 @pytest.mark.exhaustive

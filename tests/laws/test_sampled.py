@@ -70,7 +70,7 @@ def check(seeds: Iterable[int]) -> None:
 
 
 def test_sampled_signals_that_nothing_reads_change_no_bit() -> None:
-    check((0, 1, 2))
+    check((0, 1))
 
 
 @pytest.mark.exhaustive

@@ -148,7 +148,7 @@ LAWS = (check_added, check_split, check_names)
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("seed", [1, 2, 5, 11])
+@pytest.mark.parametrize("seed", [1, 11])
 def test_signals_change_nothing(law: object, seed: int) -> None:
     law(seed)  # type: ignore[operator]
 

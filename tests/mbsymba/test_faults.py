@@ -113,6 +113,7 @@ def test_objects_of_two_threads_mix() -> None:
     assert sp.simplify(found - 2 * m * L**2 * th.diff().diff()) == 0
 
 
+@pytest.mark.exhaustive
 def test_the_graph_of_a_thread_goes_with_its_objects() -> None:
     graphs: list[weakref.ref[object]] = []
 

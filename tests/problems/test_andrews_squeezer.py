@@ -112,9 +112,9 @@ def test_first_accelerations_are_those_published() -> None:
     ("options", "rtol", "tolerance"),
     [
         ({}, 1e-11, 1e-7),
-        ({"integrator": sb.Stiff()}, 1e-11, 1e-6),
-        ({"constraints": sb.GGL()}, 1e-10, 1e-5),
-        ({"constraints": sb.Partition()}, 1e-11, 1e-7),
+        pytest.param({"integrator": sb.Stiff()}, 1e-11, 1e-6, marks=pytest.mark.exhaustive),
+        pytest.param({"constraints": sb.GGL()}, 1e-10, 1e-5, marks=pytest.mark.exhaustive),
+        pytest.param({"constraints": sb.Partition()}, 1e-11, 1e-7, marks=pytest.mark.exhaustive),
     ],
 )
 def test_solution_at_30_ms(

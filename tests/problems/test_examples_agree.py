@@ -111,6 +111,7 @@ def test_four_ways_to_the_accelerations(name: str, tmp_path: Path) -> None:
         assert np.abs(native - plain).max() < tolerance
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", NAMES)
 def test_the_mechanism_turned_as_a_whole_moves_alike(name: str) -> None:
     eqs = equations_of(name)

@@ -11,11 +11,16 @@ from matplotlib.image import imread
 
 from symbody.cli import run
 from tests.problems.mechanisms import EXAMPLES, equations_of
+from tests.tiers import cases
 
 FOLDERS = sorted(path.name for path in EXAMPLES.iterdir() if (path / f"{path.name}.py").is_file())
 
 
-@pytest.mark.parametrize("name", FOLDERS)
+# Examples of each kind: a tree, a loop, rolling, signals, a fit, an analysis.
+QUICK = {"projectile", "four_bar", "bicycle", "cart_pole_pid", "parameter_fit", "spinning_top", "robot_arm"}
+
+
+@pytest.mark.parametrize("name", cases(FOLDERS, fast=QUICK))
 def test_script_runs(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -67,13 +72,10 @@ def test_the_symbols_of_the_manual(name: str) -> None:
 
 
 # Free bodies for every leg of the platform: 20 s for its degrees of freedom.
-SLOW = {"stewart_platform"}
+SLOW = {"stewart_platform", "bicycle", "four_legs", "spatial_four_bar"}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.exhaustive] if name in SLOW else []) for name in FOLDERS],
-)
+@pytest.mark.parametrize("name", cases(FOLDERS, fast=lambda name: name not in SLOW))
 def test_commands_read_the_model(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     for path in sorted((EXAMPLES / name).glob("*.toml")):
         freedoms = set()

@@ -64,6 +64,7 @@ def compare(orders: Sequence[Sequence[int]]) -> None:
         assert other.at(1.0)["a"] == pytest.approx(float(first.at(1.0)["a"]), abs=1e-7)
 
 
+@pytest.mark.exhaustive
 def test_the_order_of_pins_changes_neither_modes_nor_the_motion() -> None:
     compare([(2, 0, 3, 1)])
 

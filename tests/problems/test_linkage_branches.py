@@ -100,6 +100,7 @@ def symmetry_gap(name: str, angles: Sequence[float]) -> float:
     return float(np.abs(turned - turned[partners[name]]).max())
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", ["Bricard, line-symmetric", "Bricard, plane-symmetric"])
 def test_bricards_linkages_close_in_symmetric_poses_alone(name: str) -> None:
     """Two for each angle, on branches of one freedom each (Baker 1980)."""
@@ -135,6 +136,7 @@ def test_branches_of_plane_linkages_have_their_own_freedoms(name: str) -> None:
     assert freedoms(make()) == (expected, None, ())
 
 
+@pytest.mark.exhaustive
 def test_two_merged_goldberg_linkages_have_one_freedom() -> None:
     """Wohlhart's double Goldberg linkage; that its links are rigid is looked at in several poses."""
 

@@ -127,6 +127,7 @@ def test_missing_values_are_said(tmp_path: Path) -> None:
     assert "no value" in text
 
 
+@pytest.mark.exhaustive
 def test_large_mechanisms_are_counted(tmp_path: Path) -> None:
     frames = {"P": sb.Frame(at=(-0.5, 0, 0)), "Q": sb.Frame(at=(0.5, 0, 0))}
     bodies = [sb.Body(f"B{k}", mass=1, inertia=(0, 0, 1), frames=frames) for k in range(16)]

@@ -7,6 +7,7 @@ import pytest
 
 import symbody as sb
 from symbody.model.element import Element
+from tests.tiers import cases
 
 
 def cart(*elements: Element, force: str = "0", speed: float = 1.0) -> sb.EquationSet:
@@ -41,7 +42,7 @@ def test_a_ring_of_values_has_the_delay_of_a_sample() -> None:
     np.testing.assert_array_equal(run.held_values.values, [[1, 3, 7, 15], [2, 6, 14, 30]])
 
 
-@pytest.mark.parametrize("start", [0.0, 5.0])
+@pytest.mark.parametrize("start", cases([0.0, 5.0], fast=[5.0]))
 def test_a_million_samples_do_not_drift(start: float) -> None:
     eqs = cart(sb.Signal("n", "n + 1", sample=1e-3), force="sin(n)")
     run = sb.simulate(eqs, (start, start + 1000.0), times=[start + 1000.0], max_steps=10_000_000)

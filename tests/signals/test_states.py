@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 import symbody as sb
 from tests.signals.arm import arm, dc_motor_arm
+from tests.tiers import cases
 
 P = {"m": 1.0, "J": 0.01, "l": 0.3, "g": 9.81, "km": 0.1, "b": 0.01, "R": 1.0, "L": 0.5}
 
@@ -200,7 +201,7 @@ def test_sticking_and_loops_go_with_signals() -> None:
     assert run["late"][-1] < run["x"][-1]
 
 
-@pytest.mark.parametrize("way", [sb.Baumgarte(), sb.GGL(), sb.Partition()])
+@pytest.mark.parametrize("way", cases([sb.Baumgarte(), sb.GGL(), sb.Partition()], fast=[sb.Baumgarte()]))
 def test_methods_of_closed_loops_carry_signals_along(way: object) -> None:
     """A motor's current drives a crank and feels it; a filter follows a reaction, which needs accelerations."""
     crank = sb.Body("Crank", mass=1, inertia=(0, 0, 1), frames={"P": sb.Frame(at=(1, 0, 0))})

@@ -56,6 +56,7 @@ def test_change_points_of_a_slider_crank(crank: float, passes: bool) -> None:
         assert run["s"].min() < -5.0
 
 
+@pytest.mark.exhaustive
 def test_a_limit_on_steps_is_neither_a_lock_nor_a_change_point() -> None:
     """Steps that grow, or stay as they are, end because they are few."""
     for constraints in (sb.GGL(), sb.Projection()):

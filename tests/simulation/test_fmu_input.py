@@ -18,6 +18,7 @@ import pytest
 import symbody as sb
 from symbody.errors import SymbodyError
 from tests.problems.mechanisms import equations_of
+from tests.tiers import cases
 
 fmpy = pytest.importorskip("fmpy", reason="needs the package fmpy")
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -74,7 +75,7 @@ def balance(law: sb.FmuInput, end: float = 2.0, **more: Any) -> sb.Trajectory:
 
 
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
-@pytest.mark.parametrize("is_late", [False, True])
+@pytest.mark.parametrize("is_late", cases([False, True], fast=[True]))
 def test_loop_equals_steps_in_python(controller: Maker, version: Version, is_late: bool) -> None:
     law = sb.FmuInput(controller(version), "F", READS, STEP, is_late=is_late)
     run, stepper = balance(law), in_python(2.0, is_late=is_late)

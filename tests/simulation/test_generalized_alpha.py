@@ -10,6 +10,7 @@ from scipy.special import ellipj
 
 import symbody as sb
 from tests.simulation.loops import damped_slider, example, held_pendulum, pushed_mass, turning_pendulum
+from tests.tiers import cases
 
 MODULUS = 0.5  # sine of half the amplitude of a pendulum
 HELD = 1e-5  # rad, from where stiff springs let go
@@ -158,7 +159,9 @@ def test_rho_1_damps_nothing() -> None:
     assert "adds no damping" in run.notes[-1]
 
 
-@pytest.mark.parametrize("name", ["slider_crank", "spatial_four_bar", "stewart_platform"])
+@pytest.mark.parametrize(
+    "name", cases(["slider_crank", "spatial_four_bar", "stewart_platform"], fast=["slider_crank"])
+)
 @pytest.mark.parametrize("step", [None, 5e-3])
 def test_loops_stay_closed(name: str, step: float | None) -> None:
     run = sb.simulate(example(name), 0.5, integrator=sb.GeneralizedAlpha(step=step), rtol=1e-5)

@@ -30,6 +30,7 @@ def newton_leaves(run: sb.Trajectory, rtol: float) -> float:
     return float(EPCON * np.sqrt(n) * np.hypot(place, turn))
 
 
+@pytest.mark.exhaustive
 def test_pendulum_of_ten_seconds() -> None:
     run = sb.simulate(held_pendulum(), 10.0, constraints=sb.GGL(), rtol=1e-8)
     reference = sb.simulate(turning_pendulum(), 10.0, times=run.t, rtol=1e-12, atol=1e-12)

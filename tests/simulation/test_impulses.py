@@ -9,6 +9,7 @@ import pytest
 
 import symbody as sb
 from symbody.errors import UsageError
+from tests.tiers import cases
 
 LENGTH, MASS, INERTIA = 0.7, 1.5, 0.1
 GROUND = {"eye": sb.Frame(at=(0, 0, LENGTH))}
@@ -170,7 +171,7 @@ def struck_rider(**more: Any) -> sb.EquationSet:
 
 
 @pytest.mark.parametrize("hung", ["joint that sticks", "rope"])
-@pytest.mark.parametrize("dt", [0.05, 0.03, 0.4])
+@pytest.mark.parametrize("dt", cases([0.05, 0.03, 0.4], fast=[0.4]))
 def test_rates_jump_under_friction_and_beside_ropes(hung: str, dt: float) -> None:
     """Friction of 0.5 N is finite: the rider goes on at 1 m/s; a slack rope pulls when it is 3 m long, at 4.4 s."""
     friction = sb.Friction(force=0.5, static=0.6)

@@ -71,7 +71,7 @@ def machine_samples(motion: PreparedMotion) -> Floats:
     return np.column_stack([record.t[:stored], record.x[:stored]])
 
 
-QUICK = {"slider_crank", "rr_robot"}
+QUICK = {"rr_robot"}
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from symbody.expr.graph import Graph
 from symbody.spatial.euler_angles import angle_rates, angles_of_matrix, euler_rotations, sequence_axes
 from symbody.spatial.rotation import AxisRotation, compose_steps, rotation_matrix
 from tests.spatial.numbers import matrix_of, matrix_values, named, names_in, triple, values
+from tests.tiers import cases
 
 WRITTEN = ["".join(s) for s in itertools.product("123", repeat=3) if s[0] != s[1] != s[2]]
 SEQUENCES = [prefix + written for prefix in ("", "space ") for written in WRITTEN]
@@ -50,7 +51,7 @@ def test_there_are_24() -> None:
     assert len(SEQUENCES) == 24
 
 
-@pytest.mark.parametrize("sequence", SEQUENCES)
+@pytest.mark.parametrize("sequence", cases(SEQUENCES, fast=SEQUENCES[::4]))
 def test_matrix_and_rates_agree_with_sympy(sequence: str) -> None:
     at, rates = random_state(sequence)
     symbols = dynamicsymbols("a b c")

@@ -49,6 +49,7 @@ def test_transforms_in_a_row(X: Transform[Number], Y: Transform[Number], x: Vect
     assert X.then(Y).point_to_parent(x) == X.point_to_parent(Y.point_to_parent(x))
 
 
+@pytest.mark.exhaustive
 @given(twists, twists, wrenches)
 def test_rates_of_twists_and_wrenches_leave_power_as_it_is(
     v: Twist[Number], m: Twist[Number], f: Wrench[Vector3[Number]]
@@ -75,6 +76,7 @@ def test_an_articulated_body_gives_way_along_its_joint(
         assert left @ (a + S * shift) == left @ a and S.dot(left @ a) == 0
 
 
+@pytest.mark.exhaustive
 @given(turns, tensors, st.tuples(vectors, vectors, vectors).map(Matrix3))
 def test_tensors_turn_as_matrices_do(
     turn: CoordinateRotation[Number], K: SymmetricTensor[Number], A: Matrix3[Number]

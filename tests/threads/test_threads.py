@@ -25,6 +25,7 @@ def run(module: str, *arguments: int, cache: Path, **environment: str) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.exhaustive
 def test_first_calls_of_a_process_in_16_threads(tmp_path: Path) -> None:
     run("every_call", 16, 2, cache=tmp_path)
 

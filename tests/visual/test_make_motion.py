@@ -84,6 +84,7 @@ def test_rest_needs_two_samples() -> None:
     assert make_motion(run, scene_of(run)).times.tolist() == [0.0, 100.0]
 
 
+@pytest.mark.exhaustive
 def test_a_long_run_stays_small() -> None:
     run = run_of("four_bar", None, 400.0)
     motion = make_motion(run, scene_of(run))
@@ -216,6 +217,7 @@ def test_events_are_told() -> None:
     assert [name for name, _ in motion.events] == [name for name, _, _ in run.events] != []
 
 
+@pytest.mark.exhaustive
 def test_two_hundred_bodies_are_computed_by_one_function() -> None:
     parts: list[object] = []
     before: object = "ground"

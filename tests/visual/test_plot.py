@@ -22,6 +22,7 @@ from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.plotting.line_sampling import SMOOTH
 from symbody.visual.plotting.plot import plot, save_plot
 from tests.simulation.right_hand_sides import oscillator, run
+from tests.tiers import cases
 
 Floats = NDArray[np.float64]
 XYZ = [f"P $r_{{{letter}}}$ [m]" for letter in "xyz"]  # how the components of "frame r P" are shown
@@ -350,7 +351,7 @@ def test_nothing_is_cut_off(tmp_path: Path) -> None:
     pyplot.close(figure)
 
 
-@pytest.mark.parametrize("count", [16, 23, 40])
+@pytest.mark.parametrize("count", cases([16, 23, 40], fast=[23]))
 def test_long_legends_stay_in_the_picture(tmp_path: Path, count: int) -> None:
     save_plot(plot(swing(), "v", *["x"] * count, title="Many curves"), tmp_path / "many.png")
     picture = imread(tmp_path / "many.png")
