@@ -32,7 +32,7 @@ def check_mix(number: int) -> None:
 
 
 def test_the_mix_is_as_promised() -> None:
-    check_mix(200)
+    check_mix(400)
 
 
 @pytest.mark.exhaustive
