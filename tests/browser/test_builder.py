@@ -11,6 +11,7 @@ import symbody as sb
 from symbody.formats.model_files import examples_folder
 
 from .builder_page import BuilderPage, overlaps
+from .conftest import accessibility_faults
 
 HARMLESS = ("GPU stall", "GroupMarkerNotSet")
 
@@ -301,29 +302,30 @@ def test_a_file_is_saved_as_it_was_and_changes_outside_are_seen(visit: Any, sett
 THEMES = ("dark", "contrast", "light")  # from the last of them the button leads through the others
 
 
-def test_assistive_programs_find_no_serious_fault(visit: Any) -> None:
-    from axe_playwright_python.sync_playwright import Axe
-
+def test_axe_finds_nothing(visit: Any) -> None:
     builder = visit()
-    axe, serious, seen = Axe(), [], set()
+    found, seen = [], set()
     for theme in THEMES:
         builder.page.evaluate(f"localStorage.setItem('symbody-theme', '{theme}')")
         builder.page.reload()
         builder.page.locator(".card").first.wait_for()
-        serious += faults(axe, builder.page)
+        found += accessibility_faults(builder.page)
     builder.open_example("slider_crank")
     builder.page.get_by_test_id("badge-A").click()
     for _ in THEMES:
-        serious += faults(axe, builder.page)
+        found += accessibility_faults(builder.page)
         seen.add(builder.page.evaluate("document.documentElement.dataset.theme"))
         builder.page.locator(".topbar").get_by_role("button", name="Light, dark, high contrast").click()
-    assert serious == [] and seen == set(THEMES)
+    assert found == [] and seen == set(THEMES)
 
 
-def faults(axe: Any, page: Any) -> list[str]:
-    violations = axe.run(page).response["violations"]
-    return [
-        f"{each['id']}: {each['nodes'][0]['html'][:160]}"
-        for each in violations
-        if each["impact"] in ("serious", "critical")
-    ]
+@pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])
+def test_axe_finds_nothing_in_equations_and_curves(visit: Any, size: tuple[int, int]) -> None:
+    builder = visit(viewport={"width": size[0], "height": size[1]})
+    builder.open_example("slider_crank")
+    builder.simulate()
+    found = accessibility_faults(builder.page)
+    builder.keys("F6")
+    builder.page.locator(".equations h3").first.wait_for()
+    found += accessibility_faults(builder.page)
+    assert found == []
