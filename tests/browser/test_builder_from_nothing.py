@@ -45,6 +45,17 @@ def assert_upright(builder: BuilderPage) -> None:
     assert np.max(np.abs(leans)) < 0.2 and abs(leans[-1]) < 0.02
 
 
+def assert_all_in_view(builder: BuilderPage) -> None:
+    """Nobody placed the bodies or moved the view: the page shows them all."""
+    builder.page.wait_for_timeout(500)  # the view glides
+    view = builder.page.get_by_test_id("diagram").bounding_box()
+    boxes = [each.bounding_box() for each in builder.page.locator(".react-flow__node").all()]
+    assert len(boxes) == 4
+    assert all(
+        view["x"] <= box["x"] and box["x"] + box["width"] <= view["x"] + view["width"] for box in boxes
+    )
+
+
 def assert_turns(builder: BuilderPage) -> None:
     """A crank of 0.4 m, links and ground of 1 m: one degree of freedom, the loop closed, a swing under gravity."""
     builder.wait_checked()
@@ -148,6 +159,7 @@ def test_a_four_bar_with_a_ground_link_by_keys_alone(visit: Visit) -> None:
     for element in ("link", "revolute", "link", "revolute", "link", "revolute", "revolute"):
         builder.insert(element)
     back_to_the_model(builder)
+    assert_all_in_view(builder)
     builder.keys("F4")
     builder.type_into("L1", "0.4")
     builder.keys("Escape")
