@@ -27,6 +27,9 @@ _FLAGS: Final = ("--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader")
 _WINDOW: Final = (1440, 900)
 _CELL: Final = (720, 450)
 _COLUMNS: Final = 2
+_EXAMPLES: Final = (
+    'section:has(h2:text-is("Examples")) .card'  # not those of the gallery, which has pictures of its own
+)
 _SIGNALS: Final = "dc_motor_arm"
 _QUALITY: Final = 40  # of the compression: the sheets stay below 300 kB
 
@@ -61,7 +64,7 @@ def windows(theme: str) -> Iterator[tuple[str, Image.Image]]:
         page.evaluate(f"localStorage.setItem('symbody-theme', '{theme}')")
         page.reload()
         page.locator(".card").first.wait_for()
-        names = [str(each.get_attribute("data-testid")) for each in page.locator(".card").all()]
+        names = [str(each.get_attribute("data-testid")) for each in page.locator(_EXAMPLES).all()]
         for name in names:
             page.get_by_test_id(name).click()
             page.get_by_test_id("node-Ground").wait_for()

@@ -17,6 +17,10 @@ from fontTools.ttLib import TTFont
 TARGET: Final = Path(__file__).parents[2] / "src/symbody/display/maths.woff2"
 FAMILY: Final = "Symbody Math"
 CLEARANCE: Final = 120  # thousandths of the size: accents stand higher, or dots touch tall letters at 16 px
+LINE: Final = (
+    800,
+    250,
+)  # thousandths above and below the base line: Firefox makes rows as high as the font says
 MOST_BYTES: Final = 60_000
 _LICENSE: Final = {13: "SIL Open Font License 1.1", 14: "https://openfontlicense.org"}
 _SIGNS: Final = (
@@ -55,6 +59,7 @@ def write_font(source: Path, target: Path = TARGET) -> int:
             record.string = _LICENSE[record.nameID]
         elif record.nameID not in (0, 2):
             font["name"].names.remove(record)
+    _set_line_height(font)
     constants = font["MATH"].table.MathConstants
     constants.AccentBaseHeight.Value -= CLEARANCE
     font["CFF "].cff.fontNames[0] = FAMILY.replace(" ", "")
@@ -63,6 +68,15 @@ def write_font(source: Path, target: Path = TARGET) -> int:
     if size > MOST_BYTES:
         raise ValueError(f"{target.name} has {size} bytes, at most {MOST_BYTES}")
     return size
+
+
+def _set_line_height(font: TTFont) -> None:
+    """Make a line as high as one of text: the source's covers its tallest brackets, three times as much."""
+    above, below = LINE
+    font["hhea"].ascent, font["hhea"].descent, font["hhea"].lineGap = above, -below, 0
+    table = font["OS/2"]
+    table.usWinAscent, table.usWinDescent = above, below
+    table.sTypoAscender, table.sTypoDescender, table.sTypoLineGap = above, -below, 0
 
 
 if __name__ == "__main__":

@@ -81,13 +81,22 @@ class BuilderPage:
 
     # with the mouse
 
+    def show(self, panel: str) -> None:
+        """Open a side where the window is too narrow for all, or close the one that is open with ""."""
+        for button in self.page.locator(".panels button").all():
+            is_asked = button.inner_text() == panel
+            if button.is_visible() and (button.get_attribute("aria-pressed") == "true") != is_asked:
+                button.click()
+
     def drop(self, element: str, x: float, y: float) -> None:
         """Drag an element from the palette to a place of the diagram."""
+        self.show("Palette")
         target = self.page.get_by_test_id("diagram")
         self.page.get_by_test_id(f"palette-{element}").drag_to(target, target_position={"x": x, "y": y})
 
     def join(self, start: str, end: str, element: str) -> None:
         """Drag from port to port and choose what joins them."""
+        self.show("")
         self.page.mouse.move(*self.middle(f"port-{start}"))
         self.page.mouse.down()
         self.page.mouse.move(*self.middle(f"port-{end}"), steps=6)
@@ -95,14 +104,17 @@ class BuilderPage:
         self.page.get_by_test_id(f"choose-{element}").click()
 
     def fill(self, label: str, value: str) -> None:
+        self.show("Properties")
         self.page.get_by_test_id("properties").get_by_label(label, exact=True).fill(value)
         self.page.keyboard.press("Enter")
 
     def press_button(self, name: str) -> None:
+        self.show("Properties")
         self.page.get_by_test_id("properties").get_by_role("button", name=name, exact=True).click()
         self.wait("s.focusPointer === null")  # a new row takes the focus
 
     def rename(self, test_id: str, name: str) -> None:
+        self.show("")
         self.page.get_by_test_id(test_id).dblclick()
         self.page.locator(".name-editor").fill(name)
         self.page.keyboard.press("Enter")

@@ -112,6 +112,14 @@ def wait_until(page: Any, condition: str, seconds: float = 20.0) -> None:
         page.wait_for_timeout(25)
 
 
+def accessibility_faults(page: Any) -> list[str]:
+    """Return what axe finds, of any impact."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    violations = Axe().run(page).response["violations"]
+    return [f"{each['impact']}, {each['id']}: {each['nodes'][0]['html'][:160]}" for each in violations]
+
+
 def is_foreign(url: str) -> bool:
     return not url.startswith(("file:", "data:", "blob:"))
 

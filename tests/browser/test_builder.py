@@ -10,7 +10,9 @@ import pytest
 import symbody as sb
 from symbody.formats.model_files import examples_folder
 
+from .builder_keys import choose, type_frames, type_rows
 from .builder_page import BuilderPage, overlaps
+from .conftest import accessibility_faults
 
 HARMLESS = ("GPU stall", "GroupMarkerNotSet")
 
@@ -104,42 +106,6 @@ def test_a_slider_crank_is_built_with_the_mouse(visit: Any) -> None:
     assert [each for each in builder.state("check.problems") if each["severity"] == "error"] == []
     builder.simulate()
     assert_same_motion(builder)
-
-
-def type_frames(builder: BuilderPage, frames: dict[str, str]) -> None:
-    """Give the selected body its frames, from its fields and back to the diagram."""
-    for frame, place in frames.items():
-        builder.keys("F4")
-        builder.go_to("Add a frame")
-        builder.keys("Enter", "F4")
-        latest = list(builder.state("data.body.at(-1).frames"))[-1]
-        if latest != frame:
-            builder.type_into(f"Name of {latest}", frame)
-            builder.keys("Enter")
-        builder.type_into(f"{frame} at x", place)
-        builder.keys("Escape")
-
-
-def type_rows(builder: BuilderPage, button: str, rows: dict[str, str]) -> None:
-    builder.keys("F4")
-    for name, value in rows.items():
-        builder.go_to(button)
-        builder.keys("Enter")
-        builder.page.wait_for_timeout(150)  # the focus goes to the new row
-        if button == "Add an initial value":
-            builder.keys("Shift+Tab")
-        builder.keys("Control+a")
-        builder.page.keyboard.type(name)
-        builder.keys("Tab", "Control+a")
-        builder.page.keyboard.type(value)
-    builder.keys("Escape")
-
-
-def choose(builder: BuilderPage, label: str, value: str) -> None:
-    """Set a list by its letters."""
-    builder.go_to(label)
-    builder.page.keyboard.type(value)
-    assert builder.page.evaluate("document.activeElement.value") == value
 
 
 JOINTS = (
@@ -304,29 +270,30 @@ def test_a_file_is_saved_as_it_was_and_changes_outside_are_seen(visit: Any, sett
 THEMES = ("dark", "contrast", "light")  # from the last of them the button leads through the others
 
 
-def test_assistive_programs_find_no_serious_fault(visit: Any) -> None:
-    from axe_playwright_python.sync_playwright import Axe
-
+def test_axe_finds_nothing(visit: Any) -> None:
     builder = visit()
-    axe, serious, seen = Axe(), [], set()
+    found, seen = [], set()
     for theme in THEMES:
         builder.page.evaluate(f"localStorage.setItem('symbody-theme', '{theme}')")
         builder.page.reload()
         builder.page.locator(".card").first.wait_for()
-        serious += faults(axe, builder.page)
+        found += accessibility_faults(builder.page)
     builder.open_example("slider_crank")
     builder.page.get_by_test_id("badge-A").click()
     for _ in THEMES:
-        serious += faults(axe, builder.page)
+        found += accessibility_faults(builder.page)
         seen.add(builder.page.evaluate("document.documentElement.dataset.theme"))
         builder.page.locator(".topbar").get_by_role("button", name="Light, dark, high contrast").click()
-    assert serious == [] and seen == set(THEMES)
+    assert found == [] and seen == set(THEMES)
 
 
-def faults(axe: Any, page: Any) -> list[str]:
-    violations = axe.run(page).response["violations"]
-    return [
-        f"{each['id']}: {each['nodes'][0]['html'][:160]}"
-        for each in violations
-        if each["impact"] in ("serious", "critical")
-    ]
+@pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])
+def test_axe_finds_nothing_in_equations_and_curves(visit: Any, size: tuple[int, int]) -> None:
+    builder = visit(viewport={"width": size[0], "height": size[1]})
+    builder.open_example("slider_crank")
+    builder.simulate()
+    found = accessibility_faults(builder.page)
+    builder.keys("F6")
+    builder.page.locator(".equations h3").first.wait_for()
+    found += accessibility_faults(builder.page)
+    assert found == []

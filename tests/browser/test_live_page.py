@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from tests.browser.conftest import Surfer, wait_until
+from tests.browser.conftest import Surfer, accessibility_faults, wait_until
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MOST_BYTES = 1_500_000
@@ -61,6 +61,17 @@ def test_a_page_runs_pauses_steps_and_starts_anew(surfer: Surfer, tmp_path: Path
         eqs.multiplier_names
     )
     assert "J" in page.locator(".sb-readings").inner_text()
+
+
+def test_axe_finds_nothing(surfer: Surfer, tmp_path: Path) -> None:
+    page = open_live(surfer, tmp_path, "slider_crank", SLIDERS)
+    page.keyboard.press(" ")
+    for width, height in ((1440, 900), (1024, 768), (390, 844)):
+        page.set_viewport_size({"width": width, "height": height})
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            page.wait_for_selector(f".sb-bench[data-theme={scheme}]")
+            assert accessibility_faults(page) == [], (width, scheme)
 
 
 @pytest.mark.exhaustive

@@ -78,8 +78,8 @@ function Editor(): ReactElement {
       <div className="bars"><ServerBar /><OutsideBar /><Panels /></div>
       <div className="columns">
         <LeftSide />
-        <Splitter name="left" label="Width of the left panel" upright sizes={sizes} change={change} />
         <main className="middle">
+          <Splitter name="left" label="Width of the left panel" upright sizes={sizes} change={change} />
           {layout === "draw" && <Diagram />}
           {layout === "draw" && <Splitter name="lower" label="Height of the lower panels" upright={false} sizes={sizes} change={change} />}
           <div className="lower">
@@ -88,8 +88,8 @@ function Editor(): ReactElement {
             <LowerTabs />
           </div>
           <Progress />
+          <Splitter name="right" label="Width of the properties" upright sizes={sizes} change={change} />
         </main>
-        <Splitter name="right" label="Width of the properties" upright sizes={sizes} change={change} />
         <Properties />
       </div>
     </div>
@@ -163,6 +163,7 @@ function LowerTabs(): ReactElement {
   const Content = CONTENTS[tab];
   return (
     <section className="panel" aria-label="Results">
+      <h2 className="hidden">Results</h2>
       <div className="tabs" onDoubleClick={resize}>
         <div role="tablist" aria-label="Results" {...roving}>{LOWER.map(([name, title]) => (
           <button key={name} type="button" role="tab" aria-selected={tab === name} onClick={() => { useStore.setState({ tab: name }); }}>

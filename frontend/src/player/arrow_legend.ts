@@ -9,6 +9,7 @@ const ROWS: readonly { group: VectorGroup; title: string }[] = [
   { group: "reaction", title: "reaction" },
 ];
 const LONGEST = 90; // pixels
+const SHARE = 0.15; // of the picture's width at most
 const WIDEST_CURL = 40;
 
 interface Row {
@@ -40,7 +41,7 @@ export class ArrowLegend {
       row.element.hidden = !this.viewer.shown[row.group] || metres === 0;
       if (row.element.hidden) continue;
       const pixels = metres * this.viewer.rig.pixelsPerMetre;
-      const value = roundDown((this.curled(row) ? WIDEST_CURL : LONGEST) / pixels);
+      const value = roundDown(Math.min(this.curled(row) ? WIDEST_CURL : LONGEST, SHARE * this.viewer.canvas.clientWidth) / pixels);
       row.bar.classList.toggle("sb-curl", this.curled(row));
       row.bar.style.width = `${(value * pixels).toFixed(1)}px`;
       setText(row.text, formatQuantity(value, row.kind === "force" ? "N" : "N\u202fm"));

@@ -1,7 +1,7 @@
 /** New elements of the model. */
 
 import { api } from "../api";
-import { focusInDiagram, showNode } from "../diagram/flow";
+import { focusInDiagram, showNew } from "../diagram/flow";
 import { addElement, addFrame } from "../model/edit";
 import { entriesOf, entryAt, GROUND, referenceText, type EntryId } from "../model/entries";
 import { isObject } from "../model/pointers";
@@ -44,7 +44,9 @@ export function insertElement(section: string, type: string, spot: Spot | null =
   const { schema, data, selection } = useStore.getState();
   if (schema === null) return;
   const element = offered(schema).find((each) => each.section === section && each.type === type);
-  if (element !== undefined) insert(schema, element, data, joins(element) ? (ends ?? likelyEnds(data, selection)) : null, spot);
+  if (element === undefined) return;
+  insert(schema, element, data, joins(element) ? (ends ?? likelyEnds(data, selection)) : null, spot);
+  if (spot === null && ends === null) showNew(useStore.getState().selection[0]!); // placed by the page
 }
 
 function insert({ schema }: SchemaAnswer, element: PaletteElement, data: Model, joined: Ends | null, spot: Spot | null): void {
@@ -56,7 +58,6 @@ function insert({ schema }: SchemaAnswer, element: PaletteElement, data: Model, 
   if (joined !== null) localStorage.setItem(LAST_KEY, nameOf(element));
   const [id] = ids;
   select(ids, `${element.title} added`);
-  if (spot === null && joined === null) showNode(id!);
   if (byChoice) focusInDiagram(id!);
 }
 

@@ -113,6 +113,19 @@ export function showNode(id: string): void {
   void instance?.setCenter(node.position.x + width / 2, node.position.y + height / 2, { zoom: instance.getZoom(), duration: glide() });
 }
 
+/** Show what has just been added, once it is drawn: all, or where a person moved the view the new node. */
+export function showNew(id: string): void {
+  const look = (left: number): void => {
+    setTimeout(() => {
+      const isDrawn = instance?.getNode(id)?.measured?.width !== undefined || instance?.getEdge(id) !== undefined;
+      if (!isDrawn && left > 0) look(left - 1);
+      else if (showsAll) fitDiagram();
+      else showNode(id);
+    }, FIRST_LOOK);
+  };
+  look(LOOKS);
+}
+
 export function zoomDiagram(factor: number): void {
   void instance?.zoomTo(instance.getZoom() * factor, { duration: glide() });
 }
