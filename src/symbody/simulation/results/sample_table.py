@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.model.output_names import WRENCH
 from symbody.notebook import Displayed
 from symbody.simulation.results.archive import Path, unwritable
 
@@ -30,7 +31,6 @@ _TABLES: Final[Mapping[str, str]] = {
     ".csv": "run.to_csv(path) writes a table",
     ".nc": "run.to_xarray().to_netcdf(path) writes NetCDF",
 }
-_WRENCH: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 _LONGEST: Final = 63  # letters of a name in MATLAB
 
 
@@ -203,7 +203,7 @@ class SampleTable(Displayed):
 
 
 # Axes of xarray data sets whose places have names.
-_COMPONENTS: Final[Mapping[str, Sequence[str]]] = {"wrench": _WRENCH, "xyz": ("x", "y", "z")}
+_COMPONENTS: Final[Mapping[str, Sequence[str]]] = {"wrench": WRENCH, "xyz": ("x", "y", "z")}
 
 
 def refuse_table_ending(path: Path) -> None:
@@ -227,7 +227,7 @@ def refuse_table_ending(path: Path) -> None:
 
 def _axis_names(name: str, sizes: Sequence[int]) -> list[str]:
     """Return a name for each axis of an output: by what it is, else by its size."""
-    if name.startswith("reaction ") and sizes == (len(_WRENCH),):
+    if name.startswith("reaction ") and sizes == (len(WRENCH),):
         return ["wrench"]
     is_spatial = name.startswith("frame ") and set(sizes) == {3}
     words = ["xyz" if is_spatial else f"axis of {size}" for size in sizes]
@@ -259,8 +259,8 @@ def _cells(texts: Sequence[str]) -> NDArray[np.object_]:
 def _split_columns(name: str, values: Floats, names: ColumnNames) -> Iterator[tuple[str, Floats]]:
     """Yield one column after the other of an output with time last."""
     shape = values.shape[:-1]
-    if names == "outputs" and name.startswith("reaction ") and shape == (len(_WRENCH),):
-        yield from ((f"{name} {word}", column) for word, column in zip(_WRENCH, values, strict=True))
+    if names == "outputs" and name.startswith("reaction ") and shape == (len(WRENCH),):
+        yield from ((f"{name} {word}", column) for word, column in zip(WRENCH, values, strict=True))
         return
     letters = "xyz" if all(size == 3 for size in shape) else ""
     for place in product(*map(range, shape)):
