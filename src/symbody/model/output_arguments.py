@@ -13,6 +13,7 @@ from typing import Final, Protocol
 
 from symbody.model.body import Body
 from symbody.model.constraints import Rolling
+from symbody.model.declarations.fields import SymbolElementName
 from symbody.model.element import Element, make_frame_ref
 from symbody.model.frame import Frame
 from symbody.model.frame_index import FrameIndex, frame_index
@@ -208,8 +209,12 @@ class EntryWord(OutputArgument):
 def make_scope(
     elements: Iterable[Element], bodies: Iterable[Body], ground: Mapping[str, Frame]
 ) -> OutputScope:
-    """Return what names of outputs refer to; of two elements of one name the later counts, a free joint."""
-    named = {element.name: element for element in elements}
+    """Return what names of outputs refer to; of two elements of one name the later counts, a free joint.
+
+    Signals, blocks and tables are not among them: their names are symbols, and may be those of elements.
+    """
+    own = (each for each in elements if not isinstance(each.fields["name"], SymbolElementName))
+    named = {element.name: element for element in own}
     return OutputScope(named, frame_index(bodies, ground), name_beginnings(named))
 
 

@@ -34,12 +34,13 @@ from symbody.model.output_arguments import (
 )
 
 # Headings of the editor's tree and of lists of outputs, in their order.
-(POSITIONS, SPEEDS, ACCELERATIONS, INPUTS, ENERGIES, SPRINGS, LOADS, REACTIONS, ROPES, FRAMES, MULTIPLIERS,
- EQUATIONS, OTHERS) = TITLES = (
-    "Positions", "Speeds", "Accelerations", "Inputs", "Energies", "Lengths and angles of springs",
+TITLES: Final = (
+    "Positions", "Speeds", "Accelerations", "Inputs", "Signals", "Energies", "Lengths and angles of springs",
     "Forces and torques", "Reactions", "Ropes", "Motion of frames", "Multipliers and constraint error",
-    "Equations", "Others",
+    "Equations",
 )  # fmt: skip
+POSITIONS, SPEEDS, ACCELERATIONS, INPUTS, SIGNALS, ENERGIES, SPRINGS = TITLES[:7]
+LOADS, REACTIONS, ROPES, FRAMES, MULTIPLIERS, EQUATIONS = TITLES[7:]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,20 +55,26 @@ class OutputKind:
         One of `TITLES`.
     meaning : str
         For the documentation.
-    unit : str, or callable
-        Takes the words behind the first and the scope; "" where entries differ in their units.
+    unit : str
+        "" where entries differ in their units; several, with commas, where the words decide.
     arguments : tuple of OutputArgument
         What stands behind the word.
     shape : str
         "" if it is a number; else its shape where no entry is named.
+    choose_unit : callable, optional
+        Takes the words behind the first and the scope, returns which of several units it has.
+    is_readable : bool
+        Whether results list it; what is not is for `compile` alone.
     """
 
     word: str
     title: str
     meaning: str
-    unit: str | Callable[[Words, OutputScope], str]
+    unit: str
     arguments: tuple[OutputArgument, ...] = ()
     shape: str = ""
+    choose_unit: Callable[[Words, OutputScope], str] | None = None
+    is_readable: bool = True
 
     @property
     def pattern(self) -> str:
@@ -106,8 +113,8 @@ class OutputName(NamedTuple):
 
     def unit(self, scope: OutputScope) -> str:
         """Return its unit."""
-        unit = self.kind.unit
-        return unit if isinstance(unit, str) else unit(self.words, scope)
+        choose = self.kind.choose_unit
+        return self.kind.unit if choose is None else choose(self.words, scope)
 
     @property
     def is_number(self) -> bool:
@@ -174,6 +181,8 @@ def _is_rope(element: Element) -> tuple[str, ...]:
 def _effort_unit(words: Words, scope: OutputScope) -> str:
     """Return the unit of what acts along the coordinate of an element: the only one, if none is named."""
     owner, word = scope.elements.get(words[0]), words[-1] if len(words) > 1 else ""
+    if owner is None:
+        return ""
     if isinstance(owner, Joint):
         coordinate = word or owner.coordinates[0]
         turning = owner.rotation_coordinates if owner.quaternion is None else ()
@@ -214,17 +223,18 @@ _ALL: Final = (
                (ElementWord("S", _lengths), CoordinateWord("[x]", _lengths))),
     OutputKind("angle", SPRINGS, "angle of a torsion spring; angles of a bushing", "rad",
                (ElementWord("S", _angles), CoordinateWord("[rx]", _angles))),
-    OutputKind("effort", LOADS, "applied + spring + damper + prescribed motion, along x", _effort_unit,
-               (ElementWord("J", effort_coordinates), CoordinateWord("[x]", effort_coordinates))),
-    OutputKind("friction", LOADS, "effort of dry friction along the coordinate", _effort_unit, _FRICTION),
-    OutputKind("friction_normal", LOADS, "reaction that friction comes from, or 1",
-               _normal_unit, _FRICTION),
-    OutputKind("friction_reserve", LOADS, "effort up to which it sticks, less the present one",
-               lambda words, scope: _effort_unit(words, scope) if words[0] else "",
-               (ElementWord("[J]", _rubs, is_needed=False),), "n"),
-    OutputKind("reaction", REACTIONS, "wrench on B by A of what connects A and B",
-               lambda words, _: {"F": "N", "M": "N m"}.get(words[1][:1], ""),
-               (ElementWord("J", _is_link), EntryWord("[Fx]", lambda _: WRENCH)), "6"),
+    OutputKind("effort", LOADS, "applied + spring + damper + prescribed motion, along x", "N, N m",
+               (ElementWord("J", effort_coordinates), CoordinateWord("[x]", effort_coordinates)),
+               choose_unit=_effort_unit),
+    OutputKind("friction", LOADS, "effort of dry friction along the coordinate", "N, N m", _FRICTION,
+               choose_unit=_effort_unit),
+    OutputKind("friction_normal", LOADS, "reaction that friction comes from, or 1", "N", _FRICTION,
+               choose_unit=_normal_unit),
+    OutputKind("friction_reserve", LOADS, "effort up to which it sticks, less the present one", "N, N m",
+               (ElementWord("[J]", _rubs, is_needed=False),), "n", _effort_unit),
+    OutputKind("reaction", REACTIONS, "wrench on B by A of what connects A and B", "N, N m",
+               (ElementWord("J", _is_link), EntryWord("[Fx]", lambda _: WRENCH)), "6",
+               lambda words, _: {"F": "N", "M": "N m"}.get(words[1][:1], "")),
     OutputKind("rope_tension", ROPES, "force with which a rope pulls", "N", _ROPE),
     OutputKind("rope_length", ROPES, "length of the rope itself", "m", _ROPE),
     OutputKind("rope_slack", ROPES, "its length less the distance of its ends", "m", _ROPE),
@@ -232,12 +242,11 @@ _ALL: Final = (
     OutputKind("rope_slack_ddot", ROPES, "second rate of the slack", "m/s^2", _ROPE),
     OutputKind("rope_size", ROPES, "size of the terms of the second rate of the slack", "m/s^2", _ROPE),
     OutputKind(FRAME_OUTPUT, FRAMES, "motion of END relative to REFERENCE, components along axes of IN",
-               lambda words, _: MOTION_UNITS.get(words[0], ""),
+               ", ".join(filter(None, MOTION_UNITS.values())),
                (EntryWord("KIND", lambda _: tuple(MOTION_UNITS), is_needed=True),
-                FrameWord("END", is_needed=True, is_listed=True),
-                FrameWord("[REFERENCE]"), FrameWord("[IN]", fits=_has_axes),
-                EntryWord("[x]", _motion_entries, is_listed=False)),
-               "3 or 3 x 3"),
+                FrameWord("END", is_needed=True, is_listed=True), FrameWord("[REFERENCE]"),
+                FrameWord("[IN]", fits=_has_axes), EntryWord("[x]", _motion_entries, is_listed=False)),
+               "3, 3 x 3", lambda words, _: MOTION_UNITS.get(words[0], "")),
     OutputKind("udot", EQUATIONS, "accelerations u'", "", shape="n_u"),
     OutputKind("qdot", EQUATIONS, "rates q' of the coordinates", "", shape="n_q"),
     OutputKind("xdot", EQUATIONS, "rates (u', q', s') of the states", "", shape="n_x"),
@@ -249,7 +258,8 @@ _ALL: Final = (
     OutputKind("forcing", EQUATIONS, "F", "", shape="n_u"),
     OutputKind("gravity_forcing", EQUATIONS, "the part of F that gravity makes", "", shape="n_u"),
     OutputKind("bias", EQUATIONS, "-F", "", shape="n_u"),
-    OutputKind("inverse_dynamics", EQUATIONS, "M u' - F, with u' as an argument", "", shape="n_u"),
+    OutputKind("inverse_dynamics", EQUATIONS, "M u' - F, with u' as an argument", "", shape="n_u",
+               is_readable=False),
     OutputKind("constraints", MULTIPLIERS, "position constraints Phi", "", shape="n_h"),
     OutputKind("velocity_constraints", MULTIPLIERS, "J u + b", "", shape="n_c"),
     OutputKind("gamma", MULTIPLIERS, "J u' = gamma", "", shape="n_c"),
@@ -262,7 +272,8 @@ _ALL: Final = (
     OutputKind("velocity_move", MULTIPLIERS, "move of u that takes the drift back", "", shape="n_u"),
     OutputKind("friction_residual", EQUATIONS, "0 where friction fits the reactions", "", shape="n"),
     OutputKind("friction_margin", EQUATIONS, "positive where both are determined", "", shape="n"),
-    OutputKind("mode_responses", EQUATIONS, "what decides which joints stick, ropes pull", "", shape="n"),
+    OutputKind("mode_responses", EQUATIONS, "what decides which joints stick, ropes pull", "", shape="n",
+               is_readable=False),
     OutputKind("alignment", EQUATIONS, "cosines that are 1 where cut joints are closed", "", shape="n"),
 )  # fmt: skip
 
@@ -335,6 +346,35 @@ def list_outputs(scope: OutputScope) -> Iterator[OutputName]:
     for kind in OUTPUT_KINDS.values():
         for words in _word_lists(kind.arguments, scope, ()):
             yield OutputName(kind, words)
+
+
+class ListedOutput(NamedTuple):
+    """An output in a list: its name, heading, the element it is an entry of, and whether it is a number."""
+
+    name: str
+    title: str
+    group: str = ""
+    is_number: bool = True
+
+
+def list_readable(scope: OutputScope, symbols: Mapping[str, Iterable[str]]) -> list[ListedOutput]:
+    """Return all that can be read of a mechanism, in the order of the headings.
+
+    Parameters
+    ----------
+    symbols : mapping of heading to names
+        Coordinates, speeds, inputs and others that have no kind.
+    """
+    listed: dict[str, ListedOutput] = {}
+    for title, names in symbols.items():
+        for name in names:
+            listed.setdefault(name, ListedOutput(name, title))
+    for asked in list_outputs(scope):
+        if not asked.kind.is_readable:
+            continue
+        name = asked.text(scope)
+        listed.setdefault(name, ListedOutput(name, asked.kind.title, asked.group, asked.is_number))
+    return sorted(listed.values(), key=lambda each: TITLES.index(each.title))
 
 
 def _word_lists(

@@ -16,16 +16,7 @@ from symbody.builder.tasks.reading import complete_model
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.errors import Problem, UsageError
-from symbody.model.output_names import (
-    ACCELERATIONS,
-    FRAMES,
-    INPUTS,
-    MULTIPLIERS,
-    POSITIONS,
-    SPEEDS,
-    TITLES,
-    list_outputs,
-)
+from symbody.model.output_names import FRAMES, MULTIPLIERS, ListedOutput
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
@@ -137,23 +128,11 @@ def curve_list(eqs: EquationSet) -> list[dict[str, str]]:
     Each has a name, a unit, the heading it stands under, and the element that it belongs to, if there are
     several outputs of one.
     """
-    listed: dict[str, tuple[str, str]] = {}
-    for title, names in (
-        (POSITIONS, eqs.coordinate_names),
-        (SPEEDS, eqs.speed_names),
-        (ACCELERATIONS, eqs.acceleration_names),
-        (INPUTS, eqs.input_names),
-        (MULTIPLIERS, (*eqs.multiplier_names, *(["constraint_violation"] if eqs.multiplier_names else []))),
-    ):
-        listed |= {name: (title, "") for name in names if name not in listed}
-    scope = eqs.formed.topology.output_scope
-    for asked in list_outputs(scope):
-        if asked.is_number and asked.kind.title != FRAMES:
-            listed.setdefault(asked.text(scope), (asked.kind.title, asked.group))
-    ordered = sorted(listed.items(), key=lambda each: TITLES.index(each[1][0]))
+    violation = [ListedOutput("constraint_violation", MULTIPLIERS)] if eqs.multiplier_names else []
+    curves = [each for each in eqs.listed_outputs if each.is_number and each.title != FRAMES]
     return [
         {"name": name, "unit": eqs.units.get(name, ""), "title": title, "group": group}
-        for name, (title, group) in ordered
+        for name, title, group, _ in (*curves, *violation)
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Final, Literal, get_args
@@ -15,7 +15,15 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
-from symbody.model.output_names import WRENCH
+from symbody.model.model import Model
+from symbody.model.output_names import (
+    ACCELERATIONS,
+    INPUTS,
+    MULTIPLIERS,
+    WRENCH,
+    is_multiplier,
+    list_readable,
+)
 from symbody.notebook import Displayed
 from symbody.simulation.results.archive import Path, unwritable
 
@@ -233,6 +241,24 @@ def _axis_names(name: str, sizes: Sequence[int]) -> list[str]:
     words = ["xyz" if is_spatial else f"axis of {size}" for size in sizes]
     ends = ["", "1"] if is_spatial else ["", ", second"]
     return [word + end for word, end in zip(words, ends, strict=False)]
+
+
+def offered_names(stored: Iterable[str], units: Iterable[str], model: Model | None) -> list[str]:
+    """Return what notebooks offer as names: what is stored, then all outputs of the model by their kinds.
+
+    Parameters
+    ----------
+    units : iterable of str
+        Names with a unit, accelerations and multipliers among them.
+    """
+    names = dict.fromkeys(stored)
+    if model is not None:
+        scope, listed = model.output_scope, [*units]
+        accelerations = [name for name in listed if name.isidentifier() and name.endswith("_ddot")]
+        multipliers = [name for name in listed if is_multiplier(name, scope.elements)]
+        symbols = {ACCELERATIONS: accelerations, INPUTS: model.inputs, MULTIPLIERS: multipliers}
+        names |= dict.fromkeys(each.name for each in list_readable(scope, symbols))
+    return [*names]
 
 
 def matlab_names(names: Sequence[str], taken: Sequence[str] = ()) -> list[str]:
