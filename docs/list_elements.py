@@ -14,6 +14,7 @@ from symbody.formats import schema
 from symbody.model import Bushing, Drive, Force, SpringDamper, Torque, TorsionSpring
 from symbody.model.declarations.declaration import Declared, Field
 from symbody.model.joint import Joint
+from symbody.model.output_names import OUTPUT_KINDS, TITLES
 from symbody.model.registry import element_types, type_word
 
 DOCS = Path(__file__).parent
@@ -76,6 +77,17 @@ def blocks() -> str:
     return _table(("type", "output y", "states", "arguments"), rows)
 
 
+def outputs() -> str:
+    """Return the table of outputs."""
+    rows = [
+        (f"`{kind.pattern}`", kind.meaning, kind.shape.replace(" x ", " × "), kind.unit)
+        for title in TITLES
+        for kind in OUTPUT_KINDS.values()
+        if kind.title == title
+    ]
+    return _table(("output", "meaning", "shape", "unit"), rows)
+
+
 def write(page: str, table: str) -> str:
     """Return the text of a page with its first table replaced."""
     text = (DOCS / page).read_text(encoding="utf-8")
@@ -122,7 +134,8 @@ def _lines(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> Iterator[str
         yield f"| {' | '.join(row)} |"
 
 
-PAGES = {"joints.md": joints, "constraints.md": constraints, "forces.md": forces, "signals.md": blocks}
+PAGES = {"joints.md": joints, "constraints.md": constraints, "forces.md": forces, "signals.md": blocks,
+         "outputs.md": outputs}  # fmt: skip
 
 if __name__ == "__main__":
     for page, make in PAGES.items():

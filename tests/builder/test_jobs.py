@@ -38,6 +38,7 @@ from symbody.expr.graph import Graph, Symbol
 from symbody.expr.opcodes import ADD, SIN
 from symbody.formats.model_files import examples_folder
 from symbody.formats.native import to_data
+from symbody.model.output_names import TITLES
 from tests.builder.conftest import Builder
 from tests.builder.test_checks import example
 
@@ -74,7 +75,9 @@ def test_a_motion_is_that_of_simulate() -> None:
             curve(result["motion"]["curves"], name), expected[name], rtol=1e-6, atol=1e-6
         )
     assert result["run"]["status"] == "SUCCESS" and result["run"]["t_end"] == 1.0
-    assert {"name": "beta_1", "unit": "rad"} in result["curves"]
+    assert {"name": "beta_1", "unit": "rad", "title": "Positions", "group": ""} in result["curves"]
+    titles = [each["title"] for each in result["curves"]]
+    assert titles == sorted(titles, key=TITLES.index) and {"Reactions", "Forces and torques"} <= {*titles}
     more = more_curves({"names": ["energy", "T1", "sin(beta_1)"]}, lambda *_: None)["curves"]
     np.testing.assert_allclose(curve(more, "T1"), np.sin(times), atol=1e-6)
     np.testing.assert_allclose(curve(more, "sin(beta_1)"), np.sin(expected["beta_1"]), atol=1e-6)

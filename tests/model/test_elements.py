@@ -72,7 +72,7 @@ def test_the_recipe_for_a_joint_works(tmp_path: Path) -> None:
         sb.Model("m", [sb.Body("Bead", mass=1), kind("ring", "ground", "Bead", -1)])
 
 
-@pytest.mark.parametrize("page", ["joints.md", "constraints.md", "forces.md"])
+@pytest.mark.parametrize("page", ["joints.md", "constraints.md", "forces.md", "outputs.md"])
 def test_the_tables_of_elements_are_current(page: str) -> None:
     listing = runpy.run_path(str(DOCS / "list_elements.py"))
     table = listing["PAGES"][page]()

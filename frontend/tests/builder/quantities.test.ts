@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { curveTree, firstTicks } from "../../src/builder/model/curve_tree";
+import { curveTree, firstTicks, shortName } from "../../src/builder/model/curve_tree";
 import { inPrint } from "../../src/player/readable";
 import { converted, quantityOf, textIn } from "../../src/builder/model/quantities";
 import { quaternionOf, turnsOf, type Turns } from "../../src/builder/model/turns";
@@ -61,13 +61,17 @@ describe("turns", () => {
 });
 
 describe("the tree of curves", () => {
-  it("has kinds, of reactions joints, and begins with positions and speeds", () => {
-    const names = ["theta", "s", "theta_dot", "s_dot", "theta_ddot", "F", "energy", "effort A", "reaction A Fx", "reaction B pin Mz", "lambda_B_1", "constraint_violation", "sin(theta)"];
-    const tree = curveTree(names.map((name) => ({ name, unit: "" })), { coordinates: ["theta", "s"], speeds: ["theta_dot", "s_dot"], inputs: ["F"] });
+  it("has headings in the order of the server, below them elements, and begins with positions and speeds", () => {
+    const offered = [
+      ["Positions", "", "theta", "s"], ["Speeds", "", "theta_dot", "s_dot"], ["Energies", "", "energy"], ["Reactions", "A", "reaction A Fx"],
+      ["Reactions", "B pin", 'reaction "B pin" Mz', "reaction B pin Fx"],
+    ].flatMap(([title = "", group = "", ...names]) => names.map((name) => ({ name, unit: "", title, group })));
+    const tree = curveTree([...offered, { name: "sin(theta)", unit: "" }]);
     expect(tree.map(({ title, curves, branches }) => [title, ...curves.map((each) => each.name), ...branches.map((each) => each.title)])).toEqual([
-      ["Positions", "theta", "s"], ["Speeds", "theta_dot", "s_dot"], ["Accelerations", "theta_ddot"], ["Inputs", "F"], ["Energies", "energy"], ["Forces and torques", "effort A"],
-      ["Reactions", "A", "B pin"], ["Multipliers and constraint error", "lambda_B_1", "constraint_violation"], ["Others", "sin(theta)"],
+      ["Positions", "theta", "s"], ["Speeds", "theta_dot", "s_dot"], ["Energies", "energy"], ["Reactions", "A", "B pin"], ["Others", "sin(theta)"],
     ]);
+    expect(tree[3]?.branches[1]?.curves.map(shortName)).toEqual(["Mz", "Fx"]);
+    expect(shortName({ name: "effort A", unit: "" })).toBe("effort A");
     expect(firstTicks(tree)).toEqual(["theta", "s", "theta_dot", "s_dot"]);
   });
 });

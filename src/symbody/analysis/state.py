@@ -101,6 +101,10 @@ class State(Displayed):
         """
         return self.values_of([name])[name]
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return what notebooks offer behind ``state["``: all outputs by their kinds."""
+        return [each.name for each in self.eqs.listed_outputs]
+
     def values_of(
         self, names: Sequence[str]
     ) -> dict[str, float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:

@@ -22,7 +22,8 @@ from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.model import KINDS
 from symbody.model.naming import GROUND
-from symbody.model.output_names import output_words
+from symbody.model.output_arguments import OutputScope, make_scope
+from symbody.model.output_names import read_output
 from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 
@@ -45,11 +46,14 @@ class Sources:
         Elements, which names of outputs contain.
     parts : mapping of prefix to pointer
         Included files; what they bring begins with their prefix.
+    scope : OutputScope
+        What names of outputs refer to.
     """
 
     symbols: Mapping[str, tuple[str, str]]
     elements: Mapping[str, str]
     parts: Mapping[str, str]
+    scope: OutputScope
 
     def of_symbol(self, name: str) -> tuple[str, str] | None:
         """Return what brings a symbol, None of parameters and of what nothing brings."""
@@ -94,11 +98,13 @@ def find_sources(data: Mapping[str, Any]) -> Sources:
     """Return what the entries of a model bring; of two with one name the first counts."""
     symbols: dict[str, tuple[str, str]] = {}
     elements: dict[str, str] = {}
+    complete: list[Element] = []
     for kind in KINDS:
         for k, entry in enumerate(_entries(data, kind)):
             pointer = f"/{kind}/{k}"
             elements.setdefault(str(entry.get("name")), pointer)
             element = _element_of(kind, entry)
+            complete += [] if element is None else [element]
             for name, root in _symbols_of(kind, entry, element):
                 symbols.setdefault(name, (pointer, root))
     for joint in _free_joints(data):
@@ -108,7 +114,8 @@ def find_sources(data: Mapping[str, Any]) -> Sources:
     for k, name in enumerate(inputs if isinstance(inputs, list) else []):
         symbols.setdefault(str(name), (f"/inputs/{k}", str(name)))
     parts = {str(entry.get("prefix")): f"/{_PART}/{k}" for k, entry in enumerate(_entries(data, _PART))}
-    return Sources(symbols, elements, parts)
+    bodies = [each for each in complete if isinstance(each, Body)]
+    return Sources(symbols, elements, parts, make_scope(complete, bodies, {}))
 
 
 def _symbols_of(kind: str, entry: Mapping[str, Any], element: Element | None) -> Iterator[tuple[str, str]]:
@@ -148,16 +155,25 @@ def _readings(kind: str, entry: Mapping[str, Any], sources: Sources) -> Iterator
             yield name, source
     element = _element_of(kind, entry)
     if isinstance(element, Signal) and element.output is not None:
-        for word in _addresses(element.output, sources):
+        for word in _addresses(element.output, sources.scope):
             address = sources.of_address(word)
             if address is not None and word != GROUND:
                 yield word, address
 
 
-def _addresses(output: str, sources: Sources) -> list[str]:
-    """Return the words of an output that may be addresses, of ``frame r arm.tip ground ground y`` 3 to 5."""
-    words = output_words(output, sources.elements)
-    return words[2:5] if words[:1] == ["frame"] else words
+def _addresses(output: str, scope: OutputScope) -> Iterator[str]:
+    """Yield what the name of an output, or an expression of outputs, reads."""
+    asked = read_output(output, scope)
+    if asked is not None:
+        yield from asked.addresses
+        return
+    try:
+        formula = Formula.from_value(output, has_outputs=True)
+    except SymbodyError:
+        return  # its field says what is wrong
+    yield from formula.names
+    for inner in formula.outputs:
+        yield from _addresses(inner, scope)
 
 
 def _names(kind: str, entry: Mapping[str, Any]) -> Iterator[str]:

@@ -26,7 +26,17 @@ from symbody.expr.rewrite import operation_count
 from symbody.expr.sequences.sequence import Roots, Sequence
 from symbody.expr.sympy.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
-from symbody.model.output_names import parse_derivative
+from symbody.model.output_names import (
+    ACCELERATIONS,
+    INPUTS,
+    MULTIPLIERS,
+    POSITIONS,
+    SIGNALS,
+    SPEEDS,
+    ListedOutput,
+    list_readable,
+    parse_derivative,
+)
 from symbody.single_flight import SingleFlight
 
 if TYPE_CHECKING:
@@ -105,6 +115,20 @@ class EquationSet(PrintedEquations, NamedEquations):
         """SI units of coordinates, rates, energies, efforts, reactions and frames, where derivable."""
         units: Units = self.plans.get("units", partial(output_units, self.formed))
         return units
+
+    @property
+    def listed_outputs(self) -> list[ListedOutput]:
+        """What can be read of these equations, by headings; of frames the motions seen from ground."""
+        names, signals = self.names, self.model.signals
+        symbols = {
+            POSITIONS: names.coordinates,
+            SPEEDS: names.speeds,
+            ACCELERATIONS: names.accelerations,
+            INPUTS: names.inputs,
+            SIGNALS: [*(signal.name for signal in signals), *(f"{name}_dot" for name in names.signals)],
+            MULTIPLIERS: names.multipliers,
+        }
+        return list_readable(self.formed.topology.output_scope, symbols)
 
     @property
     def coordinates(self) -> tuple[SympyExpr, ...]:

@@ -25,7 +25,6 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Rolling
 from symbody.model.element import FrameRef, make_frame_ref
-from symbody.model.frame_index import frame_index
 from symbody.single_flight import SingleFlight
 
 
@@ -241,8 +240,7 @@ class EquationsOfMotion(MultibodySystem):
         if isinstance(link, Rolling):
             return link.name  # its frame is at the point of contact
         body, _, point = name.partition(".")
-        places = frame_index(self.topology.model.bodies, self.topology.model.ground)
-        found = places.find(make_frame_ref(body, point))
+        found = self.topology.output_scope.frames.find(make_frame_ref(body, point))
         if isinstance(found, FrameRef):
             return found.full_name
         raise FormulationError(Problem("equations.unknown_frame", f"frame {name}", found[0], "", found[1]))

@@ -18,6 +18,7 @@ from symbody.model.joint import InTrees, Joint
 from symbody.model.joints import Free
 from symbody.model.model import Model
 from symbody.model.naming import GROUND
+from symbody.model.output_arguments import OutputScope, make_scope
 from symbody.single_flight import SingleFlight
 
 
@@ -47,6 +48,9 @@ class Topology:
     _links: SingleFlight[None, dict[str, Joint | FrameConstraint]] = field(
         default_factory=SingleFlight, init=False, compare=False, repr=False
     )
+    _scope: SingleFlight[None, OutputScope] = field(
+        default_factory=SingleFlight, init=False, compare=False, repr=False
+    )
     # Names of the joints in each tree, filled on first use too: it is read for each joint.
     _inside: dict[str, frozenset[str]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
@@ -65,6 +69,13 @@ class Topology:
 
     def _form_links(self) -> dict[str, Joint | FrameConstraint]:
         return {**self.contacts, **{joint.name: joint for joint in self.joints}}
+
+    @property
+    def output_scope(self) -> OutputScope:
+        """What names of outputs refer to."""
+        model = self.model
+        elements = (*model.elements, *self.joints)
+        return self._scope.get(None, lambda: make_scope(elements, model.bodies, model.ground))
 
     @property
     def rotation_branches(self) -> frozenset[str]:

@@ -24,6 +24,7 @@ from symbody.model.frame import Frame
 from symbody.model.frame_index import element_labels, include_bodies
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import Joint
+from symbody.model.output_arguments import OutputScope, make_scope
 from symbody.model.parameters import dependence_order, parameter_values, resolve
 from symbody.model.parts.expansion import add_parts
 from symbody.model.parts.include import Include
@@ -201,6 +202,11 @@ class Model(Displayed):
     def free_joints(self) -> tuple[Joint, ...]:
         """For each body without a joint the free joint of its motion; it has the name of the body."""
         return tuple(free_joints(self.bodies, self.joints))
+
+    @property
+    def output_scope(self) -> OutputScope:
+        """What names of outputs refer to: elements, with joints of bodies without one, and frames."""
+        return make_scope((*self.elements, *self.free_joints), self.bodies, self.ground)
 
     @property
     def coordinates(self) -> tuple[str, ...]:

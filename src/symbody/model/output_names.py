@@ -1,53 +1,286 @@
-"""The grammar of outputs' names: which words begin them, and what stands behind each.
+"""What names of outputs mean: the registry of their kinds.
 
-Whoever reads or rewrites the name of an output goes by these tables: the equations that make it, and parts
-whose elements get other names.
+Reading, units, lists, completion, names in parts and the tables of the documentation go by it. Equations make
+the values: `symbody.equations.outputs.output_roots` has one function for each kind.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-from symbody.model.constraint import ConstraintElement
+from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Distance
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import Bushing, TorsionSpring
-
-# Whole names: nothing follows them, and all of the mechanism is meant.
-WHOLE_OUTPUTS: Final = frozenset(
-    "udot qdot xdot signal_rates A B lambda mass_matrix forcing gravity_forcing bias inverse_dynamics "
-    "kinetic_energy potential_energy energy power constraints velocity_constraints gamma jacobian "
-    "position_jacobian position_residual position_move velocity_residual velocity_move friction_residual "
-    "friction_margin friction_reserve mode_responses alignment".split()
+from symbody.model.loads.springs import BUSHING_COORDINATES, Bushing, TorsionSpring
+from symbody.model.output_arguments import (
+    NOTHING,
+    CoordinateWord,
+    ElementWord,
+    EntryWord,
+    Following,
+    FrameWord,
+    NewNames,
+    OutputArgument,
+    OutputScope,
+    Words,
+    join_words,
+    split_words,
 )
-_SPRINGS: Final = (SpringDamper, TorsionSpring, Bushing)
-# First words, and the kinds of elements of which one follows; its coordinate or an entry may stand behind it.
-ELEMENT_OUTPUTS: Final[Mapping[str, tuple[type[Element], ...]]] = MappingProxyType(
+
+# Headings of the editor's tree and of lists of outputs, in their order.
+TITLES: Final = (
+    "Positions", "Speeds", "Accelerations", "Inputs", "Signals", "Energies", "Lengths and angles of springs",
+    "Forces and torques", "Reactions", "Ropes", "Motion of frames", "Multipliers and constraint error",
+    "Equations",
+)  # fmt: skip
+POSITIONS, SPEEDS, ACCELERATIONS, INPUTS, SIGNALS, ENERGIES, SPRINGS = TITLES[:7]
+LOADS, REACTIONS, ROPES, FRAMES, MULTIPLIERS, EQUATIONS = TITLES[7:]
+
+
+@dataclass(frozen=True, slots=True)
+class OutputKind:
+    """A kind of output: the words of its names, its unit, and what it means.
+
+    Attributes
+    ----------
+    word : str
+        The first word.
+    title : str
+        One of `TITLES`.
+    meaning : str
+        For the documentation.
+    unit : str
+        "" where entries differ in their units; several, with commas, where the words decide.
+    arguments : tuple of OutputArgument
+        What stands behind the word.
+    shape : str
+        "" if it is a number; else its shape where no entry is named.
+    choose_unit : callable, optional
+        Takes the words behind the first and the scope, returns which of several units it has.
+    is_readable : bool
+        Whether results list it; what is not is for `compile` alone.
+    """
+
+    word: str
+    title: str
+    meaning: str
+    unit: str
+    arguments: tuple[OutputArgument, ...] = ()
+    shape: str = ""
+    choose_unit: Callable[[Words, OutputScope], str] | None = None
+    is_readable: bool = True
+
+    @property
+    def pattern(self) -> str:
+        """How its names are written."""
+        return " ".join([self.word, *(argument.letter for argument in self.arguments)])
+
+    def entries(self, words: Words) -> tuple[str, ...]:
+        """Return the names of the entries of an output; none if it is a number, or they are numbered."""
+        last = self.arguments[-1] if self.arguments else None
+        return last.words(words[:-1]) if isinstance(last, EntryWord) and not words[-1] else ()
+
+
+class OutputName(NamedTuple):
+    """The name of an output, read: its kind, and the words behind the first, "" where one is left out."""
+
+    kind: OutputKind
+    words: Words
+
+    @property
+    def group(self) -> str:
+        """The element, if the output is one entry of several that belong to it."""
+        return self.words[0] if self.words[1:] and self.kind.shape else ""
+
+    @property
+    def addresses(self) -> tuple[str, ...]:
+        """The elements and frames in it."""
+        pairs = zip(self.kind.arguments, self.words, strict=False)
+        return tuple(word for each, word in pairs if word and isinstance(each, ElementWord | FrameWord))
+
+    def text(self, scope: OutputScope) -> str:
+        """Return the name, in quotes where it would mean another."""
+        plain = join_words((self.kind.word, *self.words), ())
+        if scope.beginnings.isdisjoint(self.words) or read_output(plain, scope) == self:
+            return plain
+        return join_words((self.kind.word, *self.words), scope.beginnings)
+
+    def unit(self, scope: OutputScope) -> str:
+        """Return its unit."""
+        choose = self.kind.choose_unit
+        return self.kind.unit if choose is None else choose(self.words, scope)
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it is one number."""
+        return not self.kind.shape or (bool(self.words) and bool(self.words[-1]))
+
+
+# The grammar of the arguments.
+FRAME_OUTPUT: Final = "frame"
+WRENCH: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+_VECTOR: Final = ("x", "y", "z")
+_MATRIX: Final = tuple(row + column for row in _VECTOR for column in _VECTOR)
+MOTION_UNITS: Final = MappingProxyType(
+    {"r": "m", "v": "m/s", "vdot": "m/s^2", "R": "", "w": "rad/s", "wdot": "rad/s^2"}
+)
+# What people call these kinds of motion elsewhere.
+MOTION_WORDS: Final = MappingProxyType(
     {
-        "reaction": (Joint, ConstraintElement),
-        "effort": (Joint, *_SPRINGS),
-        "length": _SPRINGS,
-        "angle": _SPRINGS,
-        **dict.fromkeys(("friction", "friction_normal", "friction_reserve"), (Joint,)),
-        **dict.fromkeys(
-            "rope_tension rope_length rope_slack rope_slack_dot rope_slack_ddot rope_size".split(),
-            (Distance,),
-        ),
+        "r": ("position", "pos", "location", "path", "r", "p"),
+        "v": ("velocity", "vel", "speed", "v"),
+        "vdot": ("acceleration", "acc", "a", "vdot"),
+        "R": ("orientation", "rotation", "attitude", "pose", "R"),
+        "w": ("angular velocity", "angular_velocity", "omega", "w"),
+        "wdot": ("angular acceleration", "angular_acceleration", "alpha", "wdot"),
     }
 )
-# The first word behind which a kind of motion and frames stand: END, REFERENCE and, but for R, RESOLVED_IN.
-FRAME_OUTPUT: Final = "frame"
-FRAME_KINDS: Final = ("r", "v", "vdot", "R", "w", "wdot")
-# What may be differentiated by, beside symbols: all coordinates, speeds, inputs, states of signals.
-DERIVATIVE_GROUPS: Final = ("q", "u", "r", "s")
 
+
+def effort_coordinates(element: Element) -> tuple[str, ...]:
+    """Return the coordinates along which an element has an effort; "" for the only one."""
+    if isinstance(element, Joint):
+        driven = [x for x in element.coordinates if x in element.drives or x in element.motions]
+        return tuple(driven) if len(element.coordinates) > 1 else NOTHING * bool(driven)
+    if isinstance(element, Bushing):
+        return BUSHING_COORDINATES
+    return NOTHING if isinstance(element, SpringDamper | TorsionSpring) else ()
+
+
+def _lengths(element: Element) -> tuple[str, ...]:
+    if isinstance(element, Bushing):
+        return BUSHING_COORDINATES[:3]
+    return NOTHING if isinstance(element, SpringDamper) else ()
+
+
+def _angles(element: Element) -> tuple[str, ...]:
+    if isinstance(element, Bushing):
+        return BUSHING_COORDINATES[3:]
+    return NOTHING if isinstance(element, TorsionSpring) else ()
+
+
+def _is_link(element: Element) -> tuple[str, ...]:
+    return NOTHING if isinstance(element, Joint | FrameConstraint) else ()
+
+
+def _rubs(element: Element) -> tuple[str, ...]:
+    friction = element.friction if isinstance(element, Joint) else None
+    return NOTHING if friction is not None and not friction.is_none else ()
+
+
+def _is_rope(element: Element) -> tuple[str, ...]:
+    return NOTHING if isinstance(element, Distance) and element.rope else ()
+
+
+def _effort_unit(words: Words, scope: OutputScope) -> str:
+    """Return the unit of what acts along the coordinate of an element: the only one, if none is named."""
+    owner, word = scope.elements.get(words[0]), words[-1] if len(words) > 1 else ""
+    if owner is None:
+        return ""
+    if isinstance(owner, Joint):
+        coordinate = word or owner.coordinates[0]
+        turning = owner.rotation_coordinates if owner.quaternion is None else ()
+        return "N m" if coordinate in turning else "N" if coordinate in owner.translation_coordinates else ""
+    return "N m" if isinstance(owner, TorsionSpring) or word.startswith("r") else "N"
+
+
+def _normal_unit(words: Words, scope: OutputScope) -> str:
+    owner = scope.elements.get(words[0])
+    friction = owner.friction if isinstance(owner, Joint) else None
+    return "N" if friction is not None and friction.reads_reaction else ""
+
+
+def _motion_entries(words: Words) -> tuple[str, ...]:
+    return _MATRIX if words[:1] == ("R",) else _VECTOR
+
+
+def _has_axes(words: Words) -> bool:
+    """Return whether the frame may follow in which a motion is resolved: not behind a matrix of rotation."""
+    return words[:1] != ("R",)
+
+
+def _one(following: Following, letter: str) -> tuple[OutputArgument, ...]:
+    return (ElementWord(letter, following),)
+
+
+_FRICTION: Final = _one(_rubs, "J")
+_ROPE: Final = _one(_is_rope, "R")
 _MULTIPLIER: Final = "lambda_"
 _ROW: Final = re.compile(r"_(?:\d+|motion(?:_\d+)?|stick)")
+
+_ALL: Final = (
+    OutputKind("kinetic_energy", ENERGIES, "kinetic energy T relative to ground", "J"),
+    OutputKind("potential_energy", ENERGIES, "potential energy V of gravity and springs", "J"),
+    OutputKind("energy", ENERGIES, "T + V", "J"),
+    OutputKind("power", ENERGIES, "power of all that has no potential", "W"),
+    OutputKind("length", SPRINGS, "length of a spring; place of a bushing along x, y, z", "m",
+               (ElementWord("S", _lengths), CoordinateWord("[x]", _lengths))),
+    OutputKind("angle", SPRINGS, "angle of a torsion spring; angles of a bushing", "rad",
+               (ElementWord("S", _angles), CoordinateWord("[rx]", _angles))),
+    OutputKind("effort", LOADS, "applied + spring + damper + prescribed motion, along x", "N, N m",
+               (ElementWord("J", effort_coordinates), CoordinateWord("[x]", effort_coordinates)),
+               choose_unit=_effort_unit),
+    OutputKind("friction", LOADS, "effort of dry friction along the coordinate", "N, N m", _FRICTION,
+               choose_unit=_effort_unit),
+    OutputKind("friction_normal", LOADS, "reaction that friction comes from, or 1", "N", _FRICTION,
+               choose_unit=_normal_unit),
+    OutputKind("friction_reserve", LOADS, "effort up to which it sticks, less the present one", "N, N m",
+               (ElementWord("[J]", _rubs, is_needed=False),), "n", _effort_unit),
+    OutputKind("reaction", REACTIONS, "wrench on B by A of what connects A and B", "N, N m",
+               (ElementWord("J", _is_link), EntryWord("[Fx]", lambda _: WRENCH)), "6",
+               lambda words, _: {"F": "N", "M": "N m"}.get(words[1][:1], "")),
+    OutputKind("rope_tension", ROPES, "force with which a rope pulls", "N", _ROPE),
+    OutputKind("rope_length", ROPES, "length of the rope itself", "m", _ROPE),
+    OutputKind("rope_slack", ROPES, "its length less the distance of its ends", "m", _ROPE),
+    OutputKind("rope_slack_dot", ROPES, "rate of the slack", "m/s", _ROPE),
+    OutputKind("rope_slack_ddot", ROPES, "second rate of the slack", "m/s^2", _ROPE),
+    OutputKind("rope_size", ROPES, "size of the terms of the second rate of the slack", "m/s^2", _ROPE),
+    OutputKind(FRAME_OUTPUT, FRAMES, "motion of END relative to REFERENCE, components along axes of IN",
+               ", ".join(filter(None, MOTION_UNITS.values())),
+               (EntryWord("KIND", lambda _: tuple(MOTION_UNITS), is_needed=True),
+                FrameWord("END", is_needed=True, is_listed=True), FrameWord("[REFERENCE]"),
+                FrameWord("[IN]", fits=_has_axes), EntryWord("[x]", _motion_entries, is_listed=False)),
+               "3, 3 x 3", lambda words, _: MOTION_UNITS.get(words[0], "")),
+    OutputKind("udot", EQUATIONS, "accelerations u'", "", shape="n_u"),
+    OutputKind("qdot", EQUATIONS, "rates q' of the coordinates", "", shape="n_q"),
+    OutputKind("xdot", EQUATIONS, "rates (u', q', s') of the states", "", shape="n_x"),
+    OutputKind("signal_rates", EQUATIONS, "rates s' of the states of signals", "", shape="n_s"),
+    OutputKind("A", EQUATIONS, "derivatives of x' by the states", "", shape="n_x x n_x"),
+    OutputKind("B", EQUATIONS, "derivatives of x' by the inputs", "", shape="n_x x n_r"),
+    OutputKind("lambda", MULTIPLIERS, "multipliers of the constraints", "", shape="n_c"),
+    OutputKind("mass_matrix", EQUATIONS, "M", "", shape="n_u x n_u"),
+    OutputKind("forcing", EQUATIONS, "F", "", shape="n_u"),
+    OutputKind("gravity_forcing", EQUATIONS, "the part of F that gravity makes", "", shape="n_u"),
+    OutputKind("bias", EQUATIONS, "-F", "", shape="n_u"),
+    OutputKind("inverse_dynamics", EQUATIONS, "M u' - F, with u' as an argument", "", shape="n_u",
+               is_readable=False),
+    OutputKind("constraints", MULTIPLIERS, "position constraints Phi", "", shape="n_h"),
+    OutputKind("velocity_constraints", MULTIPLIERS, "J u + b", "", shape="n_c"),
+    OutputKind("gamma", MULTIPLIERS, "J u' = gamma", "", shape="n_c"),
+    OutputKind("jacobian", MULTIPLIERS, "J", "", shape="n_c x n_u"),
+    OutputKind("position_jacobian", MULTIPLIERS, "derivatives of Phi by q", "", shape="n_h x n_q"),
+    # for integrators of a user's own: the drift, and the move that takes it back
+    OutputKind("position_residual", MULTIPLIERS, "drift of the coordinates", "", shape="n"),
+    OutputKind("position_move", MULTIPLIERS, "move of q that takes the drift back", "", shape="n_q"),
+    OutputKind("velocity_residual", MULTIPLIERS, "drift of the speeds", "", shape="n_c"),
+    OutputKind("velocity_move", MULTIPLIERS, "move of u that takes the drift back", "", shape="n_u"),
+    OutputKind("friction_residual", EQUATIONS, "0 where friction fits the reactions", "", shape="n"),
+    OutputKind("friction_margin", EQUATIONS, "positive where both are determined", "", shape="n"),
+    OutputKind("mode_responses", EQUATIONS, "what decides which joints stick, ropes pull", "", shape="n",
+               is_readable=False),
+    OutputKind("alignment", EQUATIONS, "cosines that are 1 where cut joints are closed", "", shape="n"),
+)  # fmt: skip
+
+# By first word. Those without arguments are of the whole mechanism.
+OUTPUT_KINDS: Final[Mapping[str, OutputKind]] = MappingProxyType({kind.word: kind for kind in _ALL})
+# What may be differentiated by, beside symbols: all coordinates, speeds, inputs, states of signals.
+DERIVATIVE_GROUPS: Final = ("q", "u", "r", "s")
 _DERIVATIVE: Final = re.compile(
     r"d\s+(?P<output>.+?)\s*/\s*d\s*(?:\((?P<list>[^/]*)\)|(?P<one>[^/()]+))\s*", re.S
 )
@@ -61,14 +294,6 @@ class DerivativeRequest(NamedTuple):
     alone: bool
 
 
-class FrameRequest(NamedTuple):
-    """A kind of motion, the frames it is between and resolved in, and the entry that is asked for."""
-
-    kind: str
-    frames: tuple[str, ...]
-    entry: str
-
-
 def parse_derivative(name: str) -> DerivativeRequest | None:
     """Return the request that a name like ``d udot/d q`` contains; None if it is not a derivative."""
     found = _DERIVATIVE.fullmatch(name.strip())
@@ -78,21 +303,6 @@ def parse_derivative(name: str) -> DerivativeRequest | None:
         word = found["one"].strip()
         return DerivativeRequest(found["output"], (word,), word not in DERIVATIVE_GROUPS)
     return DerivativeRequest(found["output"], tuple(word.strip() for word in found["list"].split(",")), False)
-
-
-def parse_frame(text: str, frames: Collection[str]) -> FrameRequest | None:
-    """Return the request behind the word ``frame``; None if the number of words fits no motion.
-
-    Parameters
-    ----------
-    frames : collection of str
-        Known names of frames, which may contain blanks.
-    """
-    words = output_words(text, frames)
-    most = 3 if words[:1] == ["R"] else 4
-    is_entry = len(words) > 2 and set(words[-1]) <= set("xyz")
-    entry = words.pop() if is_entry and (words[-1] not in frames or len(words) > most) else ""
-    return FrameRequest(words[0], tuple(words[1:]), entry) if 2 <= len(words) <= most else None
 
 
 def is_multiplier(name: str, elements: Iterable[str]) -> bool:
@@ -107,17 +317,84 @@ def is_multiplier(name: str, elements: Iterable[str]) -> bool:
     )
 
 
-def output_words(text: str, known: Iterable[str]) -> list[str]:
-    """Return the words of a text: what is quoted, the longest known name, or all up to the next blank."""
-    names = sorted(known, key=len, reverse=True)
-    words = []
-    rest = text.strip()
-    while rest:
-        if rest.startswith('"'):
-            word, _, rest = rest[1:].partition('"')
-        else:
-            word = next((name for name in names if f"{rest} ".startswith(f"{name} ")), rest.split()[0])
-            rest = rest[len(word) :]
-        words.append(word)
-        rest = rest.strip()
-    return words
+def kind_of(name: str) -> OutputKind | None:
+    """Return the kind that the first word of a name says; None of symbols and expressions.
+
+    >>> kind_of("reaction pin Fx").word, kind_of("energy").word, kind_of("reaction"), kind_of("reaction * 2")
+    ('reaction', 'energy', None, None)
+    """
+    first, _, rest = name.partition(" ")
+    kind = OUTPUT_KINDS.get(first)
+    if kind is None:
+        return None
+    if name == first:
+        return None if any(each.is_needed for each in kind.arguments) else kind
+    is_argument = rest.strip()[:1] not in tuple("-+*/^<>=(,") and rest.strip() != ""
+    return kind if kind.arguments and is_argument else None
+
+
+def read_output(name: str, scope: OutputScope) -> OutputName | None:
+    """Return the kind and words of a name; None of symbols, multipliers, derivatives and expressions."""
+    kind = kind_of(name)
+    if kind is None:
+        return None
+    return OutputName(kind, split_words(name.removeprefix(kind.word), kind.arguments, scope))
+
+
+def list_outputs(scope: OutputScope) -> Iterator[OutputName]:
+    """Yield the outputs of a mechanism in the order of the kinds, of motions of frames those in ground."""
+    for kind in OUTPUT_KINDS.values():
+        for words in _word_lists(kind.arguments, scope, ()):
+            yield OutputName(kind, words)
+
+
+class ListedOutput(NamedTuple):
+    """An output in a list: its name, heading, the element it is an entry of, and whether it is a number."""
+
+    name: str
+    title: str
+    group: str = ""
+    is_number: bool = True
+
+
+def list_readable(scope: OutputScope, symbols: Mapping[str, Iterable[str]]) -> list[ListedOutput]:
+    """Return all that can be read of a mechanism, in the order of the headings.
+
+    Parameters
+    ----------
+    symbols : mapping of heading to names
+        Coordinates, speeds, inputs and others that have no kind.
+    """
+    listed: dict[str, ListedOutput] = {}
+    for title, names in symbols.items():
+        for name in names:
+            listed.setdefault(name, ListedOutput(name, title))
+    for asked in list_outputs(scope):
+        if not asked.kind.is_readable:
+            continue
+        name = asked.text(scope)
+        listed.setdefault(name, ListedOutput(name, asked.kind.title, asked.group, asked.is_number))
+    return sorted(listed.values(), key=lambda each: TITLES.index(each.title))
+
+
+def _word_lists(
+    arguments: Sequence[OutputArgument], scope: OutputScope, before: tuple[str, ...]
+) -> Iterator[tuple[str, ...]]:
+    if len(before) == len(arguments):
+        yield before
+        return
+    argument = arguments[len(before)]
+    for word in argument.choices(scope, before) if argument.is_listed else ("",):
+        yield from _word_lists(arguments, scope, (*before, word))
+
+
+def rename_output(asked: OutputName, scope: OutputScope, names: NewNames) -> tuple[str, ...]:
+    """Return the words of an output of a part, the first among them, as they read in a model.
+
+    Words that do not fit are renamed as far as they may be elements, lest they name others in the model.
+    """
+    kind, words = asked
+    new = [
+        each.rename(words[k], scope, words[:k], names) for k, each in enumerate(kind.arguments[: len(words)])
+    ]
+    return (kind.word, *new, *words[len(new) :])

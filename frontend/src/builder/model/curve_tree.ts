@@ -1,9 +1,11 @@
-/** What can be drawn over time, as a tree: kinds of quantities, of reactions also the joint. */
-
+/** What can be drawn over time, as a tree: headings, and below some the elements that have several curves. */
 
 export interface Offered {
   readonly name: string;
   readonly unit: string;
+  /** The heading and the element, as the server says; formulas that a user adds have none. */
+  readonly title?: string;
+  readonly group?: string;
 }
 
 export interface Branch {
@@ -12,37 +14,24 @@ export interface Branch {
   readonly branches: readonly Branch[];
 }
 
-const ENERGIES = new Set(["kinetic_energy", "potential_energy", "energy"]);
-const TITLES = ["Positions", "Speeds", "Accelerations", "Inputs", "Energies", "Forces and torques", "Reactions", "Multipliers and constraint error", "Others"] as const;
-type Kind = (typeof TITLES)[number];
+const OTHERS = "Others";
 
-const ENDINGS: readonly (readonly [RegExp, Kind])[] = [
-  [/^reaction /, "Reactions"], [/^effort /, "Forces and torques"], [/^lambda_|^constraint_violation$/, "Multipliers and constraint error"], [/_ddot$/, "Accelerations"], [/_dot$/, "Speeds"],
-];
-
-/** Return the branch of a quantity: by its name, else by what the model says of it. */
-function kindOf({ name }: Offered, known: ReadonlyMap<string, Kind>): Kind {
-  if (ENERGIES.has(name)) return "Energies";
-  return known.get(name) ?? ENDINGS.find(([pattern]) => pattern.test(name))?.[1] ?? "Others";
+/** Return the tree of curves, headings in the order in which they are first met. */
+export function curveTree(curves: readonly Offered[]): Branch[] {
+  return byTitle(curves, ({ title }) => title ?? OTHERS).map(({ title, curves: own }) => {
+    const alone = own.filter(({ group }) => (group ?? "") === "");
+    return { title, curves: alone, branches: byTitle(own.filter((each) => !alone.includes(each)), ({ group }) => group ?? "") };
+  });
 }
 
-/** Return the tree of curves; empty branches are left out. */
-export function curveTree(curves: readonly Offered[], names: { readonly coordinates: readonly string[]; readonly speeds: readonly string[]; readonly inputs: readonly string[] }): Branch[] {
-  const known = new Map<string, Kind>();
-  for (const each of names.inputs) known.set(each, "Inputs");
-  for (const each of names.speeds) known.set(each, "Speeds");
-  for (const each of names.coordinates) known.set(each, "Positions");
-  return TITLES.map((title) => {
-    const own = curves.filter((each) => kindOf(each, known) === title);
-    return title === "Reactions" ? { title, curves: [], branches: byJoint(own) } : { title, curves: own, branches: [] };
-  }).filter((each) => each.curves.length + each.branches.length > 0);
+function byTitle(curves: readonly Offered[], titleOf: (each: Offered) => string): Branch[] {
+  const titles = [...new Set(curves.map(titleOf))];
+  return titles.map((title) => ({ title, curves: curves.filter((each) => titleOf(each) === title), branches: [] }));
 }
 
-/** Return reactions by their joint, whose name may have blanks. */
-function byJoint(curves: readonly Offered[]): Branch[] {
-  const jointOf = ({ name }: Offered): string => name.replace(/^reaction /, "").replace(/ [FM][xyz]$/, "");
-  const joints = [...new Set(curves.map(jointOf))];
-  return joints.map((title) => ({ title, curves: curves.filter((each) => jointOf(each) === title), branches: [] }));
+/** Return the name of a curve below its element: the entry alone. */
+export function shortName({ name, group }: Offered): string {
+  return (group ?? "") === "" ? name : name.slice(name.lastIndexOf(" ") + 1);
 }
 
 /** Return what is ticked at first: positions and speeds, up to six. */

@@ -9,7 +9,7 @@ import { useShownTheme } from "../shell/theme";
 import { useStore, type Simulated } from "../store";
 import type { JsonObject } from "../types";
 import { isArray, isObject } from "../model/pointers";
-import { curveTree, firstTicks, type Branch, type Offered } from "../model/curve_tree";
+import { curveTree, firstTicks, shortName, type Branch, type Offered } from "../model/curve_tree";
 import { textOf } from "../model/entries";
 import { pictureNow } from "./shown";
 
@@ -29,20 +29,16 @@ export function Curves(): ReactElement {
 }
 
 function offeredBy(simulated: Simulated): readonly Offered[] {
-  const listed = simulated.result?.["curves"];
+  const offered = simulated.result?.["curves"];
+  const listed = (isArray(offered) ? offered : []) as unknown as readonly Offered[];
   const more = (simulated.motion as { readonly curves: readonly Offered[] }).curves;
-  const all = [...((isArray(listed) ? listed : []) as unknown as readonly Offered[]), ...more];
-  return [...new Map(all.map(({ name, unit }) => [name, { name, unit }])).values()];
+  return [...listed, ...more.filter(({ name }) => !listed.some((each) => each.name === name))];
 }
 
 /** The tree of what can be drawn, and what is ticked in it. */
 function ChosenCurves({ simulated }: { readonly simulated: Simulated }): ReactElement {
   const offered = useMemo(() => offeredBy(simulated), [simulated]);
-  const summary = useStore((state) => state.check?.summary);
-  const inputs = useStore((state) => state.data["inputs"]);
-  const tree = useMemo(() => curveTree(offered, {
-    coordinates: summary?.coordinates ?? [], speeds: summary?.speeds ?? [], inputs: isArray(inputs) ? inputs.map(textOf) : [],
-  }), [offered, summary, inputs]);
+  const tree = useMemo(() => curveTree(offered), [offered]);
   const [ticks, setTicks] = useState<readonly string[]>(() => {
     const still = (lastTicks ?? []).filter((each) => offered.some(({ name }) => name === each));
     return still.length > 0 ? still : firstTicks(tree);
@@ -70,8 +66,8 @@ function TreeBranch({ branch, ticks, choose }: { readonly branch: Branch; readon
   return (
     <details open={open} onToggle={(event) => { setOpen(event.currentTarget.open); }}>
       <summary>{branch.title}</summary>
-      {open && branch.curves.map(({ name, unit }) => (
-        <label key={name} title={name}><input type="checkbox" aria-label={name} checked={ticks.includes(name)} onChange={() => { toggle(name); }} /> <span>{plainReading(name.replace(/^reaction .* /, ""))}</span> <span className="unit">{unit}</span></label>
+      {open && branch.curves.map(({ name, unit, group = "" }) => (
+        <label key={name} title={name}><input type="checkbox" aria-label={name} checked={ticks.includes(name)} onChange={() => { toggle(name); }} /> <span>{plainReading(shortName({ name, unit, group }))}</span> <span className="unit">{unit}</span></label>
       ))}
       {open && branch.branches.map((each) => <TreeBranch key={each.title} branch={each} ticks={ticks} choose={choose} />)}
     </details>

@@ -15,8 +15,8 @@ from symbody.builder.tasks.options import SimulateOptions, read_options
 from symbody.builder.tasks.reading import complete_model
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
-from symbody.equations.outputs.joint_outputs import effort_names
 from symbody.errors import Problem, UsageError
+from symbody.model.output_names import FRAMES, MULTIPLIERS, ListedOutput
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
@@ -123,16 +123,17 @@ def run_verdict(run: Trajectory, eqs: EquationSet) -> Answer:
 
 
 def curve_list(eqs: EquationSet) -> list[dict[str, str]]:
-    """Return what can be drawn over time, with units: all scalars of a motion."""
-    formed = eqs.formed
-    efforts = [f"effort {name}" for name in effort_names(formed)]
-    links = [*(joint.name for joint in formed.topology.model.joints), *formed.topology.contacts]
-    reactions = [f"reaction {name} {part}" for name in links for part in ("Fx", "Fy", "Fz", "Mx", "My", "Mz")]
-    energies = ["kinetic_energy", "potential_energy", "energy"]
-    states = [*eqs.coordinate_names, *eqs.speed_names, *eqs.acceleration_names]
-    names = [*states, *eqs.input_names, *energies, *formed.loads.measures, *efforts, *reactions]
-    names += [*eqs.multiplier_names, *(["constraint_violation"] if eqs.multiplier_names else [])]
-    return [{"name": name, "unit": eqs.units.get(name, "")} for name in dict.fromkeys(names)]
+    """Return what can be drawn over time, in the order of the headings: all scalars but those of frames.
+
+    Each has a name, a unit, the heading it stands under, and the element that it belongs to, if there are
+    several outputs of one.
+    """
+    violation = [ListedOutput("constraint_violation", MULTIPLIERS)] if eqs.multiplier_names else []
+    curves = [each for each in eqs.listed_outputs if each.is_number and each.title != FRAMES]
+    return [
+        {"name": name, "unit": eqs.units.get(name, ""), "title": title, "group": group}
+        for name, title, group, _ in (*curves, *violation)
+    ]
 
 
 def more_curves(payload: Mapping[str, Any], report: Report) -> Answer:

@@ -7,17 +7,9 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.errors import nearest
+from symbody.model.output_names import MOTION_WORDS
 
-_KINDS: Final = MappingProxyType(
-    {
-        **dict.fromkeys(("position", "pos", "location", "path", "r", "p"), "r"),
-        **dict.fromkeys(("velocity", "vel", "speed", "v"), "v"),
-        **dict.fromkeys(("acceleration", "acc", "a", "vdot"), "vdot"),
-        **dict.fromkeys(("orientation", "rotation", "attitude", "pose", "R"), "R"),
-        **dict.fromkeys(("angular velocity", "angular_velocity", "omega", "w"), "w"),
-        **dict.fromkeys(("angular acceleration", "angular_acceleration", "alpha", "wdot"), "wdot"),
-    }
-)
+_KINDS: Final = MappingProxyType({word: kind for kind, words in MOTION_WORDS.items() for word in words})
 
 
 def frame_cure(name: str, frames: Collection[str]) -> str:

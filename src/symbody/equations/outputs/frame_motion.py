@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
-from symbody.model.output_names import FRAME_KINDS, parse_frame
+from symbody.model.output_names import MOTION_WORDS
 from symbody.spatial.vector import Vector, components, cross
 
 
@@ -41,10 +43,10 @@ def frame_motion_entries(
     FormulationError
         If the kind or a frame is unknown.
     """
-    if kind not in FRAME_KINDS:
+    if kind not in MOTION_WORDS:
         raise FormulationError(
             Problem("equations.unknown_motion", f"frame {kind}", f"{kind!r} is not a kind of motion", "",
-                    f"write one of {', '.join(FRAME_KINDS)}")
+                    f"write one of {', '.join(MOTION_WORDS)}")
         )  # fmt: skip
     end, reference, resolved_in = (formed.frame(name) for name in (end, reference, resolved_in))
     tree = formed.kinematics.tree
@@ -53,17 +55,20 @@ def frame_motion_entries(
     return (3,), list(components(tree, motion_vector(formed, kind, end, reference), resolved_in))
 
 
-def frame_output(formed: EquationsOfMotion, text: str) -> tuple[tuple[int, ...], list[Expr]]:
+def frame_output(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "frame KIND END REF IN" or "frame R END IN"; with " x" or " xy" behind, one entry."""
-    asked = parse_frame(text, formed.kinematics.velocities)
-    if asked is None:
+    kind, *frames = filter(None, words)
+    most, last, text = 2 if kind == "R" else 3, frames[-1:], " ".join(filter(None, words))
+    scope, is_entry = formed.topology.output_scope, len(frames) > 1 and {*last[0]} <= {*"xyz"}
+    has_entry = is_entry and (len(frames) > most or not scope.is_frame(last[0], may_be_entry=True))
+    entry = frames.pop() if has_entry else ""
+    if not 1 <= len(frames) <= most:
         raise FormulationError(
             Problem("equations.frame_words", f"frame {text}", f"{text!r} does not name a motion",
                     "an output of motion is named by its kind and its frames",
                     'write "frame r END REFERENCE RESOLVED_IN" or "frame R END REFERENCE"')
         )  # fmt: skip
-    shape, values = frame_motion_entries(formed, asked.kind, *asked.frames)
-    entry = asked.entry
+    shape, values = frame_motion_entries(formed, kind, *frames)
     if not entry:
         return shape, values
     places = ["xyz".index(letter) for letter in entry]

@@ -2,41 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.solving.friction_solution import normal_load
-from symbody.equations.solving.solution import resistance, substitute_solution
+from symbody.equations.solving.solution import resistance
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS
-from symbody.model.output_names import output_words
+
+Output = tuple[tuple[int, ...], list[Expr]]
 
 
-def friction_effort(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def friction_effort(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "friction J": the effort on the end body along the positive coordinate."""
-    _, law = _find_law(formed, rest)
+    _, law = _find_law(formed, words)
     return (), [_effort(law)]
 
 
-def friction_normal(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def friction_normal(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "friction_normal J": the magnitude of the reaction that friction comes from."""
-    k, _ = _find_law(formed, rest)
+    k, _ = _find_law(formed, words)
     return (), [resistance(formed).normals[k]]
 
 
-def friction_reserve(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def friction_reserve(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "friction_reserve J": the effort up to which it sticks, less the present one."""
-    k, law = _find_law(formed, rest)
+    if words == ("",):
+        laws, normals = formed.friction, resistance(formed).normals
+        return (len(laws),), [_reserve(law, normal) for law, normal in zip(laws, normals, strict=True)]
+    k, law = _find_law(formed, words)
     return (), [_reserve(law, resistance(formed).normals[k])]
-
-
-def friction_reserves(formed: EquationsOfMotion) -> list[Expr]:
-    """Return the output "friction_reserve": the reserve of each joint with friction."""
-    laws, normals = formed.friction, resistance(formed).normals
-    return substitute_solution(
-        formed, [_reserve(law, normal) for law, normal in zip(laws, normals, strict=True)]
-    )
 
 
 def _reserve(law: FrictionLaw, normal: Expr) -> Expr:
@@ -74,7 +72,7 @@ def _effort(law: FrictionLaw) -> Expr:
     )
 
 
-def _find_law(formed: EquationsOfMotion, text: str) -> tuple[int, FrictionLaw]:
+def _find_law(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[int, FrictionLaw]:
     """Return the law that a name means, and its place.
 
     Raises
@@ -82,10 +80,9 @@ def _find_law(formed: EquationsOfMotion, text: str) -> tuple[int, FrictionLaw]:
     FormulationError
         If there is none, with the nearest names.
     """
-    names = friction_names(formed)
-    words = output_words(text, names)
-    if len(words) == 1 and words[0] in names:
-        return names.index(words[0]), formed.friction[names.index(words[0])]
+    names, text = friction_names(formed), " ".join(words)
+    if text in names:
+        return names.index(text), formed.friction[names.index(text)]
     raise FormulationError(
         Problem("equations.unknown_friction", f"friction {text}", f"there is no joint {text!r} with friction",
                 "", nearest(text, names))

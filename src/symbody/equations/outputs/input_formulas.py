@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.outputs.output_roots import OUTPUTS_BY_NAME, quoted_output, raw_output
+from symbody.equations.outputs.output_roots import quoted_output, raw_output
 from symbody.equations.outputs.signal_outputs import substitute_signals
 from symbody.equations.solving.solution import substitute_solution
 from symbody.errors import ExpressionError, FormulationError, Problem
 from symbody.expr.expression import Expr
 from symbody.expr.language.formula import Formula, FormulaLike
 from symbody.expr.rewrite import substitute, symbols_of
-
-# First words of outputs whose names have blanks; those of springs beside the ones made on demand.
-_FIRST_WORDS: Final = frozenset({*OUTPUTS_BY_NAME, "length", "angle"})
+from symbody.model.output_names import kind_of
 
 
 def input_formula(value: FormulaLike, name: str) -> Formula:
@@ -29,7 +26,7 @@ def input_formula(value: FormulaLike, name: str) -> Formula:
         If it is not a formula.
     """
     where = f"input {name}"
-    if isinstance(value, str) and value.split(" ")[0] in _FIRST_WORDS and "'" not in value:
+    if isinstance(value, str) and kind_of(value) is not None and "'" not in value:
         try:
             return Formula.from_value(value, where=where, has_outputs=True)
         except ExpressionError:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Final
+from collections.abc import Iterator, Mapping, Sequence
 
 from symbody.equations.dynamics.balance import NO_WRENCH, Wrench
 from symbody.equations.dynamics.reactions import effort_on_coordinate, reaction
@@ -14,10 +13,8 @@ from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Rolling
-from symbody.model.output_names import output_words
+from symbody.model.output_names import WRENCH
 from symbody.spatial.vector import components, cross
-
-ENTRIES: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 
 def reaction_wrench(
@@ -71,18 +68,18 @@ def reaction_axes(formed: EquationsOfMotion, name: str) -> str:
     return formed.frame(name) if isinstance(link, Rolling) else link.start.full_name
 
 
-def reaction_output(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def reaction_output(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "reaction J", (6,), or one entry "reaction J Fx"; see `reaction_axes`."""
-    words = output_words(rest, formed.solved_wrenches)
-    name, entry = words[0], words[1] if len(words) == 2 else ""
-    if len(words) > 2 or (entry and entry not in ENTRIES):
+    name, *entry = filter(None, words)
+    if entry and (len(entry) > 1 or entry[0] not in WRENCH):
+        text = " ".join(words)
         raise FormulationError(
-            Problem("equations.reaction_words", f"reaction {rest}",
-            f"{rest!r} is not the name of a reaction", "",
-                    f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(ENTRIES)}')
+            Problem("equations.reaction_words", f"reaction {text}",
+                    f"{text!r} is not the name of a reaction", "",
+                    f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(WRENCH)}')
         )  # fmt: skip
     values = reaction_entries(formed, name)
-    return ((), [values[ENTRIES.index(entry)]]) if entry else ((6,), values)
+    return ((), [values[WRENCH.index(entry[0])]]) if entry else ((6,), values)
 
 
 def reaction_entries(
@@ -103,22 +100,22 @@ def prescribed_efforts(
         yield name, coordinate, _holding_effort(formed, role, coordinate, totals)
 
 
-def joint_effort(formed: EquationsOfMotion, rest: str) -> Expr:
-    """Return the effort along a joint coordinate: that of its drive, or that of its prescribed motion."""
-    name = rest.replace('"', "").strip()
+def effort_output(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "effort J", or "effort J x" along a coordinate: of its drive or prescribed motion."""
+    name = " ".join(filter(None, words))
     found = dict(_prescribed_coordinates(formed))
     if name not in effort_names(formed):
         raise FormulationError(
-            Problem("equations.unknown_effort", f"effort {rest}",
-                    f"there is no driven joint coordinate {rest!r}", "", nearest(name, effort_names(formed)))
+            Problem("equations.unknown_effort", f"effort {name}",
+                    f"there is no driven joint coordinate {name!r}", "", nearest(name, effort_names(formed)))
         )  # fmt: skip
     if name in found:
-        return _holding_effort(formed, *found[name])
+        return (), [_holding_effort(formed, *found[name])]
     effort = formed.loads.efforts.get(name, Expr(formed.graph, 0))
     for row in formed.rows:
         if row.coordinate and effort_name(formed.topology.joint(row.element), row.coordinate) == name:
             effort = effort + symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))
-    return effort
+    return (), [effort]
 
 
 def effort_names(formed: EquationsOfMotion) -> tuple[str, ...]:

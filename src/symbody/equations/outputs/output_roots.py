@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from types import MappingProxyType
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
@@ -14,22 +15,17 @@ from symbody.equations.outputs.derivative_outputs import (
 )
 from symbody.equations.outputs.frame_cures import frame_cure
 from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
-from symbody.equations.outputs.friction_outputs import (
-    friction_effort,
-    friction_names,
-    friction_normal,
-    friction_reserve,
-    friction_reserves,
-)
-from symbody.equations.outputs.joint_outputs import (
-    ENTRIES,
-    effort_names,
-    joint_effort,
-    reaction_output,
-    total_power,
-)
+from symbody.equations.outputs.friction_outputs import friction_effort, friction_normal, friction_reserve
+from symbody.equations.outputs.joint_outputs import effort_output, reaction_output, total_power
 from symbody.equations.outputs.quotation import quotation_cure
-from symbody.equations.outputs.rope_outputs import ROPE_OUTPUTS
+from symbody.equations.outputs.rope_outputs import (
+    rope_acceleration_size,
+    rope_length,
+    rope_slack,
+    rope_slack_acceleration,
+    rope_slack_rate,
+    rope_tension,
+)
 from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
 from symbody.equations.solving.drift_correction import (
     position_move,
@@ -38,7 +34,6 @@ from symbody.equations.solving.drift_correction import (
     velocity_residual,
 )
 from symbody.equations.solving.mode_responses import mode_responses
-from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.self_stress import substitute_shares
 from symbody.equations.solving.slopes import inverse_dynamics
 from symbody.equations.solving.solution import resistance, solve, substitute_solution
@@ -49,7 +44,19 @@ from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequences.sequence import Roots
-from symbody.model.output_names import parse_derivative
+from symbody.model.output_names import (
+    FRAME_OUTPUT,
+    OUTPUT_KINDS,
+    OutputName,
+    kind_of,
+    list_outputs,
+    parse_derivative,
+    read_output,
+)
+
+Output = tuple[tuple[int, ...], Sequence[Expr]]
+# Takes equations and the words behind the first, of known names one for each argument of the kind.
+Maker = Callable[[EquationsOfMotion, Sequence[str]], Output]
 
 # What the loop of a motion evaluates: the work is one more state.
 OF_STEPS: Final = ("xdot", "power")
@@ -62,8 +69,8 @@ OF_MOTIONS: Final = ("work", "constraint_violation", "velocity_violation")
 def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     """Return the roots of the output `name`.
 
-    Reserved words come first, then derivatives, "effort J", then symbols and expressions in them;
-    parentheses reach a symbol that bears a reserved word's name. In expressions, outputs stand in single
+    Whole names come first, then derivatives, names with arguments, then symbols and expressions in them;
+    parentheses reach a symbol that bears the name of an output. In expressions, outputs stand in single
     quotes: ``sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)``.
 
     Raises
@@ -71,17 +78,16 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     FormulationError
         If the name means nothing, with the nearest names.
     """
-    maker = OUTPUTS.get(name)
-    if maker is not None:
-        return maker(formed)
     asked = parse_derivative(name)
     if asked is not None:
         return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output))
     shape, values = raw_output(formed, name)
-    return _roots(name, shape, _put_in_solution(formed, values))
+    kind = kind_of(name)
+    is_solved = kind is not None and not kind.arguments
+    return _roots(name, shape, values if is_solved else _put_in_solution(formed, values))
 
 
-def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], Sequence[Expr]]:
+def raw_output(formed: EquationsOfMotion, name: str) -> Output:
     """Return the shape and entries of an output, in u', multipliers and signals where it depends on these.
 
     Raises
@@ -89,22 +95,42 @@ def raw_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], S
     FormulationError
         If the name means nothing, with the nearest names.
     """
-    if name in OUTPUTS or parse_derivative(name) is not None:
+    if parse_derivative(name) is not None:
         roots = output_roots(formed, name)
         return roots.shape, [Expr(formed.graph, node) for node in roots.nodes]
-    measured = formed.loads.measures.get(name.replace('"', ""))
-    if measured is not None:
-        return (), [measured]
+    asked = read_output(name, formed.topology.output_scope)
+    if asked is not None:
+        return _named_output(formed, asked, name)
+    multiplier = _multiplier(formed, name)
+    return _expression(formed, name) if multiplier is None else ((), [multiplier])
+
+
+def _named_output(formed: EquationsOfMotion, asked: OutputName, name: str) -> Output:
+    """Return the shape and values of an output of a kind."""
+    try:
+        shape, values = MAKERS[asked.kind.word](formed, asked.words)
+    except FormulationError as error:
+        cure = quotation_cure(name, output_names(formed)) if asked.words else ""
+        if not cure:
+            raise
+        raise FormulationError(*(replace(problem, fix=cure) for problem in error.problems)) from error
+    return shape, substitute_shares(formed, values) if asked.words else values
+
+
+def _multiplier(formed: EquationsOfMotion, name: str) -> Expr | None:
+    """Return the multiplier of this name, None if there is none; names of constraints may have blanks."""
+    if not name.startswith("lambda_"):
+        return None
     if any(name == row.name for row in formed.coupled.rows):
-        return (), substitute_shares(formed, [formed.coupling_multipliers[name]])
+        return substitute_shares(formed, [formed.coupling_multipliers[name]])[0]
     if any(name == row.name for row in formed.redundant):
         raise FormulationError(_dropped_problem(formed, name))
-    if name.startswith("lambda_") and name in formed.readable_names.values:
-        return (), [formed.readable_names.value(name)]  # its constraint may have a space in its name
-    first, _, rest = name.partition(" ")
-    if first in OUTPUTS_BY_NAME and rest:
-        shape, values = _named_output(formed, name)
-        return shape, substitute_shares(formed, values)
+    known = formed.readable_names
+    return known.value(name) if name in known.values else None
+
+
+def _expression(formed: EquationsOfMotion, name: str) -> Output:
+    """Return the value of a symbol or expression."""
     try:
         formula = Formula.from_value(name, has_outputs=True)
         value = formed.readable_names.expression(formula, outputs=quoted_output(formed, formula))
@@ -125,18 +151,6 @@ def _put_in_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[
     return substitute_solution(formed, substitute_signals(formed, values, raw_output))
 
 
-def _named_output(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], list[Expr]]:
-    """Return the shape and values of an output whose first word is one of `OUTPUTS_BY_NAME`."""
-    first, _, names = name.partition(" ")
-    try:
-        return OUTPUTS_BY_NAME[first](formed, names)
-    except FormulationError as error:
-        cure = quotation_cure(name, output_names(formed))
-        if not cure:
-            raise
-        raise FormulationError(*(replace(problem, fix=cure) for problem in error.problems)) from error
-
-
 def _dropped_problem(formed: EquationsOfMotion, name: str) -> Problem:
     """Return the problem of a multiplier whose equation was dropped."""
     kept = ", ".join(row.name for row in (*formed.coupled.rows, *formed.rows))
@@ -152,9 +166,8 @@ def _cure(formed: EquationsOfMotion, name: str) -> str:
     if name in OF_MOTIONS:
         return f"read it from a computed motion: run[{name!r}], alone or in a formula"
     outputs = output_names(formed)
-    entries = [f"{x} {entry}" for x in outputs if x.startswith("reaction ") for entry in ENTRIES]
     frames = [frame for frame in formed.kinematics.velocities if "|" not in frame]
-    known = [*outputs, *entries, *formed.names.symbols]
+    known = [*outputs, *formed.names.symbols]
     is_capital = any(word != name and word.casefold() == name.casefold() for word in known)
     near = "" if is_capital else frame_cure(name, frames)
     near = near or nearest(name, known, "outputs and symbols")
@@ -236,15 +249,12 @@ def code_roots(formed: EquationsOfMotion, name: str) -> Roots:
 
 
 def output_names(formed: EquationsOfMotion) -> tuple[str, ...]:
-    """Return the reserved output names of these equations; those of frames are made on demand."""
-    links = (*formed.topology.joints, *formed.topology.contacts.values())
-    reactions = (f"reaction {link.name}" for link in links)
-    efforts = (f"effort {name}" for name in effort_names(formed))
-    friction = (f"friction {name}" for name in friction_names(formed))
-    tensions = (f"rope_tension {name}" for name in ropes(formed))
-    couplings = (row.name for row in formed.coupled.rows)
-    whole = (name for name in OUTPUTS if name != OF_MODES)
-    return (*whole, *efforts, *friction, *tensions, *reactions, *formed.loads.measures, *couplings)
+    """Return the names of the outputs of these equations, other than motions of frames and multipliers."""
+    scope = formed.topology.output_scope
+    names = (
+        each.text(scope) for each in list_outputs(scope) if each.kind.word not in (FRAME_OUTPUT, OF_MODES)
+    )
+    return (*names, *(row.name for row in formed.coupled.rows))
 
 
 def _udot(formed: EquationsOfMotion) -> list[Expr]:
@@ -273,34 +283,33 @@ def _roots(name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> Roots:
     return Roots(name, shape, tuple(value.index for value in values))
 
 
-def _vector(
-    name: str, compute: Callable[[EquationsOfMotion], Sequence[Expr]]
-) -> Callable[[EquationsOfMotion], Roots]:
-    def make(formed: EquationsOfMotion) -> Roots:
+def _measure(formed: EquationsOfMotion, words: Sequence[str], first: str) -> Output:
+    name = " ".join((first, *filter(None, words)))
+    value = formed.loads.measures.get(name)
+    return _expression(formed, name) if value is None else ((), [value])
+
+
+def _vector(compute: Callable[[EquationsOfMotion], Sequence[Expr]]) -> Maker:
+    def make(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
         values = compute(formed)
-        return _roots(name, (len(values),), values)
+        return (len(values),), values
 
     return make
 
 
-def _scalar(name: str, compute: Callable[[EquationsOfMotion], Expr]) -> Callable[[EquationsOfMotion], Roots]:
-    return lambda formed: _roots(name, (), [compute(formed)])
+def _scalar(compute: Callable[[EquationsOfMotion], Expr]) -> Maker:
+    return lambda formed, words: ((), [compute(formed)])
 
 
 def _matrix(
-    name: str,
     compute: Callable[[EquationsOfMotion], Sequence[Sequence[Expr]]],
     columns: Callable[[EquationsOfMotion], Sequence[Symbol]] = lambda formed: formed.u,
-) -> Callable[[EquationsOfMotion], Roots]:
-    def make(formed: EquationsOfMotion) -> Roots:
+) -> Maker:
+    def make(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
         rows = compute(formed)
-        return _roots(name, (len(rows), len(columns(formed))), [entry for row in rows for entry in row])
+        return (len(rows), len(columns(formed))), [entry for row in rows for entry in row]
 
     return make
-
-
-def _bias(formed: EquationsOfMotion) -> list[Expr]:
-    return [-force for force in formed.dynamics.forcing]
 
 
 def _gravity_forcing(formed: EquationsOfMotion) -> list[Expr]:
@@ -320,52 +329,60 @@ def _gravity_forcing(formed: EquationsOfMotion) -> list[Expr]:
     return forces
 
 
-# Outputs about constraints are empty for a tree without any, but they exist, with their shapes.
-OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
-    "udot": _vector("udot", _udot),
-    "qdot": _vector("qdot", _qdot),
-    "xdot": _vector("xdot", _rates_of_states),
-    "signal_rates": _vector("signal_rates", lambda formed: _put_in_solution(formed, signal_rates(formed))),
-    "A": _matrix("A", lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
-    "B": _matrix("B", lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
-    "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
-    "mass_matrix": _matrix("mass_matrix", lambda formed: formed.dynamics.mass_matrix),
-    "forcing": _vector("forcing", lambda formed: formed.dynamics.forcing),
-    "gravity_forcing": _vector("gravity_forcing", _gravity_forcing),
-    "bias": _vector("bias", _bias),
-    "inverse_dynamics": _vector("inverse_dynamics", inverse_dynamics),
-    "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),
-    "potential_energy": _scalar("potential_energy", lambda formed: formed.potential_energy),
-    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.potential_energy),
-    "power": _scalar("power", lambda formed: substitute_solution(formed, [total_power(formed)])[0]),
-    "constraints": _vector("constraints", lambda formed: [row.value for row in formed.holonomic]),
-    "velocity_constraints": _vector("velocity_constraints", velocity_residual),
-    "gamma": _vector("gamma", lambda formed: [row.gamma for row in formed.rows]),
-    "jacobian": _matrix("jacobian", lambda formed: formed.jacobian),
-    "position_jacobian": _matrix(
-        "position_jacobian", lambda formed: formed.position_jacobian, lambda formed: formed.q
-    ),
-    # for integrators of a user's own: the drift, and the move that takes it back
-    "position_residual": _vector("position_residual", position_residual),
-    "position_move": _vector("position_move", position_move),
-    "velocity_residual": _vector("velocity_residual", velocity_residual),
-    "velocity_move": _vector("velocity_move", velocity_move),
-    # joint by joint: the residual is 0 where friction fits the reactions, the margin positive where both are
-    # determined
-    "friction_residual": _vector("friction_residual", lambda formed: resistance(formed).residuals),
-    "friction_margin": _vector("friction_margin", lambda formed: resistance(formed).margins),
-    "friction_reserve": _vector("friction_reserve", friction_reserves),
-    OF_MODES: _vector(OF_MODES, mode_responses),
-    "alignment": _vector("alignment", lambda formed: list(formed.alignments)),
-}
+def _for_all_kinds(makers: dict[str, Maker]) -> Mapping[str, Maker]:
+    """Return the functions, one for each kind of the registry."""
+    odd = makers.keys() ^ OUTPUT_KINDS.keys()
+    if odd:
+        raise LookupError(f"a function without a kind of output, or a kind without a function: {sorted(odd)}")
+    return MappingProxyType(makers)
 
-# Words followed by names.
-OUTPUTS_BY_NAME: Final[dict[str, Callable[[EquationsOfMotion, str], tuple[tuple[int, ...], list[Expr]]]]] = {
-    "friction": friction_effort,
-    "friction_normal": friction_normal,
-    "friction_reserve": friction_reserve,
-    **ROPE_OUTPUTS,
-    "effort": lambda formed, rest: ((), [joint_effort(formed, rest)]),
-    "reaction": reaction_output,
-    "frame": frame_output,
-}
+
+# One function for each kind of output. Those about constraints are empty for a tree without any, but they
+# exist, with their shapes.
+MAKERS: Final = _for_all_kinds(
+    {
+        "kinetic_energy": _scalar(lambda formed: formed.kinetic_energy),
+        "potential_energy": _scalar(lambda formed: formed.potential_energy),
+        "energy": _scalar(lambda formed: formed.kinetic_energy + formed.potential_energy),
+        "power": _scalar(lambda formed: substitute_solution(formed, [total_power(formed)])[0]),
+        "length": partial(_measure, first="length"),
+        "angle": partial(_measure, first="angle"),
+        "effort": effort_output,
+        "friction": friction_effort,
+        "friction_normal": friction_normal,
+        "friction_reserve": friction_reserve,
+        "reaction": reaction_output,
+        "rope_tension": rope_tension,
+        "rope_length": rope_length,
+        "rope_slack": rope_slack,
+        "rope_slack_dot": rope_slack_rate,
+        "rope_slack_ddot": rope_slack_acceleration,
+        "rope_size": rope_acceleration_size,
+        FRAME_OUTPUT: frame_output,
+        "udot": _vector(_udot),
+        "qdot": _vector(_qdot),
+        "xdot": _vector(_rates_of_states),
+        "signal_rates": _vector(lambda formed: _put_in_solution(formed, signal_rates(formed))),
+        "A": _matrix(lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
+        "B": _matrix(lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
+        "lambda": _vector(lambda formed: solve(formed)[1]),
+        "mass_matrix": _matrix(lambda formed: formed.dynamics.mass_matrix),
+        "forcing": _vector(lambda formed: formed.dynamics.forcing),
+        "gravity_forcing": _vector(_gravity_forcing),
+        "bias": _vector(lambda formed: [-force for force in formed.dynamics.forcing]),
+        "inverse_dynamics": _vector(inverse_dynamics),
+        "constraints": _vector(lambda formed: [row.value for row in formed.holonomic]),
+        "velocity_constraints": _vector(velocity_residual),
+        "gamma": _vector(lambda formed: [row.gamma for row in formed.rows]),
+        "jacobian": _matrix(lambda formed: formed.jacobian),
+        "position_jacobian": _matrix(lambda formed: formed.position_jacobian, lambda formed: formed.q),
+        "position_residual": _vector(position_residual),
+        "position_move": _vector(position_move),
+        "velocity_residual": _vector(velocity_residual),
+        "velocity_move": _vector(velocity_move),
+        "friction_residual": _vector(lambda formed: resistance(formed).residuals),
+        "friction_margin": _vector(lambda formed: resistance(formed).margins),
+        OF_MODES: _vector(mode_responses),
+        "alignment": _vector(lambda formed: list(formed.alignments)),
+    }
+)

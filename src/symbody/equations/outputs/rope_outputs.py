@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
-from typing import Final
+from collections.abc import Sequence
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
@@ -13,45 +11,44 @@ from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS
-from symbody.model.output_names import output_words
 
 Output = tuple[tuple[int, ...], list[Expr]]
 
 
-def rope_tension(formed: EquationsOfMotion, rest: str) -> Output:
+def rope_tension(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_tension R": the force with which it pulls; 0 where it is slack."""
-    row = _find_row(formed, rest)
+    row = _find_row(formed, words)
     if any(row is other for other in formed.slack):
         return (), [number(formed.graph, 0)]
     return (), [-symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))]
 
 
-def rope_slack(formed: EquationsOfMotion, rest: str) -> Output:
+def rope_slack(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_slack R": its length less the distance of its ends."""
-    return (), [-_find_row(formed, rest).value]
+    return (), [-_find_row(formed, words).value]
 
 
-def rope_slack_rate(formed: EquationsOfMotion, rest: str) -> Output:
+def rope_slack_rate(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_slack_dot R"."""
-    row = _find_row(formed, rest)
+    row = _find_row(formed, words)
     total = -row.drift
     for u, slope in row.jacobian.items():
         total = total - slope * Expr(formed.graph, u)
     return (), [total]
 
 
-def rope_slack_acceleration(formed: EquationsOfMotion, rest: str) -> Output:
+def rope_slack_acceleration(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_slack_ddot R"."""
-    row = _find_row(formed, rest)
+    row = _find_row(formed, words)
     total = row.gamma
     for slope, rate in _terms(formed, row):
         total = total - slope * rate
     return (), [total]
 
 
-def rope_acceleration_size(formed: EquationsOfMotion, rest: str) -> Output:
+def rope_acceleration_size(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_size R": what cancels in its second rate: its rounding is a share of it."""
-    row = _find_row(formed, rest)
+    row = _find_row(formed, words)
     total, speed = row.gamma.apply(ABS), number(formed.graph, 0)
     for slope, rate in _terms(formed, row):
         total = total + (slope * rate).apply(ABS)
@@ -60,9 +57,9 @@ def rope_acceleration_size(formed: EquationsOfMotion, rest: str) -> Output:
     return (), [total + speed**2 / length_of(formed, row)]
 
 
-def rope_length(formed: EquationsOfMotion, rest: str) -> Output:
+def rope_length(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_length R": of the rope itself."""
-    return (), [length_of(formed, _find_row(formed, rest))]
+    return (), [length_of(formed, _find_row(formed, words))]
 
 
 def _terms(formed: EquationsOfMotion, row: ConstraintEquation) -> list[tuple[Expr, Expr]]:
@@ -72,7 +69,7 @@ def _terms(formed: EquationsOfMotion, row: ConstraintEquation) -> list[tuple[Exp
     return [(row.jacobian.get(node, zero), symbol(graph, u.derivative)) for u, node in speeds]
 
 
-def _find_row(formed: EquationsOfMotion, text: str) -> ConstraintEquation:
+def _find_row(formed: EquationsOfMotion, words: Sequence[str]) -> ConstraintEquation:
     """Return the row of the rope that a name means.
 
     Raises
@@ -80,23 +77,10 @@ def _find_row(formed: EquationsOfMotion, text: str) -> ConstraintEquation:
     FormulationError
         If there is none, with the nearest names.
     """
-    names = ropes(formed)
-    words = output_words(text, names)
-    if len(words) == 1 and words[0] in names:
-        return rope_row(formed, words[0])
+    names, text = ropes(formed), " ".join(words)
+    if text in names:
+        return rope_row(formed, text)
     raise FormulationError(
         Problem("equations.unknown_rope", f"rope {text}", f"there is no rope {text!r}",
                 "ropes are constraints of type distance with rope = true", nearest(text, names))
     )  # fmt: skip
-
-
-ROPE_OUTPUTS: Final[Mapping[str, Callable[[EquationsOfMotion, str], Output]]] = MappingProxyType(
-    {
-        "rope_tension": rope_tension,
-        "rope_length": rope_length,
-        "rope_slack": rope_slack,
-        "rope_slack_dot": rope_slack_rate,
-        "rope_slack_ddot": rope_slack_acceleration,
-        "rope_size": rope_acceleration_size,
-    }
-)

@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.loads.loads import effort_name
 from symbody.equations.outputs.dimensions import expression_unit
-from symbody.equations.outputs.friction_outputs import friction_names
-from symbody.equations.outputs.joint_outputs import effort_names
 from symbody.equations.outputs.parameter_units import symbol_units
-from symbody.equations.solving.ropes import ropes
 from symbody.model.joint import Joint
+from symbody.model.output_names import FRAME_OUTPUT, MOTION_UNITS, kind_of, list_outputs, parse_derivative
 
-_GENERAL: Final = {
-    "t": "s",
-    "kinetic_energy": "J",
-    "potential_energy": "J",
-    "energy": "J",
-    "work": "J",
-    "power": "W",
-}
-_FRAME: Final = {"r": "m", "v": "m/s", "vdot": "m/s^2", "w": "rad/s", "wdot": "rad/s^2"}
-_TRANSLATION: Final = ("m", "m/s", "m/s^2", "N")
-_ROTATION: Final = ("rad", "rad/s", "rad/s^2", "N m")
+_TRANSLATION: Final = ("m", "m/s", "m/s^2")
+_ROTATION: Final = ("rad", "rad/s", "rad/s^2")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,10 +38,12 @@ class Units(Mapping[str, str]):
         """
         if name in self.known:
             return self.known[name]
-        first, kind = [*name.split(maxsplit=2), "", ""][:2]
-        if first == "frame" and kind in _FRAME:
-            return _FRAME[kind]
-        unit = None if is_output_name(name) else expression_unit(name, self.get)
+        kind = kind_of(name)
+        if kind is not None and kind.word == FRAME_OUTPUT:
+            unit: str | None = MOTION_UNITS.get(name.split(maxsplit=2)[1]) or None
+        else:
+            is_name = kind is not None or name.isidentifier() or parse_derivative(name) is not None
+            unit = None if is_name else expression_unit(name, self.get)
         if unit is None:
             raise KeyError(name)
         return unit
@@ -71,32 +60,20 @@ class Units(Mapping[str, str]):
         return f"Units({dict(self.known)!r})"
 
 
-def is_output_name(name: str) -> bool:
-    """Return whether a name is a symbol or begins with a word and a blank, as outputs do."""
-    return re.fullmatch(r"\w+|[A-Za-z_]+ [^-+*/^<>=(,].*", name.strip()) is not None
-
-
 def output_units(formed: EquationsOfMotion) -> Units:
-    """Return the units of coordinates, rates, energies, efforts, reactions, multipliers and parameters."""
-    units = symbol_units(formed.topology.model) | _GENERAL
+    """Return the units of coordinates, rates, parameters, multipliers, and of outputs that are numbers."""
+    scope = formed.topology.output_scope
+    units = symbol_units(formed.topology.model) | {"t": "s", "work": "J"}
+    for asked in list_outputs(scope):
+        if asked.kind.word != FRAME_OUTPUT and asked.is_number and (unit := asked.unit(scope)):
+            units[asked.text(scope)] = unit
     for name in formed.angles:
-        units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), _ROTATION[:3], strict=True))
-    driven, rough = set(effort_names(formed)), set(friction_names(formed))
+        units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), _ROTATION, strict=True))
     for joint in formed.topology.joints:
-        units |= _joint_units(joint, driven, rough)
-    for name in (*(joint.name for joint in formed.topology.joints), *formed.topology.contacts):
-        units |= {f"reaction {name} F{letter}": "N" for letter in "xyz"}
-        units |= {f"reaction {name} M{letter}": "N m" for letter in "xyz"}
+        units |= _joint_units(joint)
     own = {part.name: part.multiplier_unit for part in formed.topology.model.constraints}
     rows = (*formed.rows, *formed.coupled.rows)
     units |= {row.name: own[row.element] for row in rows if own.get(row.element)}
-    for measure in formed.loads.measures:  # of springs: "length S" or "angle S"
-        kind, _, name = measure.partition(" ")
-        place, _, _, effort = _TRANSLATION if kind == "length" else _ROTATION
-        units |= {measure: place, f"effort {name}": effort}
-    for name in ropes(formed):
-        units |= {f"rope_tension {name}": "N", f"rope_length {name}": "m", f"rope_slack {name}": "m"}
-        units |= {f"rope_slack_dot {name}": "m/s", f"rope_slack_ddot {name}": "m/s^2"}
     return Units(units | _signal_units(formed, Units(units)))
 
 
@@ -107,28 +84,17 @@ def _signal_units(formed: EquationsOfMotion, listed: Units) -> dict[str, str]:
     return {name: unit for name, unit in units.items() if unit}
 
 
-def _joint_units(joint: Joint, driven: Collection[str], rough: Collection[str]) -> dict[str, str]:
-    """Return the units of a joint's coordinates and speeds, and of the efforts and friction it has."""
+def _joint_units(joint: Joint) -> dict[str, str]:
+    """Return the units of a joint's coordinates and speeds."""
     units: dict[str, str] = {}
-    for name, (place, rate, second, effort) in _coordinates(joint):
-        units |= {name: place, f"{name}_dot": rate, f"{name}_ddot": second}
-        word = effort_name(joint, name)
-        if word in driven:
-            units[f"effort {word}"] = effort
-        if joint.name in rough:
-            units |= {f"friction {joint.name}": effort, f"friction_reserve {joint.name}": effort}
-    for speeds, (_, rate, second, _) in (
+    turning = joint.rotation_coordinates if joint.quaternion is None else ()
+    for names, of_kind in ((joint.translation_coordinates, _TRANSLATION), (turning, _ROTATION)):
+        for name in names:
+            units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), of_kind, strict=True))
+    for speeds, (_, rate, second) in (
         (joint.translation_speeds, _TRANSLATION),
         (joint.rotation_speeds, _ROTATION),
     ):
         for name in speeds.names if speeds else ():
             units |= {name: rate, f"{name}_dot": second}
     return units
-
-
-def _coordinates(joint: Joint) -> Iterator[tuple[str, tuple[str, str, str, str]]]:
-    """Yield the coordinates that have units, with those of their value, rates and effort."""
-    for name in joint.translation_coordinates:
-        yield name, _TRANSLATION
-    for name in joint.rotation_coordinates if joint.quaternion is None else ():
-        yield name, _ROTATION

@@ -22,7 +22,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.measured_wrenches import static_wrenches
-from symbody.equations.outputs.joint_outputs import ENTRIES, prescribed_efforts, reaction_entries
+from symbody.equations.outputs.joint_outputs import prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, maximum, number, saddle_entry
 from symbody.expr.fingerprints.fingerprint import find_zeros
@@ -32,6 +32,7 @@ from symbody.expr.rewrite import substitute
 from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Distance, Rolling
 from symbody.model.joint import Joint
+from symbody.model.output_names import WRENCH
 from symbody.single_flight import SingleFlight
 from symbody.spatial.vector import dot
 
@@ -198,7 +199,7 @@ def _self_stress(formed: EquationsOfMotion) -> SelfStress:
 def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iterator[tuple[Component, Expr]]:
     """Return the components of all reactions, and all efforts that constraints give."""
     for name in (*(joint.name for joint in formed.topology.joints), *formed.topology.contacts):
-        for entry, value in zip(ENTRIES, reaction_entries(formed, name, totals), strict=True):
+        for entry, value in zip(WRENCH, reaction_entries(formed, name, totals), strict=True):
             yield Component(f"reaction {name} {entry}", entry.startswith("M")), value
     turning = {name for role in formed.joint_roles for name in role.joint.rotation_coordinates}
     for name, coordinate, effort in prescribed_efforts(formed, totals):

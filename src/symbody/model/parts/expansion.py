@@ -18,6 +18,7 @@ from symbody.model.frame import Frame
 from symbody.model.frame_index import frame_index
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.naming import GROUND
+from symbody.model.output_arguments import name_beginnings
 from symbody.model.parts.include import Include
 from symbody.model.parts.placing import place_frame, place_shape
 from symbody.model.parts.renaming import Renaming, rename_element, rename_part
@@ -169,9 +170,7 @@ def _make_renaming(include: Include, at: FrameRef, taken: frozenset[str]) -> Ren
     symbols |= {name: name for name in include.share}
     symbols |= {name: outer.text for name, outer in include.connect.items() if is_name(outer.text)}
     rates = {f"{name}{suffix}": f"{symbols[name]}{suffix}" for name in moving for suffix in ("_dot", "_ddot")}
-    elements = (*part.elements, *part.free_joints)
-    frames = frame_index(part.bodies, part.ground)
-    return Renaming(include.prefix, rates | symbols, elements, frames, at, taken)
+    return Renaming(include.prefix, rates | symbols, part.output_scope, at, name_beginnings(taken))
 
 
 def _frame_of(at: FrameRef, bodies: Iterable[Body], ground: Mapping[str, Frame]) -> Frame:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Final, Literal, get_args
@@ -15,6 +15,15 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.model.model import Model
+from symbody.model.output_names import (
+    ACCELERATIONS,
+    INPUTS,
+    MULTIPLIERS,
+    WRENCH,
+    is_multiplier,
+    list_readable,
+)
 from symbody.notebook import Displayed
 from symbody.simulation.results.archive import Path, unwritable
 
@@ -30,7 +39,6 @@ _TABLES: Final[Mapping[str, str]] = {
     ".csv": "run.to_csv(path) writes a table",
     ".nc": "run.to_xarray().to_netcdf(path) writes NetCDF",
 }
-_WRENCH: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 _LONGEST: Final = 63  # letters of a name in MATLAB
 
 
@@ -203,7 +211,7 @@ class SampleTable(Displayed):
 
 
 # Axes of xarray data sets whose places have names.
-_COMPONENTS: Final[Mapping[str, Sequence[str]]] = {"wrench": _WRENCH, "xyz": ("x", "y", "z")}
+_COMPONENTS: Final[Mapping[str, Sequence[str]]] = {"wrench": WRENCH, "xyz": ("x", "y", "z")}
 
 
 def refuse_table_ending(path: Path) -> None:
@@ -227,12 +235,30 @@ def refuse_table_ending(path: Path) -> None:
 
 def _axis_names(name: str, sizes: Sequence[int]) -> list[str]:
     """Return a name for each axis of an output: by what it is, else by its size."""
-    if name.startswith("reaction ") and sizes == (len(_WRENCH),):
+    if name.startswith("reaction ") and sizes == (len(WRENCH),):
         return ["wrench"]
     is_spatial = name.startswith("frame ") and set(sizes) == {3}
     words = ["xyz" if is_spatial else f"axis of {size}" for size in sizes]
     ends = ["", "1"] if is_spatial else ["", ", second"]
     return [word + end for word, end in zip(words, ends, strict=False)]
+
+
+def offered_names(stored: Iterable[str], units: Iterable[str], model: Model | None) -> list[str]:
+    """Return what notebooks offer as names: what is stored, then all outputs of the model by their kinds.
+
+    Parameters
+    ----------
+    units : iterable of str
+        Names with a unit, accelerations and multipliers among them.
+    """
+    names = dict.fromkeys(stored)
+    if model is not None:
+        scope, listed = model.output_scope, [*units]
+        accelerations = [name for name in listed if name.isidentifier() and name.endswith("_ddot")]
+        multipliers = [name for name in listed if is_multiplier(name, scope.elements)]
+        symbols = {ACCELERATIONS: accelerations, INPUTS: model.inputs, MULTIPLIERS: multipliers}
+        names |= dict.fromkeys(each.name for each in list_readable(scope, symbols))
+    return [*names]
 
 
 def matlab_names(names: Sequence[str], taken: Sequence[str] = ()) -> list[str]:
@@ -259,8 +285,8 @@ def _cells(texts: Sequence[str]) -> NDArray[np.object_]:
 def _split_columns(name: str, values: Floats, names: ColumnNames) -> Iterator[tuple[str, Floats]]:
     """Yield one column after the other of an output with time last."""
     shape = values.shape[:-1]
-    if names == "outputs" and name.startswith("reaction ") and shape == (len(_WRENCH),):
-        yield from ((f"{name} {word}", column) for word, column in zip(_WRENCH, values, strict=True))
+    if names == "outputs" and name.startswith("reaction ") and shape == (len(WRENCH),):
+        yield from ((f"{name} {word}", column) for word, column in zip(WRENCH, values, strict=True))
         return
     letters = "xyz" if all(size == 3 for size in shape) else ""
     for place in product(*map(range, shape)):

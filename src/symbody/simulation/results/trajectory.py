@@ -23,7 +23,7 @@ from symbody.simulation.results.model_record import record_of
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
 from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
-from symbody.simulation.results.sample_table import SampleTable, refuse_table_ending
+from symbody.simulation.results.sample_table import SampleTable, offered_names, refuse_table_ending
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -151,6 +151,10 @@ class Trajectory(SampleTable):
         samples = np.atleast_1d(self.t), *self.state_arrays()
         values = count_turns(self.evaluate, name, self.evaluate(name, *samples), *samples, self.dense_output)
         return values if self.t.ndim else values[..., 0][()]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return what notebooks offer behind ``run["``: what is stored, then all outputs by their kinds."""
+        return offered_names(self.names, self.units, self.model if self.evaluate else None)
 
     @checked_arguments
     def outputs(self, *names: str) -> dict[str, Floats]:

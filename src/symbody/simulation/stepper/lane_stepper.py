@@ -196,6 +196,10 @@ class LaneStepper(OwnCopies):
             return self._rows[:, place].copy()
         return np.array([lane[name] for lane in self._lanes])
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return what notebooks offer behind ``stepper["``: all outputs by their kinds."""
+        return self._lanes[0]._ipython_key_completions_()
+
     def lane(self, number: int) -> Stepper:
         """Return a stepper that continues from the present state of one lane independently."""
         return self._lanes[chosen_lane(number, len(self))].copy()

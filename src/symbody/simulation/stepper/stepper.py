@@ -224,6 +224,10 @@ class Stepper(OwnCopies):
             raise missing_values(self._missing)
         return float(value) if value.ndim == 0 else value
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return what notebooks offer behind ``stepper["``: all outputs by their kinds."""
+        return [each.name for each in self._settings.eqs.listed_outputs]
+
     def state(self) -> State:
         """Return the state at present, with accelerations and multipliers.
 

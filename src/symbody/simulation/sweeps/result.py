@@ -117,6 +117,10 @@ class Sweep(Displayed):
             return evaluate_samples(formula, self._samples, self.t, (len(self), self.t.size))
         return self.evaluation.evaluate(name, self.t, self.x)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return what notebooks offer behind ``sweep["``: what varied, then all outputs by their kinds."""
+        return ["t", *self.cases, *(each.name for each in self.evaluation.eqs.listed_outputs)]
+
     def _samples(self, name: str) -> Floats:
         """Return a name over all cases and times; what varied is the same at all times."""
         values = self[name]

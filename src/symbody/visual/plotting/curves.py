@@ -40,9 +40,6 @@ QUANTITIES: Final[Mapping[str, str]] = {
 
 _FLAT: Final = 1e-9  # of the largest extent: what a path may leave its plane by
 
-_MOTION: Final = {"r": "m", "v": "m/s", "vdot": "m/s^2", "w": "rad/s", "wdot": "rad/s^2"}
-_WRENCH: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlottedCurve:
@@ -79,13 +76,11 @@ Drawn = TypeVar("Drawn", PlottedCurve, PlanePath)
 
 def curves_of(run: Trajectory, expression: str) -> list[PlottedCurve]:
     """Return the components of an output, under names that are short enough for a legend."""
-    columns = run.columns(expression)
-    wrench = len(columns) == len(_WRENCH) and expression.startswith("reaction ")
-    names = [f"{expression} {word}" for word in _WRENCH] if wrench else list(columns)
+    columns = run.columns(expression, names="outputs")
     states = (*run.coordinate_names, *run.speed_names, *run.signal_state_names)
     return [
         PlottedCurve(_short(name), _unit(run, expression, name), values, readable(_short(name), states))
-        for name, values in zip(names, columns.values(), strict=True)
+        for name, values in columns.items()
     ]
 
 
@@ -200,13 +195,9 @@ def _short(name: str) -> str:
 
 def _unit(run: Trajectory, expression: str, name: str) -> str:
     """Return the unit of a component, or nothing if its name does not determine it."""
-    unit = Units(run.units).get(expression)
+    units = Units(run.units)
+    unit = units.get(expression, units.get(name))
     if unit is not None:
         return unit
-    words = name.split(" ")
-    if words[0] == "frame":
-        return _MOTION.get(words[1], "")
-    if words[0] == "reaction" and words[-1] in _WRENCH:
-        return "N" if words[-1].startswith("F") else "N m"
     rate = run.units.get(f"{expression.removesuffix('_ddot')}_dot", "")
     return f"{rate}^2" if expression.endswith("_ddot") and rate.endswith("/s") else ""
