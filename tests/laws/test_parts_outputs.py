@@ -115,7 +115,8 @@ class Draw:
         full: list[str] = []  # in the whole
         for argument in kind.arguments:
             choices = [*argument.choices(self.scope, words)]
-            choices += [""] * (not argument.is_needed and isinstance(argument, FrameWord))
+            if isinstance(argument, FrameWord) and not argument.is_needed:
+                choices += [""] * len(choices)
             word = self.rng.choice(choices)
             if isinstance(argument, FrameWord) and (words[-1] == "" or not argument.fits(words)):
                 word = ""  # frames are left out from the end
