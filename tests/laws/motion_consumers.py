@@ -170,9 +170,9 @@ def run_in(folder: Path, *command: str) -> str:
 
 def by_program(language: str, **method: Any) -> Consumer:
     def consume(question: Question) -> list[Motion]:
-        # `generate_simulation` takes no events yet
-        more: dict[str, Any] = {"events": question.events} if question.events else {}
-        text = sb.generate_simulation(question.eqs, END, language, times=TIMES, **method, **more)
+        text = sb.generate_simulation(
+            question.eqs, END, language, times=TIMES, events=question.events, **method
+        )
         if language == "javascript":
             (question.folder / "motion.js").write_text(text)
             return columns(run_in(question.folder, "node", "motion.js"))

@@ -29,7 +29,6 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler"),
     pytest.mark.skipif(shutil.which("node") is None, reason="needs Node"),
 ]
-TEXTS = (*PROGRAMS, "live page")
 SAMPLED = (
     "sampled force on a joint that sticks", "sampled thrust of a ball that bounces", "sampled force through a rope",
     "sampled torque by the measured angle of a cut joint",
@@ -52,12 +51,11 @@ ACTIONS = (
 
 # Consumers and mechanisms -> what they make of them: a code, or the values that are wrong. The first row counts.
 TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
-    (TEXTS, ACTIONS, "call.unknown_argument"),
-    (TEXTS, SAMPLED, "signal.sampled"),
-    (PROGRAMS, SWITCHING, "simulation.program"),
+    (("live page",), ACTIONS, "call.unknown_argument"),
+    (("live page",), SAMPLED, "signal.sampled"),
+    (PROGRAMS, (*SWITCHING, *STRUCK, SAMPLED[0], SAMPLED[2], JUMPS[0]), "simulation.program"),
     (("live page",), SWITCHING, "animation.live_switching"),
     (FMUS, STRUCK, "fmu.motion"),
-    (PROGRAMS, JUMPS, "simulation.program"),
     (("live page",), JUMPS[:1], "animation.live_switching"),
     (("live page",), JUMPS[1:], "animation.live_jumps"),
     (FMUS, JUMPS, "fmu.motion"),

@@ -1,4 +1,4 @@
-"""`StrikeProblem`: what prescribed rates that jump do to the speeds."""
+"""`StrikeProblem` and `RateJumps`: what prescribed rates that jump do to the speeds, and when."""
 
 from symbody.kernels.block import FunctionNumbers
 from symbody.kernels.language import Reals
@@ -29,3 +29,13 @@ class StrikeProblem(RecordLayout):
     rates: Reals = pointer("rows")  # by how much the rates of constraints have to change
     result: Reals = pointer("room")
     scratch: Reals = pointer("room")
+
+
+class RateJumps(RecordLayout):
+    """When prescribed rates jump along a motion."""
+
+    next: int
+    count: int
+    t_end: float  # of the motion [s]
+    times: Reals = pointer("count", 2)  # just before and just behind each
+    problem: StrikeProblem = pointer()

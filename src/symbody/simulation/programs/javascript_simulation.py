@@ -38,11 +38,10 @@ from symbody.simulation.programs.motion_request import (
 from symbody.simulation.programs.prepared_motion import (
     PROJECTION,
     RIGHT_HAND_SIDE,
-    ProgramFunction,
     motion_block,
     motion_functions,
-    program_function,
 )
+from symbody.simulation.programs.program_function import ProgramFunction, program_function
 
 Floats = NDArray[np.float64]
 
