@@ -56,12 +56,8 @@ ALWAYS = ("simulate",)
 ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
     (PROGRAMS, DRY, "simulation.program"),
     (PROGRAMS, ROPE, "simulation.program"),
-    (("live page",), SAMPLED, "signal.sampled"),
-    (("live page",), BOUNCE, "call.unknown_argument"),
-    (("live page",), STOP, "call.unknown_argument"),
     (("live page",), DRY, "animation.live_switching"),
     (("live page",), ROPE, "animation.live_switching"),
-    (("live page",), JUMP, "animation.live_jumps"),
     (FMUS, JUMP, "fmu.motion"),
 )
 # The same of two fragments.

@@ -5,9 +5,11 @@ from __future__ import annotations
 from symbody.kernels.block import Run
 from symbody.kernels.events.event_location import add_zero, compute_values, sign
 from symbody.kernels.events.event_monitor import MOST_RECENT, EventMonitor
+from symbody.kernels.events.event_starts import ROUNDED_TIMES
 from symbody.kernels.events.event_watch import start_stretch
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import copy
+from symbody.kernels.step_bounds import EPSILON
 
 
 def values_before(e: Function, run: Run, monitor: EventMonitor) -> None:
@@ -40,6 +42,11 @@ def watch_behind(e: Function, run: Run, monitor: EventMonitor, width: float) -> 
             event.goes_through = side
         if event.side * side < 0.0 and event.just_happened == 0.0:
             add_zero(monitor, t, k, side)
+
+
+def watch_again(e: Function, run: Run, monitor: EventMonitor) -> None:
+    """Watch a motion that goes on anew, its state or its numbers changed."""
+    watch_behind(e, run, monitor, ROUNDED_TIMES * EPSILON * abs(run.time))
 
 
 def has_just_happened(monitor: EventMonitor, place: int, t: float, width: float) -> float:
@@ -79,3 +86,28 @@ def forget_steps(run: Run, monitor: EventMonitor, breaks: Reals, pieces: Reals, 
     monitor.sampled = monitor.sampled - gone
     monitor.current = max(monitor.current - gone, 0)
     monitor.first_step = max(monitor.first_step - gone, 0)
+
+
+def rewind_events(monitor: EventMonitor, H: Reals, t: float) -> None:
+    """Forget what happened behind a time from which a motion goes on anew."""
+    direction = monitor.direction
+    row = monitor.states + 2
+    while monitor.happened > 0:
+        if (H[row * (monitor.happened - 1) + 1] - t) * direction <= 0.0:
+            break
+        monitor.happened = monitor.happened - 1
+    for k in range(monitor.event_count):
+        event = monitor.events[k]
+        count = event.recent_count
+        while count > 0:
+            if (monitor.recent[MOST_RECENT * k + count - 1] - t) * direction <= 0.0:
+                break
+            count = count - 1
+        event.recent_count = count
+        event.just_happened = 0.0
+    monitor.culprit = 0
+    monitor.fault = 0
+    monitor.resumed = 0
+    monitor.bad_place = 0
+    monitor.unmet = 0.0
+    monitor.unturned = 0.0

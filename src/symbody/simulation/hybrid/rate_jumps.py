@@ -10,7 +10,7 @@ coordinates as well, at the state in which the motion comes to it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
@@ -22,7 +22,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.expr import opcodes as op
-from symbody.expr.graph import TIME, SymbolKind
+from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.graph.linear_graph import Edge, breadth_first
 from symbody.model.constraint import FrameConstraint
@@ -45,20 +45,31 @@ _MOST_NOTES: Final = 20
 _WITH_CORNERS: Final = frozenset(
     {op.LT, op.LE, op.EQ, op.MIN, op.MAX, op.ABS, op.SIGN, op.FLOOR, op.ATAN2, op.SELECT}
 )
+_TIMED: Final = _WITH_CORNERS - {op.SELECT}  # whose arguments say when; a choice has conditions below it
 
 
 def may_jump(eqs: EquationSet) -> bool:
     """Return whether prescribed rates may jump: conditions, or the like, in time alone stand in them."""
+    return any(True for _ in _cornered_symbols(eqs))
+
+
+def jump_parameters(eqs: EquationSet) -> frozenset[str]:
+    """Return the parameters that say when prescribed rates jump."""
+    symbols = [symbol for symbols in _cornered_symbols(eqs, _TIMED) for symbol in symbols]
+    return frozenset(symbol.name for symbol in symbols if symbol.kind is SymbolKind.PARAMETER)
+
+
+def _cornered_symbols(eqs: EquationSet, kinds: Container[int] = _WITH_CORNERS) -> Iterator[set[Symbol]]:
+    """Yield the symbols of the conditions, or the like, in time alone that stand in prescribed rates."""
     graph, names = eqs.formed.graph, eqs.formed.names
     nodes = [names.value(f"{name}{end}").index for name in _prescribed_names(eqs) for end in ("", "_dot")]
     nodes += [expression.index for row in eqs.formed.rows for expression in (row.value, row.drift)]
-    cornered = [node for node in graph.reachable(nodes) if graph.ops[node] in _WITH_CORNERS]
     moving = {SymbolKind.COORDINATE, SymbolKind.SPEED}
-    for node in cornered:
-        symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
-        if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
-            return True
-    return False
+    for node in graph.reachable(nodes):
+        if graph.ops[node] in kinds:
+            symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
+            if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
+                yield symbols
 
 
 def jump_notes(jumps: Sequence[tuple[float, float]]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
-from symbody.codegen.kernels.dialect import PREFIX, KernelDialect
+from symbody.codegen.kernels.dialect import KernelDialect
 from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT
 from symbody.codegen.kernels.python_kernels import PYTHON
 from symbody.codegen.kernels.text_writer import kernel_text
@@ -21,16 +21,10 @@ from symbody.kernels.block import Run
 from symbody.kernels.configurations.strike_problem import RateJumps
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.samples.sample_hold import SampleHold
-from symbody.simulation.programs.happenings import (
-    ACTIONS,
-    CLOSING,
-    EVENTS,
-    LAST_STEPS,
-    SAMPLES,
-    STEPS,
-    STRIKE,
-)
-from symbody.simulation.programs.prepared_motion import PROJECTION, RIGHT_HAND_SIDE, PreparedMotion
+from symbody.simulation.programs.happenings import CLOSING, STEPS
+from symbody.simulation.programs.kernel_calls import kernel_calls
+from symbody.simulation.programs.prepared_motion import PreparedMotion
+from symbody.simulation.programs.program_function import PROJECTION, RIGHT_HAND_SIDE
 
 _TRIALS: Final = 1000  # steps of one call
 
@@ -190,32 +184,8 @@ def _arrays(motion: PreparedMotion, language: ProgramLanguage) -> dict[str, str]
 
 def _calls(motion: PreparedMotion, language: ProgramLanguage) -> dict[str, str]:
     """Return the calls of kernels in a program."""
-    happens = motion.happenings
-    kinds, made = happens.kinds, happens.functions
-    f, e = RIGHT_HAND_SIDE, EVENTS
-    g = PROJECTION if motion.is_projected else f
-    acting = [e, *(name if name in made else e for name in (ACTIONS, CLOSING))] * ("events" in kinds)
-    sampling, monitor = [SAMPLES] * ("samples" in kinds), ["monitor"] * ("events" in kinds)
-    held, recorded = ["held", "sampling"] * bool(sampling), ["recorded"] * bool(sampling)
-    record = ["times", "t", "x", "breaks"]
-
-    def call(kernel: str, functions: Iterable[str], arrays: Iterable[str], *numbers: int) -> str:
-        words = [f"{PREFIX}{name}" for name in functions]
-        words += [language.argument.format(array) for array in arrays]
-        return f"{PREFIX}{kernel}({', '.join([*words, *map(str, numbers)])})"
-
-    happened = ["happened"] * ("events" in kinds)
-    everything = ["block", *monitor, *held, *record, "pieces", *happened, *recorded]
-    struck = [f, STRIKE, *[e] * ("events" in kinds)]
-    return {
-        "BEGIN": call(happens.first_kernel, [f, *sampling], ["block", *held, *record, *recorded]),
-        "ADVANCE": call(happens.loop_kernel, [f, g, *acting, *sampling], everything, _TRIALS),
-        "PASS": call(
-            happens.jump_kernel, struck, ["block", *monitor, "jumps", *record, *["pieces"] * bool(monitor)]
-        ),
-        "FORGET": call("forget_steps", [], ["block", "monitor", "breaks", "pieces"], LAST_STEPS),
-        "SHOW": call("show_watch", [], ["monitor", "held"]),
-    }
+    projection = PROJECTION if motion.is_projected else RIGHT_HAND_SIDE
+    return kernel_calls(motion.happenings, projection, CLOSING, language.argument, _TRIALS)
 
 
 def _plain(name: str) -> str:

@@ -17,7 +17,7 @@ from symbody.errors import Problem, UsageError
 from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.events.event_functions import watched_outputs
 from symbody.simulation.events.events import Event
-from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.hybrid.rate_jumps import jump_parameters
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables
@@ -238,7 +238,16 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
-    problems = [*_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs)]
+    held_values(
+        eqs,
+        replace(
+            request, inputs={**request.inputs, **dict.fromkeys(request.free_inputs, 0.0)}, free_inputs=()
+        ),
+    )
+    problems = [
+        *_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs),
+        *_time_problems(eqs, request),
+    ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
     return laws
@@ -307,6 +316,20 @@ def _pivot_problems(eqs: EquationSet) -> list[Problem]:
     ]  # fmt: skip
 
 
+def _time_problems(eqs: EquationSet, request: MotionRequest) -> list[Problem]:
+    """Return what to say about sliders of parameters that say when something happens."""
+    found = {name: "the times at which prescribed rates jump" for name in jump_parameters(eqs)}
+    for signal in eqs.model.held_signals if isinstance(eqs.model, Model) else ():
+        found |= dict.fromkeys(
+            signal.sample.names if signal.sample else (), f"the sample time of {signal.name}"
+        )
+    return [
+        Problem("animation.slider_time", name, f"a slider cannot move {name}: it changes {found[name]}",
+                "a page computes these times when it is written", "remove the slider")
+        for name in request.tunable if name in found
+    ]  # fmt: skip
+
+
 def _switching_problems(eqs: EquationSet) -> list[Problem]:
     problems = []
     if switches(eqs.formed):
@@ -314,11 +337,5 @@ def _switching_problems(eqs: EquationSet) -> list[Problem]:
             Problem("animation.live_switching", eqs.model.name, "joints stick, or ropes become slack",
                     "the equations change during the motion, which pages do not support yet",
                     "animate a motion from simulate, or give the friction a smooth law")
-        )  # fmt: skip
-    if may_jump(eqs):
-        problems.append(
-            Problem("animation.live_jumps", eqs.model.name, "prescribed rates may jump",
-                    "speeds jump with them, which pages cannot compute yet",
-                    "animate a motion from simulate, or prescribe a smooth motion")
         )  # fmt: skip
     return problems

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
@@ -21,10 +20,12 @@ from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Floats, Projector
 from symbody.simulation.programs.happenings import Happenings, make_happenings
 from symbody.simulation.programs.motion_request import PosedMotion
-from symbody.simulation.programs.program_function import ProgramFunction, program_function
-
-RIGHT_HAND_SIDE: Final = "right_hand_side"
-PROJECTION: Final = "projection"
+from symbody.simulation.programs.program_function import (
+    PROJECTION,
+    RIGHT_HAND_SIDE,
+    ProgramFunction,
+    program_function,
+)
 
 
 def motion_functions(motion: PosedMotion) -> dict[str, ProgramFunction]:

@@ -19,6 +19,8 @@ from symbody.expr.sequences.sequence import Output, Sequence
 from symbody.simulation.native.description import Floats, RightHandSide
 from symbody.simulation.programs.motion_request import PosedMotion
 
+RIGHT_HAND_SIDE: Final = "right_hand_side"
+PROJECTION: Final = "projection"
 _NOWHERE: Final = 1  # the address of a function that lies nowhere yet
 
 
