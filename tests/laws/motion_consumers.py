@@ -170,9 +170,9 @@ def run_in(folder: Path, *command: str) -> str:
 
 def by_program(language: str, **method: Any) -> Consumer:
     def consume(question: Question) -> list[Motion]:
-        # `generate_simulation` takes no events yet
-        more: dict[str, Any] = {"events": question.events} if question.events else {}
-        text = sb.generate_simulation(question.eqs, END, language, times=TIMES, **method, **more)
+        text = sb.generate_simulation(
+            question.eqs, END, language, times=TIMES, events=question.events, **method
+        )
         if language == "javascript":
             (question.folder / "motion.js").write_text(text)
             return columns(run_in(question.folder, "node", "motion.js"))
@@ -189,15 +189,16 @@ FRAMES = """
 import { makeSimulation } from "./page.mjs";
 const s = makeSimulation();
 const rows = [[s.time, ...s.state]];
-for (const t of TIMES.slice(1)) { s.advanceTo(t); rows.push([s.time, ...s.state]); }
+for (const t of TIMES.slice(1)) { if (s.code !== 0) break; s.advanceTo(t); rows.push([s.time, ...s.state]); }
 console.log(NAMES + "\\n" + rows.map((row) => row.join(",")).join("\\n"));
 """
 
 
 def by_page(question: Question) -> list[Motion]:
     """Frames of a live page, by its program under Node."""
-    more: dict[str, Any] = {"events": question.events} if question.events else {}  # `animate` takes none yet
-    page = sb.animate(question.eqs, question.folder / "page.html", live=True, rtol=1e-9, **more)
+    page = sb.animate(
+        question.eqs, question.folder / "page.html", live=True, rtol=1e-9, events=question.events
+    )
     (question.folder / "page.mjs").write_text(page.program.module, encoding="utf-8")  # type: ignore[union-attr]
     names = json.dumps(",".join(["t", *question.eqs.state_names, "work"]))
     script = FRAMES.replace("TIMES", json.dumps(TIMES.tolist())).replace("NAMES", names)

@@ -56,13 +56,8 @@ ALWAYS = ("simulate",)
 ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
     (PROGRAMS, DRY, "simulation.program"),
     (PROGRAMS, ROPE, "simulation.program"),
-    (PROGRAMS, JUMP, "simulation.program"),
-    ((*PROGRAMS, "live page"), SAMPLED, "signal.sampled"),
-    ((*PROGRAMS, "live page"), BOUNCE, "call.unknown_argument"),
-    ((*PROGRAMS, "live page"), STOP, "call.unknown_argument"),
     (("live page",), DRY, "animation.live_switching"),
     (("live page",), ROPE, "animation.live_switching"),
-    (("live page",), JUMP, "animation.live_jumps"),
     (FMUS, JUMP, "fmu.motion"),
 )
 # The same of two fragments.

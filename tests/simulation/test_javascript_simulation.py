@@ -253,10 +253,3 @@ def test_joints_that_stick_are_refused() -> None:
     with pytest.raises(UsageError) as caught:
         program(sb.form_equations(model))
     assert caught.value.problems[0].code == "animation.live_switching"
-
-
-def test_prescribed_rates_that_jump_are_refused() -> None:
-    model = sb.Model("lift", [sb.Prismatic("slide", "ground", sb.Body("Block", 1), motion="abs(t - 1)")])
-    with pytest.raises(UsageError) as caught:
-        program(sb.form_equations(model))
-    assert caught.value.problems[0].code == "animation.live_jumps"

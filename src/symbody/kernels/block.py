@@ -26,6 +26,9 @@ SAMPLE_FAULT: Final = 13
 SPOILED: Final = 14
 # The same where the constraints do not admit what an action sets.
 UNMET: Final = 15
+# What motions return besides along which prescribed rates jump: positions jump, too; no speeds fit the rates.
+TORN_MOTION: Final = 16
+NO_IMPULSE: Final = 17
 
 # The code in a verdict that has not been reached.
 NOT_ENDED: Final = -1

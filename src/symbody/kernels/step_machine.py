@@ -281,3 +281,19 @@ def begin(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals
         step = first_step(f, run)
     run.step = run.goal.direction * min(step, run.goal.max_step)
     return RUNNING
+
+
+def begin_again(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
+    """Begin anew from the time and state at present, behind the steps that are stored."""
+    run.counts.failed_kernel = 0
+    run.after_rejection = 0.0
+    run.stiff_votes = 0
+    run.other_votes = 0
+    run.first_step = 0.0  # steps begin with a short one, as at the start, but those of one length
+    if run.method.growth == 1.0:
+        run.first_step = run.goal.max_step
+    first = breaks[0]
+    code = begin(f, run, times, t, x, breaks)
+    if run.counts.steps != 0:
+        breaks[0] = first  # it belongs to the first stretch
+    return code

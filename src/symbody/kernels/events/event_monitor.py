@@ -130,7 +130,7 @@ class EventMonitor(RecordLayout):
     first_step: int  # of the smooth motion
     sampled: int  # steps
     current: int  # step that is looked at
-    seen: int  # samples of the smooth motion
+    seen: float  # samples of the smooth motion, which grow without end
     node: int  # the next sample of the leaf
     leaf_end: float
     stacked: int

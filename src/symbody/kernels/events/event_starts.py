@@ -141,7 +141,7 @@ def begin_samples(e: Function, a: Function, monitor: EventMonitor, breaks: Reals
     longest = abs(breaks[monitor.current + 1] - leaf[0])
     monitor.t_last = leaf[0]
     monitor.t_before = leaf[0]
-    monitor.seen = 1
+    monitor.seen = 1.0
     if monitor.rate_known == 0.0 and any_at_zero(monitor) != 0:
         if exists(monitor.actions):
             find_rates(a, monitor, leaf[0], state)

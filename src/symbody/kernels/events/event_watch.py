@@ -40,7 +40,7 @@ def start_stretch(monitor: EventMonitor, first: int) -> None:
     monitor.first_step = first
     monitor.sampled = first
     monitor.current = first
-    monitor.seen = 0
+    monitor.seen = 0.0
     monitor.stacked = 0
     monitor.node = STEP_NODES
     monitor.pending_count = 0
@@ -95,7 +95,7 @@ def take_leaf(e: Function, a: Function, monitor: EventMonitor, breaks: Reals, pi
     end = stack[2 * top]
     depth = int(stack[2 * top + 1])
     sample_leaf(e, monitor, breaks, pieces, begin, end)
-    if monitor.seen == 0 and depth == 0:
+    if monitor.seen == 0.0 and depth == 0:
         settle_start(e, monitor)
     while depth < DEEPEST:
         if is_rough(monitor) == 0:
@@ -110,7 +110,7 @@ def take_leaf(e: Function, a: Function, monitor: EventMonitor, breaks: Reals, pi
     monitor.stacked = top
     monitor.leaf_end = stack[2 * top]
     monitor.node = 1
-    if monitor.seen == 0:
+    if monitor.seen == 0.0:
         begin_samples(e, a, monitor, breaks, pieces)
 
 
@@ -122,7 +122,7 @@ def take_sample(e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals
     monitor.t_older = monitor.t_before
     monitor.t_before = monitor.t_last
     monitor.t_last = t
-    monitor.seen = monitor.seen + 1
+    monitor.seen = monitor.seen + 1.0
     monitor.node = node + 1
     for i in range(m):
         event = monitor.events[i]
@@ -158,7 +158,7 @@ def compare_samples(e: Function, monitor: EventMonitor, breaks: Reals, pieces: R
         event.hit_time = monitor.t_last
     elif sign(before) * sign(last) < 0.0:
         add_root(e, monitor, breaks, pieces, place, monitor.t_before, monitor.t_last, sign(last))
-    elif monitor.seen >= 3 and is_lowest(event.g_older, before, last) != 0:
+    elif monitor.seen >= 3.0 and is_lowest(event.g_older, before, last) != 0:
         add_touch(e, monitor, breaks, pieces, place, monitor.t_older, monitor.t_last, sign(before))
 
 
@@ -221,7 +221,7 @@ def take_step(monitor: EventMonitor, breaks: Reals, pieces: Reals) -> None:
     stack[0] = breaks[step + 1]
     stack[1] = 0.0
     monitor.stacked = 1
-    if monitor.seen == 0:
+    if monitor.seen == 0.0:
         state_at(monitor, breaks, pieces, breaks[step], part(monitor.scratch, 2 * n, n))
 
 

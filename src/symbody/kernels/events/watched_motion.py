@@ -30,7 +30,7 @@ from symbody.kernels.events.event_watch import look
 from symbody.kernels.events.zeros_in_order import steps_before
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import copy
-from symbody.kernels.step_machine import advance, begin
+from symbody.kernels.step_machine import advance, begin_again
 
 
 def shorten(n: int, rows: int, fit: Reals, piece: Reals, share: float) -> None:
@@ -81,16 +81,7 @@ def go_on(
     n = run.states
     after = monitor.after
     copy(n, after, run.state_old)
-    run.counts.failed_kernel = 0
-    run.after_rejection = 0.0
-    run.stiff_votes = 0
-    run.other_votes = 0
-    run.first_step = 0.0  # steps begin with a short one, as at the start, but those of one length
-    if run.method.growth == 1.0:
-        run.first_step = run.goal.max_step
-    first = breaks[0]
-    code = begin(f, run, times, t, x, breaks)
-    breaks[0] = first  # it belongs to the first stretch
+    code = begin_again(f, run, times, t, x, breaks)
     sample = run.counts.samples
     if code == FINISHED and run.counts.samples < run.room.times:
         t[sample] = monitor.cut

@@ -12,17 +12,29 @@ from symbody.kernels.block import (
     FunctionNumbers,
     Run,
 )
-from symbody.kernels.events.event_location import add_zero, compute_values, sign
-from symbody.kernels.events.event_monitor import GOES_ON, MOST_RECENT, NO_ROOM, NOTHING_YET, EventMonitor
-from symbody.kernels.events.event_watch import look, start_stretch
+from symbody.kernels.events.event_interruptions import end_with_state, values_before, watch_behind
+from symbody.kernels.events.event_monitor import GOES_ON, NO_ROOM, NOTHING_YET, EventMonitor
+from symbody.kernels.events.event_watch import look
 from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on
-from symbody.kernels.language import Function, Reals, part
+from symbody.kernels.language import Function, Reals
 from symbody.kernels.record_layout import exists
-from symbody.kernels.runge_kutta import copy, evaluate
+from symbody.kernels.runge_kutta import evaluate
 from symbody.kernels.samples.sample_hold import SampleHold
-from symbody.kernels.samples.sampling import is_due, is_instant, piece_end, show_values, take_samples
+from symbody.kernels.samples.sampling import ONE_INSTANT, is_due, piece_end, show_values, take_samples
 from symbody.kernels.step_bounds import behind_jump
-from symbody.kernels.step_machine import advance
+from symbody.kernels.step_machine import advance, begin
+
+
+def begin_sampled(
+    f: Function, h: Function, run: Run, held: SampleHold, Q: FunctionNumbers, times: Reals, t: Reals,
+    x: Reals, breaks: Reals, Y: Reals,
+) -> int:  # fmt: skip
+    """Take the samples that are due where a motion begins, and begin it; return a code of `block`."""
+    if is_due(held, run.time) != 0:
+        if take_samples(h, Q, held, Y, run.time, run.state_old) != 0:
+            return SAMPLE_FAULT
+    show_values(held, run.numbers)
+    return begin(f, run, times, t, x, breaks)
 
 
 def sample(f: Function, h: Function, run: Run, held: SampleHold, Q: FunctionNumbers, Y: Reals) -> int:
@@ -76,56 +88,17 @@ def advance_sampled(
     return RUNNING
 
 
-def values_before(e: Function, run: Run, monitor: EventMonitor) -> None:
-    """Note on which side of zero the values of events are just before a sample; zero itself is none.
-
-    Where a motion goes on, the sides are those on which it was interrupted.
-    """
-    compute_values(e, monitor, run.time, run.state_old)
-    for k in range(monitor.event_count):
-        side = sign(monitor.values[k])
-        event = monitor.events[k]
-        if side != 0.0 and (run.counts.steps != 0 or event.side == 0.0):
-            event.side = side
-
-
-def watch_sample(e: Function, run: Run, monitor: EventMonitor, held: SampleHold) -> None:
-    """Watch the motion behind a sample: values that jump through zero there have a zero there."""
+def show_watch(monitor: EventMonitor, held: SampleHold) -> None:
+    """Write the held values among the inputs of the functions of events."""
     show_values(held, monitor.numbers)
     if exists(monitor.actions):
         show_values(held, monitor.actions)
-    t = run.time
-    start_stretch(monitor, run.counts.steps)
-    compute_values(e, monitor, t, run.state_old)
-    for k in range(monitor.event_count):
-        event = monitor.events[k]
-        if run.counts.steps != 0 or monitor.happened != 0:
-            event.just_happened = has_just_happened(monitor, held, k, t)
-        side = sign(monitor.values[k])
-        if event.side * side > 0.0 and event.just_happened == 0.0:
-            event.goes_through = side
-        if event.side * side < 0.0 and event.just_happened == 0.0:
-            add_zero(monitor, t, k, side)
 
 
-def end_with_state(run: Run, breaks: Reals, pieces: Reals) -> None:
-    """Write a step of no length behind the last one: what happens at the end finds its state there."""
-    n = run.states
-    step = run.counts.steps
-    size = run.method.dense_rows * n
-    piece = part(pieces, step * size, size)
-    copy(n, run.state_old, piece)
-    for k in range(n, size):
-        piece[k] = 0.0
-    breaks[step + 1] = run.time
-
-
-def has_just_happened(monitor: EventMonitor, held: SampleHold, place: int, t: float) -> float:
-    """Return 1 if an event has happened at a time, else 0."""
-    count = int(monitor.events[place].recent_count)
-    if count == 0:
-        return 0.0
-    return float(is_instant(held, monitor.recent[MOST_RECENT * place + count - 1], t))
+def watch_sample(e: Function, run: Run, monitor: EventMonitor, held: SampleHold) -> None:
+    """Watch the motion behind a sample."""
+    show_watch(monitor, held)
+    watch_behind(e, run, monitor, ONE_INSTANT * max(abs(run.time), abs(held.start)))
 
 
 def sample_watched(

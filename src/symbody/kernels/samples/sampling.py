@@ -88,3 +88,25 @@ def piece_end(run: Run, held: SampleHold, end: float) -> float:
     if held.next >= end or is_instant(held, held.next, end) != 0:
         return end
     return max(held.next, run.time)
+
+
+def rewind_samples(held: SampleHold, Y: Reals, t: float) -> None:
+    """Forget the samples behind a time from which a motion goes on anew, as far as they are recorded."""
+    count = held.count
+    last = held.recorded
+    while last > 0:
+        time = Y[(count + 1) * (last - 1)]
+        if time <= t or is_instant(held, time, t) != 0:
+            break
+        last = last - 1
+    if last == 0 or last == held.recorded:
+        return
+    held.recorded = last
+    copy(count, part(Y, (count + 1) * (last - 1) + 1, count), held.values)
+    for group in range(held.groups):
+        while held.taken[group] > 0.0:
+            when = held.start + (held.taken[group] - 1.0) * held.steps[group]
+            if when <= t or is_instant(held, when, t) != 0:
+                break
+            held.taken[group] = held.taken[group] - 1.0
+    find_next(held)

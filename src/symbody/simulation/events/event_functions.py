@@ -83,7 +83,7 @@ class EventFunctions:
         check_value_shapes(self.events[:own], self._values.outputs[:own])
         outputs = action_outputs(self.events)
         self._actions = problem.compile_outputs(outputs) if outputs else None
-        check_action_shapes(self.events, self._actions)
+        check_action_shapes(self.events, self._actions.outputs[1:-1] if self._actions else ())
         changes = any(event.action != "record" for event in self.events)
         close = closing_of(self._closed.eqs, holds=bool(outputs)) if changes else None
         self._closing = None
@@ -187,7 +187,7 @@ def check_value_shapes(events: Sequence[Event], outputs: Sequence[Output]) -> No
         raise UsageError(*problems)
 
 
-def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | None) -> None:
+def check_action_shapes(events: Sequence[Event], outputs: Sequence[Output]) -> None:
     """Check that what actions set are numbers.
 
     Raises
@@ -196,7 +196,6 @@ def check_action_shapes(events: Sequence[Event], actions: CompiledFunction | Non
         If one is a vector or a matrix.
     """
     named = [(event.label, name) for event in events for name in event.mapping]
-    outputs = () if actions is None else actions.outputs[1:-1]
     problems = [
         Problem("simulation.event_shape", f"event {label!r}",
                 f"the new value of {name} has shape {output.shape}",

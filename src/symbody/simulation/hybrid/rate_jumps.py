@@ -10,7 +10,7 @@ coordinates as well, at the state in which the motion comes to it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
@@ -18,12 +18,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.derivatives import partial_derivatives, with_outputs
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.expr import opcodes as op
-from symbody.expr.graph import TIME, SymbolKind
+from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.graph.linear_graph import Edge, breadth_first
 from symbody.model.constraint import FrameConstraint
@@ -43,24 +42,34 @@ _ELSEWHERE: Final = 0.137  # of coordinates and speeds, by which they are others
 _SAMPLES: Final = 33  # of a motion, for the size of what is prescribed
 _BESIDE: Final = 1e-9  # of times, in which jumps at its ends are looked for
 _MOST_NOTES: Final = 20
-_MOMENTA: Final = "momenta of the speeds"
 _WITH_CORNERS: Final = frozenset(
     {op.LT, op.LE, op.EQ, op.MIN, op.MAX, op.ABS, op.SIGN, op.FLOOR, op.ATAN2, op.SELECT}
 )
+_TIMED: Final = _WITH_CORNERS - {op.SELECT}  # whose arguments say when; a choice has conditions below it
 
 
 def may_jump(eqs: EquationSet) -> bool:
     """Return whether prescribed rates may jump: conditions, or the like, in time alone stand in them."""
+    return any(True for _ in _cornered_symbols(eqs))
+
+
+def jump_parameters(eqs: EquationSet) -> frozenset[str]:
+    """Return the parameters that say when prescribed rates jump."""
+    symbols = [symbol for symbols in _cornered_symbols(eqs, _TIMED) for symbol in symbols]
+    return frozenset(symbol.name for symbol in symbols if symbol.kind is SymbolKind.PARAMETER)
+
+
+def _cornered_symbols(eqs: EquationSet, kinds: Container[int] = _WITH_CORNERS) -> Iterator[set[Symbol]]:
+    """Yield the symbols of the conditions, or the like, in time alone that stand in prescribed rates."""
     graph, names = eqs.formed.graph, eqs.formed.names
     nodes = [names.value(f"{name}{end}").index for name in _prescribed_names(eqs) for end in ("", "_dot")]
     nodes += [expression.index for row in eqs.formed.rows for expression in (row.value, row.drift)]
-    cornered = [node for node in graph.reachable(nodes) if graph.ops[node] in _WITH_CORNERS]
     moving = {SymbolKind.COORDINATE, SymbolKind.SPEED}
-    for node in cornered:
-        symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
-        if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
-            return True
-    return False
+    for node in graph.reachable(nodes):
+        if graph.ops[node] in kinds:
+            symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
+            if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
+                yield symbols
 
 
 def jump_notes(jumps: Sequence[tuple[float, float]]) -> Iterator[str]:
@@ -146,21 +155,9 @@ def _row_name(eqs: EquationSet, names: tuple[str, ...], row: int) -> str:
     return [*names, *(each.coordinate or each.name for each in eqs.formed.rows)][row]
 
 
-def check_positions(problem: SimulationProblem, x: Floats, times: tuple[float, float]) -> None:
-    """Refuse a constraint that the state before a jump does not fulfil behind it.
-
-    Raises
-    ------
-    UsageError
-        See above.
-    """
-    eqs = problem.eqs
-    if not eqs.multiplier_names or not x.size:
-        return
-    before, behind = (np.ravel(evaluate_outputs(problem, ("constraints",), t, x)[0]) for t in times)
-    torn = np.abs(behind - before) > _TORN * problem.scales.constraints(eqs)[: len(behind)]
-    if torn.any():
-        raise UsageError(_jump_problem(_row_name(eqs, (), int(np.flatnonzero(torn)[0])), times[1]))
+def torn_constraint(eqs: EquationSet, place: int, t: float) -> UsageError:
+    """Return what to say about a constraint that the state before a jump does not fulfil behind it."""
+    return UsageError(_jump_problem(_row_name(eqs, (), place), t))
 
 
 def _sizes(problem: SimulationProblem, names: tuple[str, ...]) -> Floats:
@@ -257,15 +254,6 @@ def struck_friction(formed: EquationsOfMotion, *, switches: bool) -> list[str]:
 def _links(formed: EquationsOfMotion) -> list[Joint | FrameConstraint]:
     """Return all that connects two frames."""
     return [*formed.topology.joints, *formed.topology.contacts.values()]
-
-
-def momentum_jump(problem: SimulationProblem, x: Floats, before: float, behind: float) -> Floats:
-    """Return by how much prescribed rates change the momenta of the speeds between two times, (n_u,)."""
-    formed = problem.eqs.formed
-    momenta = partial_derivatives(problem.eqs, _MOMENTA, [formed.kinetic_energy.index], formed.u)
-    with_momenta = replace(problem, eqs=with_outputs(problem.eqs, [momenta]))
-    given = [np.ravel(evaluate_outputs(with_momenta, (_MOMENTA,), t, x)[0]) for t in (before, behind)]
-    return given[1] - given[0]
 
 
 def neglect_note(formed: EquationsOfMotion) -> Iterator[str]:

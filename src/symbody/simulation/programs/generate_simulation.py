@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symbody.analysis.held_inputs import refuse_held
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
+from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
@@ -19,7 +19,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.programs.main_texts import LANGUAGES, program_text
 from symbody.simulation.programs.motion_request import MotionRequest, pose_motion
 from symbody.simulation.programs.prepared_motion import prepare_motion
-from symbody.simulation.sweeps.case_by_case import reason_for_simulate
+from symbody.simulation.sweeps.case_by_case import reason_for_python
 
 _SAMPLES = 101
 
@@ -30,21 +30,23 @@ def generate_simulation(
     initial: Mapping[str, Value] | None = None, guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None, inputs: Mapping[str, Law] | None = None,
     times: ArrayLike | None = None, integrator: Explicit | FixedStep | None = None,
-    constraints: Projection | Baumgarte | None = None, *, rtol: float = 1e-8, atol: float | None = None,
+    constraints: Projection | Baumgarte | None = None, events: Event | Sequence[Event] = (), *,
+    rtol: float = 1e-8, atol: float | None = None,
     scales: Mapping[str, float] | None = None, max_steps: int = 1_000_000,
 ) -> str:  # fmt: skip
     """Return a program that computes a motion as `simulate` does, and needs nothing else.
 
     It holds the equations, the integrator with its projection, and the first state, and prints the samples:
-    time, speeds, coordinates, work. The programs in all languages print the same numbers to the last bit, as
-    long as the equations use no function beyond sine, cosine, roots and whole powers, which languages compute
-    in their own ways. They agree with `simulate` to the tolerance.
+    time, speeds, coordinates, work. Events are listed on the error output, name and time in each line. The
+    programs in all languages print the same numbers to the last bit, as long as the equations use no function
+    beyond sine, cosine, roots and whole powers, which languages compute in their own ways. They agree with
+    `simulate` to the tolerance.
 
     Parameters
     ----------
     language : str
         "c" for C99 (to be compiled with ``-ffp-contract=off``), "javascript" for Node and browsers, where
-        ``simulate()`` returns the samples, or "python", without any package.
+        ``simulate()`` returns the samples and what happened, or "python", without any package.
     times : array, optional
         The samples; by default 101 from the first to the last time.
     integrator, constraints : optional
@@ -56,7 +58,7 @@ def generate_simulation(
     ------
     UsageError
         An unknown language, or a motion that `simulate` computes in part by Python: inputs that are
-        functions, friction that sticks, ropes, prescribed rates that jump.
+        functions, friction that sticks, ropes.
     CompileError, AssemblyError
         As `simulate`.
     """
@@ -65,9 +67,9 @@ def generate_simulation(
         what = f"programs cannot be generated in {language!r}"
         raise UsageError(Problem("simulation.language", "language", what, "", fix))
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    refuse_held(eqs, "a program of its own")
+    watched = check_events(events, eqs)
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **(inputs or {})}, span)
-    reason = reason_for_simulate(eqs, laws, integrator, constraints)
+    reason = reason_for_python(eqs, laws, integrator, constraints)
     if reason:
         fix = "give inputs as formulas, or use simulate"
         raise UsageError(
@@ -78,7 +80,7 @@ def generate_simulation(
     request = MotionRequest(
         initial or {}, parameters or {}, inputs or {}, integrator=integrator, constraints=constraints,
         rtol=rtol, atol=atol, span=span, last=span[1], is_pulled=False, guess=guess, scales=scales,
-        max_steps=max_steps, times=np.linspace(*span, _SAMPLES) if times is None else times,
+        max_steps=max_steps, times=np.linspace(*span, _SAMPLES) if times is None else times, events=watched,
     )  # fmt: skip
     motion = prepare_motion(pose_motion(eqs, request, laws))
     return program_text(motion, LANGUAGES[language], eqs.model.name)

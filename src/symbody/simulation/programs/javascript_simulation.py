@@ -21,13 +21,27 @@ from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree
 from symbody.equations.equation_set import EquationSet
-from symbody.kernels import block
+from symbody.kernels import block as codes
 from symbody.kernels.block import FunctionNumbers, Run, StateProjection
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
+from symbody.kernels.configurations.strike_problem import RateJumps, StrikeProblem
+from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
+from symbody.kernels.record_layout import RecordLayout
+from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.closing import closing_block, closing_of, metric
+from symbody.simulation.native.closing import closing_of
+from symbody.simulation.programs.happenings import (
+    ACTIONS,
+    EVENTS,
+    SAMPLES,
+    STRIKE,
+    Happenings,
+    closing_numbers,
+    make_happenings,
+)
+from symbody.simulation.programs.kernel_calls import kernel_calls
 from symbody.simulation.programs.motion_request import (
     MotionRequest,
     PosedMotion,
@@ -35,12 +49,11 @@ from symbody.simulation.programs.motion_request import (
     check_request,
     pose_motion,
 )
-from symbody.simulation.programs.prepared_motion import (
+from symbody.simulation.programs.prepared_motion import motion_block, motion_functions
+from symbody.simulation.programs.program_function import (
     PROJECTION,
     RIGHT_HAND_SIDE,
     ProgramFunction,
-    motion_block,
-    motion_functions,
     program_function,
 )
 
@@ -49,20 +62,36 @@ Floats = NDArray[np.float64]
 _ENERGIES: Final = ("kinetic_energy", "potential_energy")
 _PULL_INTERVAL: Final = 1.0 / 240.0  # seconds between changes of the wrench of a pointer
 _KERNELS: Final = (
-    ("step_machine", ("begin", "advance")),
     ("dense_output", ("interpolate",)),
     ("projection", ("project",)),
     ("closing", ("close_state", "note_followers")),
 )
+# Kernels of what happens on the way by which a motion goes on anew, after the user has changed it.
+_ANEW: Final = {
+    "events": ("event_interruptions", ("values_before", "watch_again", "rewind_events")),
+    "samples": ("sampling", ("rewind_samples",)),
+    "jumps": ("struck_motion", ("end_before_jump",)),
+}
 # What `simulation.js` calls a function, and its name in the program.
 _ENTRIES: Final = {
     "motion": RIGHT_HAND_SIDE, "view": "view", "projection": PROJECTION, "assembly": "assembly",
+    "events": EVENTS, "actions": ACTIONS, "samples": SAMPLES, "strike": STRIKE,
 }  # fmt: skip
 # Records that `simulation.js` reads, by what it calls the places of each.
-_RECORDS: Final = {
+_RECORDS: Final[Mapping[str, type[RecordLayout]]] = {
     "run": Run, "numbers": FunctionNumbers, "projection": StateProjection, "assembly": AssemblyProblem,
 }  # fmt: skip
-_CODES: Final = ("RUNNING", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "STIFF")
+_RECORDS_OF_KINDS: Final[Mapping[str, Mapping[str, type[RecordLayout]]]] = {
+    "events": {"monitor": EventMonitor},
+    "samples": {"held": SampleHold},
+    "jumps": {"jumps": RateJumps, "strike": StrikeProblem},
+}
+_CODES: Final = (
+    "RUNNING", "FULL", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "STIFF",
+    "NO_EVENT_ROOM", "STOPPED", "CHATTERING", "EVENT_FAULT", "NO_SAMPLE_ROOM", "SAMPLE_FAULT", "SPOILED",
+    "UNMET", "TORN_MOTION", "NO_IMPULSE",
+)  # fmt: skip
+_HAPPENED: Final = 64  # room for what happens, at first
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,18 +170,28 @@ def javascript_simulation(
     close = closing_of(motion.eqs, holds=True)
     if close.is_needed:
         functions["assembly"] = program_function(motion, close.outputs, "assembly", close.eqs)
+    block = _block(motion, functions)
+    happens = make_happenings(motion, block, functions.get("assembly"))
+    if happens.steps:
+        Run(block).room.steps = happens.steps
+    functions |= happens.functions
     kernels: dict[str, KernelTree] = {}
-    for file, roots in _KERNELS:
+    for file, roots in (*happens.kernels, *_KERNELS, *(_ANEW[kind] for kind in sorted(happens.kinds))):
         kernels |= read_kernels(file, *roots)
     for function in functions.values():
         kernels |= function.kernels
-    driver = (files(__package__) / "simulation.js").read_text(encoding="utf-8")
-    numbers = _numbers(motion, functions, view, spring)
+    numbers = _numbers(motion, functions, view, spring, happens)
+    numbers |= {"block": block, **_happening_numbers(happens)}
     parts = [
-        '"use strict";', kernel_text(kernels, JAVASCRIPT), _table(functions),
-        f"const numbers = {_literal(numbers)};", driver,
+        '"use strict";', kernel_text(kernels, JAVASCRIPT), _table(functions), _calls(happens, functions),
+        f"const numbers = {_literal(numbers)};", _driver(),
     ]  # fmt: skip
     return SimulationText("\n".join(parts), motion)
+
+
+def _driver() -> str:
+    """Return what calls the kernels."""
+    return (files(__package__) / "simulation.js").read_text(encoding="utf-8")
 
 
 def _table(functions: Mapping[str, ProgramFunction]) -> str:
@@ -169,9 +208,45 @@ def _table(functions: Mapping[str, ProgramFunction]) -> str:
     return f"const functions = {{ {', '.join(entries)} }};"
 
 
+def _calls(happens: Happenings, functions: Mapping[str, ProgramFunction]) -> str:
+    """Return what `simulation.js` calls of kernels, with the arrays of a motion."""
+    projection = PROJECTION if PROJECTION in functions else RIGHT_HAND_SIDE
+    made = kernel_calls(happens, projection, "assembly", "m.{}, 0", 1)
+    kinds = happens.kinds
+    show = [made["SHOW"]] * ({"events", "samples"} <= kinds)
+    entries = {
+        "begin": [made["BEGIN"]],
+        "advance": [made["ADVANCE"]],
+        "forget": [made["FORGET"]] * ("events" in kinds),
+        "note": [made["NOTE"]] * ("events" in kinds),
+        "watch": [*show, *[made["WATCH"]] * ("events" in kinds)],
+        "rewindEvents": [made["REWIND_EVENTS"]] * ("events" in kinds),
+        "rewindSamples": [made["REWIND_SAMPLES"]] * ("samples" in kinds),
+        "bound": [made["BOUND"]] * ("jumps" in kinds),
+        "pass": [made["PASS"]] * ("jumps" in kinds),
+    }
+    lines = [f"{name}: (m, time) => ({', '.join(calls)})," for name, calls in entries.items() if calls]
+    return "const kernels = {\n    " + "\n    ".join(lines) + "\n};"
+
+
+def _happening_numbers(happens: Happenings) -> dict[str, Any]:
+    """Return the data of what happens on the way, null where nothing of a kind does."""
+    arrays = {
+        "monitor": happens.monitor,
+        "held": happens.hold,
+        "sampling": happens.sampling,
+        "jumps": happens.jumps,
+    }
+    found: dict[str, Any] = {name: array if array.size else None for name, array in arrays.items()}
+    found["events"] = [event.label for event in happens.events]
+    found["happenedRoom"] = _HAPPENED + ZEROS_PER_EVENT * len(happens.events)
+    return found
+
+
 def _numbers(
-    motion: PosedMotion, functions: Mapping[str, ProgramFunction], view: ViewOutputs, spring: PointerSpring
-) -> dict[str, Any]:
+    motion: PosedMotion, functions: Mapping[str, ProgramFunction], view: ViewOutputs, spring: PointerSpring,
+    happens: Happenings,
+) -> dict[str, Any]:  # fmt: skip
     """Return the data of a program."""
     names = motion.input_names
     wrench = motion.wrench
@@ -182,13 +257,19 @@ def _numbers(
             "weights": [names.index(name) for name in wrench.weights],
             "mass": spring.mass, "frequency": spring.frequency, "interval": _PULL_INTERVAL,
         }  # fmt: skip
-    places = {key: dict(record.layout) for key, record in _RECORDS.items()}
+    records = dict(_RECORDS)
+    for kind in sorted(happens.kinds):
+        records |= _RECORDS_OF_KINDS[kind]
+    driver = _driver()
+    places = {
+        key: {name: place for name, place in record.layout.items() if name in driver}
+        for key, record in records.items()
+    }
     first_step = motion.method.first_step or 0.0
     return {
         "at": places,
-        "codes": {name: getattr(block, name) for name in _CODES},
-        "block": _block(motion, functions),
-        "assembly": _assembly(motion, functions["assembly"]) if "assembly" in functions else None,
+        "codes": {name: getattr(codes, name) for name in _CODES},
+        "assembly": closing_numbers(motion, functions["assembly"]) if "assembly" in functions else None,
         "view": {
             "numbers": function_numbers(functions["view"].numbers),
             "size": sum(functions["view"].sizes),
@@ -209,14 +290,6 @@ def _block(motion: PosedMotion, functions: Mapping[str, ProgramFunction]) -> Flo
     room = Run(made).room
     room.keep_dense, room.steps = 1.0, 1
     return made
-
-
-def _assembly(motion: PosedMotion, function: ProgramFunction) -> Floats:
-    """Return the block of `symbody.kernels.configurations.closing`."""
-    close = closing_of(motion.eqs, holds=True)
-    own = metric(close.eqs, motion.integration.problem.scales)
-    share = residual_share(motion.projection, motion.request.atol)
-    return closing_block(close.shape, own, function.sizes, function_numbers(function.numbers), share)
 
 
 def _literal(value: Any) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Final
 
 import numpy as np
@@ -15,8 +16,15 @@ from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT
 from symbody.codegen.kernels.python_kernels import PYTHON
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import Type
+from symbody.kernels import block
 from symbody.kernels.block import Run
-from symbody.simulation.programs.prepared_motion import PROJECTION, RIGHT_HAND_SIDE, PreparedMotion
+from symbody.kernels.configurations.strike_problem import RateJumps
+from symbody.kernels.events.event_monitor import EventMonitor
+from symbody.kernels.samples.sample_hold import SampleHold
+from symbody.simulation.programs.happenings import CLOSING, STEPS
+from symbody.simulation.programs.kernel_calls import kernel_calls
+from symbody.simulation.programs.prepared_motion import PreparedMotion
+from symbody.simulation.programs.program_function import PROJECTION, RIGHT_HAND_SIDE
 
 _TRIALS: Final = 1000  # steps of one call
 
@@ -34,6 +42,12 @@ class ProgramLanguage:
         Format of a comment of one line.
     array : str
         Format of a list of numbers.
+    argument : str
+        Format of an array as an argument.
+    text : callable
+        A text as the language writes it.
+    equals, either : str
+        Operators of conditions.
     """
 
     dialect: KernelDialect
@@ -41,127 +55,137 @@ class ProgramLanguage:
     main: str
     comment: str
     array: str
+    argument: str
+    text: Callable[[str], str]
+    equals: str
+    either: str
+
+    @property
+    def success(self) -> tuple[str, str]:
+        """When a motion has ended as it should: without events, and with some."""
+        reached = f"code {self.equals} {block.FINISHED}"
+        return reached, f"{reached} {self.either} code {self.equals} {block.STOPPED}"
 
 
-_C_MAIN: Final = """
-static const int places[] = @PLACES@;
-static const double values[] = @VALUES@;
-static const double times[] = @TIMES@;
-static double block[@SIZE@], t[@SAMPLES@], x[@SAMPLES@ * @N@], nothing[1], none[1];
+def _read(file: str) -> str:
+    """Return what stands behind the kernels.
 
-/* Computes the motion and returns its code: 2 where the end was reached. Samples lie in t and x by rows. */
-static int simulate(int *samples)
-{
-    int k, code;
-    for (k = 0; k < @SIZE@; k++) block[k] = 0.0;
-    for (k = 0; k < @PLACE_COUNT@; k++) block[places[k]] = values[k];
-    code = symbody_begin(symbody_right_hand_side, block, times, t, x, nothing);
-    while (code == 0)
-        code = symbody_advance(
-            symbody_right_hand_side, symbody_@PROJECTION@, block, times, t, x, nothing, none, @TRIALS@);
-    *samples = (int)block[@COUNT_PLACE@];
-    return code;
-}
-
-int main(void)
-{
-    int k, i, samples, code = simulate(&samples);
-    puts(@HEADER@);
-    for (k = 0; k < samples; k++) {
-        printf("%.17g", t[k]);
-        for (i = 0; i < @N@; i++) printf(",%.17g", x[k * @N@ + i]);
-        puts("");
-    }
-    return code == 2 ? 0 : 1;
-}
-"""
-_JAVASCRIPT_MAIN: Final = """
-const places = @PLACES@;
-const values = @VALUES@;
-const times = Float64Array.from(@TIMES@);
-const header = @HEADER@;
-
-// Computes the motion: code 2 where the end was reached, and rows of time and states.
-function simulate() {
-    const block = new Float64Array(@SIZE@), none = new Float64Array(1);
-    const t = new Float64Array(@SAMPLES@), x = new Float64Array(@SAMPLES@ * @N@);
-    places.forEach((place, k) => { block[place] = values[k]; });
-    let code = symbody_begin(symbody_right_hand_side, block, 0, times, 0, t, 0, x, 0, none, 0);
-    const f = symbody_right_hand_side, g = symbody_@PROJECTION@;
-    while (code === 0)
-        code = symbody_advance(f, g, block, 0, times, 0, t, 0, x, 0, none, 0, none, 0, @TRIALS@);
-    const rows = [];
-    for (let k = 0; k < block[@COUNT_PLACE@]; k++) rows.push([t[k], ...x.subarray(k * @N@, (k + 1) * @N@)]);
-    return { code, rows };
-}
-
-if (typeof process !== "undefined" && typeof module !== "undefined" && require.main === module) {
-    const { code, rows } = simulate();
-    console.log([header, ...rows.map((row) => row.join(","))].join("\\n"));
-    process.exitCode = code === 2 ? 0 : 1;
-} else if (typeof module !== "undefined") module.exports = { simulate, header };
-"""
-_PYTHON_MAIN: Final = """
-PLACES = @PLACES@
-VALUES = @VALUES@
-TIMES = @TIMES@
-HEADER = @HEADER@
+    Lines that begin with "%events ", "%samples ", "%jumps " belong to motions with such, "%eventless " to
+    those without events, "%show " to those with events and samples.
+    """
+    return "\n" + (files(__package__) / file).read_text(encoding="utf-8")
 
 
-def simulate():
-    \"\"\"Return a code, 2 where the end was reached, and rows of time and states.\"\"\"
-    block = [0.0] * @SIZE@
-    for place, value in zip(PLACES, VALUES):
-        block[place] = value
-    t, x, none = [0.0] * @SAMPLES@, [0.0] * (@SAMPLES@ * @N@), [0.0]
-    code = symbody_begin(symbody_right_hand_side, block, 0, TIMES, 0, t, 0, x, 0, none, 0)
-    f, g = symbody_right_hand_side, symbody_@PROJECTION@
-    while code == 0:
-        code = symbody_advance(f, g, block, 0, TIMES, 0, t, 0, x, 0, none, 0, none, 0, @TRIALS@)
-    return code, [[t[k], *x[k * @N@ : (k + 1) * @N@]] for k in range(int(block[@COUNT_PLACE@]))]
+def _c_string(text: str) -> str:
+    """Return a text as C writes it, whatever is in it."""
+    plain = (chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode("utf-8"))
+    return f'"{"".join(plain)}"'
 
 
-if __name__ == "__main__":
-    code, rows = simulate()
-    print(HEADER)
-    for row in rows:
-        print(*map(repr, row), sep=",")
-    raise SystemExit(0 if code == 2 else 1)
-"""
-
+_C_HEAD: Final = f"{PREAMBLE}#include <stdio.h>\n%events #include <stdlib.h>\n\n"
 LANGUAGES: Final[Mapping[str, ProgramLanguage]] = {
-    "c": ProgramLanguage(C, f"{PREAMBLE}#include <stdio.h>\n\n", _C_MAIN, "/* {} */", "{{{}}}"),
-    "javascript": ProgramLanguage(JAVASCRIPT, '"use strict";\n\n', _JAVASCRIPT_MAIN, "// {}", "[{}]"),
-    "python": ProgramLanguage(PYTHON, "import math\n\n\n", _PYTHON_MAIN, "# {}", "[{}]"),
+    "c": ProgramLanguage(C, _C_HEAD, _read("program.c"), "/* {} */", "{{{}}}", "{}", _c_string, "==", "||"),
+    "javascript": ProgramLanguage(
+        JAVASCRIPT,
+        '"use strict";\n\n',
+        _read("program.js"),
+        "// {}",
+        "[{}]",
+        "{}, 0",
+        json.dumps,
+        "===",
+        "||",
+    ),
+    "python": ProgramLanguage(
+        PYTHON,
+        "import math\n%events import sys\n\n\n",
+        _read("program.py.txt"),
+        "# {}",
+        "[{}]",
+        "{}, 0",
+        json.dumps,
+        "==",
+        "or",
+    ),
 }
 
 
 def program_text(motion: PreparedMotion, language: ProgramLanguage, title: str) -> str:
     """Return the program of a motion."""
-    dialect = language.dialect
+    happens = motion.happenings
+    words = {**_sizes(motion), **_arrays(motion, language), **_calls(motion, language)}
+    words["STOPS"] = f", {block.STOPPED} where an event stopped the motion" if happens.events else ""
+    words["SUCCESS"] = language.success[bool(happens.events)]
+    kinds = {*happens.kinds}
+    kinds.add("show" if {"events", "samples"} <= kinds else "")
+    kinds.add("" if "events" in kinds else "eventless")
+    main = _lines_of(language.main, kinds)
+    for name, text in words.items():
+        main = main.replace(f"@{name}@", text)
+    comments = [
+        f"{title}: a whole simulation, written by symbody; it needs nothing else.",
+        "It prints the samples as lines of numbers: " + ", ".join(["t", *map(_plain, motion.names)]),
+        *["Events are listed on the error output."] * ("events" in kinds),
+    ]
+    head = "".join(language.comment.format(_plain(text)) + "\n" for text in comments)
+    return head + _lines_of(language.head, kinds) + kernel_text(motion.kernels, language.dialect) + main
+
+
+def _lines_of(text: str, kinds: Container[str]) -> str:
+    """Return a text with the lines of some kinds, and those of none."""
+    lines = []
+    for line in text.split("\n"):
+        kind, _, rest = line.partition(" ") if line.startswith("%") else ("", "", line)
+        if not kind or kind[1:] in kinds:
+            lines.append(rest)
+    return "\n".join(lines)
+
+
+def _sizes(motion: PreparedMotion) -> dict[str, str]:
+    """Return sizes, places and codes of a program."""
+    run, happens = Run(motion.block), motion.happenings
+    rows = run.method.dense_rows * run.states
+    count = len(happens.events)
+    codes = [name for name in vars(block) if isinstance(getattr(block, name), int)]
+    numbers = {
+        "SIZE": motion.block.size, "SAMPLES": run.room.samples, "N": len(motion.names),
+        "PLACE_COUNT": np.count_nonzero(motion.block), "COUNT_PLACE": Run.layout["counts.samples"],
+        "BREAKS": happens.steps + 2, "PIECES": (happens.steps + 1) * rows, "FIRST_ROOM": 64 + 8 * count,
+        "RECORDED": STEPS * (len(happens.held) + 1), "TRIALS": _TRIALS,
+        "ROOM_PLACE": EventMonitor.layout["happened_room"], "HAPPENED_PLACE": EventMonitor.layout["happened"],
+        "CULPRIT_PLACE": EventMonitor.layout["culprit"], "RECORDED_PLACE": SampleHold.layout["recorded"],
+        "NEXT_PLACE": RateJumps.layout["next"], "JUMPS_PLACE": RateJumps.layout["count"],
+        **{name: getattr(block, name) for name in codes},
+    }  # fmt: skip
+    return {name: str(number) for name, number in numbers.items()}
+
+
+def _arrays(motion: PreparedMotion, language: ProgramLanguage) -> dict[str, str]:
+    """Return the numbers with which a program begins."""
+    happens = motion.happenings
     places = np.flatnonzero(motion.block)
     words = {
         "PLACES": _list(language, map(str, places)),
         "VALUES": _numbers(language, motion.block[places]),
         "TIMES": _numbers(language, motion.times),
         "HEADER": json.dumps(",".join(["t", *(_plain(name) for name in motion.names)])),
-        "SIZE": str(motion.block.size),
-        "SAMPLES": str(motion.times.size),
-        "N": str(len(motion.names)),
-        "PLACE_COUNT": str(places.size),
-        "COUNT_PLACE": str(Run.layout["counts.samples"]),
-        "PROJECTION": PROJECTION if motion.is_projected else RIGHT_HAND_SIDE,
-        "TRIALS": str(_TRIALS),
+        "EVENTS": _list(language, (language.text(event.label) for event in happens.events)),
     }
-    main = language.main
-    for name, text in words.items():
-        main = main.replace(f"@{name}@", text)
-    comments = [
-        f"{title}: a whole simulation, written by symbody; it needs nothing else.",
-        "It prints the samples as lines of numbers: " + ", ".join(["t", *map(_plain, motion.names)]),
-    ]
-    head = "".join(language.comment.format(_plain(text)) + "\n" for text in comments)
-    return head + language.head + kernel_text(motion.kernels, dialect) + main
+    arrays = {
+        "MONITOR": happens.monitor,
+        "HELD": happens.hold,
+        "SAMPLING": happens.sampling,
+        "JUMPS": happens.jumps,
+    }
+    for name, array in arrays.items():
+        words[name], words[f"{name}_SIZE"] = _numbers(language, array), str(array.size)
+    return words
+
+
+def _calls(motion: PreparedMotion, language: ProgramLanguage) -> dict[str, str]:
+    """Return the calls of kernels in a program."""
+    projection = PROJECTION if motion.is_projected else RIGHT_HAND_SIDE
+    return kernel_calls(motion.happenings, projection, CLOSING, language.argument, _TRIALS)
 
 
 def _plain(name: str) -> str:

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.configurations.assembly import assemble
-from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.model.model import resolve_parameters
-from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.model.model import Model, resolve_parameters
+from symbody.simulation.events.event_functions import watched_outputs
+from symbody.simulation.events.events import Event
+from symbody.simulation.hybrid.rate_jumps import jump_parameters
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables
@@ -27,6 +28,8 @@ from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
+from symbody.simulation.sampling.held_signals import held_signals
+from symbody.simulation.sampling.sampler import HeldValue
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -62,6 +65,8 @@ class MotionRequest:
         Whether a pointer may pull bodies.
     times : array, optional
         Samples that are stored.
+    events : tuple of Event
+        What happens where an expression passes zero.
     """
 
     initial: Mapping[str, Value] = field(default_factory=dict)
@@ -80,6 +85,7 @@ class MotionRequest:
     scales: Mapping[str, float] | None = None
     max_steps: int = ENDLESS
     times: ArrayLike | None = None
+    events: tuple[Event, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,6 +106,8 @@ class PosedMotion:
         Where it ends [s].
     breakpoints : Breakpoints
         Where what depends on time alone changes; none where steps are all of one length.
+    held : tuple of HeldValue
+        What is held between samples, by its place in `input_names`.
     """
 
     request: MotionRequest
@@ -109,6 +117,7 @@ class PosedMotion:
     formulas: Mapping[str, Value]
     last: float
     breakpoints: Breakpoints
+    held: tuple[HeldValue, ...] = ()
 
     @property
     def eqs(self) -> EquationSet:
@@ -170,27 +179,41 @@ class PosedMotion:
 
 
 def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> PosedMotion:
-    """Return a motion ready to be written as a program; nothing in it may need Python.
-
-    Sampled signals have to be inputs that are free.
-    """
-    refuse_held(eqs, "a program of its own", request.free_inputs)
+    """Return a motion ready to be written as a program; nothing in it may need Python."""
     made, wrench = add_pointer_wrench(eqs) if request.is_pulled else (eqs, None)
     if wrench is not None:
         laws = input_laws(made.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
     start, scales, constraints = request.span[0], request.scales, request.constraints
-    first = assemble(
-        made, request.initial, request.guess, request.parameters, laws.formulas, start, scales=scales
-    )
+    held = held_values(eqs, request)
+    initial = {name: value for name, value in request.initial.items() if name not in held}
+    first = assemble(made, initial, request.guess, request.parameters, laws.formulas, start, scales=scales)
     problem = pose_problem(made, request.span, request.parameters, laws, scales, constraints, first)
     x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     integration = IntegrationProblem(
         problem, x0, request.span, request.times, request.rtol, request.atol, request.max_steps
     )
-    names = (*request.free_inputs, *(() if wrench is None else wrench.names))
+    names = (*request.free_inputs, *held, *(() if wrench is None else wrench.names))
     formulas = {name: law for name, law in laws.formulas.items() if name not in names}
     last, pieces = _breakpoints(problem, request)
-    return PosedMotion(request, integration, wrench, first, formulas, last, pieces)
+    motion = PosedMotion(request, integration, wrench, first, formulas, last, pieces)
+    place = motion.input_names.index
+    values = tuple(replace(value, slot=place(name)) for name, value in held.items())
+    return replace(motion, held=values)
+
+
+def held_values(eqs: EquationSet, request: MotionRequest) -> dict[str, HeldValue]:
+    """Return the sampled signals of a motion by name, but those that are free inputs.
+
+    Raises
+    ------
+    UsageError
+        If they cannot be sampled: see `held_signals`.
+    """
+    signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
+    if all(signal.name in request.free_inputs for signal in signals):
+        return {}
+    found = held_signals(eqs, request.span, request.parameters, request.initial, request.inputs)
+    return {value.name: value for value in found.active.values}
 
 
 def _breakpoints(problem: SimulationProblem, request: MotionRequest) -> tuple[float, Breakpoints]:
@@ -198,7 +221,7 @@ def _breakpoints(problem: SimulationProblem, request: MotionRequest) -> tuple[fl
     start, pieces = request.span[0], NO_BREAKPOINTS
     ends = [start + length for length in _LAST] if request.last is None else [request.last]
     for end in ends:
-        pieces = problem.breakpoints((start, end))
+        pieces = problem.breakpoints((start, end), watched_outputs(request.events))
         if isinstance(request.integrator, FixedStep):
             pieces = pieces.jumps_alone()
         if len(pieces.longest) <= _MOST_PIECES:
@@ -214,9 +237,17 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
     UsageError
         If the motion needs Python, an implicit integrator, or equations that change on the way.
     """
-    refuse_held(eqs, "a program of its own")
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
-    problems = [*_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs)]
+    held_values(
+        eqs,
+        replace(
+            request, inputs={**request.inputs, **dict.fromkeys(request.free_inputs, 0.0)}, free_inputs=()
+        ),
+    )
+    problems = [
+        *_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs),
+        *_time_problems(eqs, request),
+    ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
     return laws
@@ -285,6 +316,20 @@ def _pivot_problems(eqs: EquationSet) -> list[Problem]:
     ]  # fmt: skip
 
 
+def _time_problems(eqs: EquationSet, request: MotionRequest) -> list[Problem]:
+    """Return what to say about sliders of parameters that say when something happens."""
+    found = {name: "the times at which prescribed rates jump" for name in jump_parameters(eqs)}
+    for signal in eqs.model.held_signals if isinstance(eqs.model, Model) else ():
+        found |= dict.fromkeys(
+            signal.sample.names if signal.sample else (), f"the sample time of {signal.name}"
+        )
+    return [
+        Problem("animation.slider_time", name, f"a slider cannot move {name}: it changes {found[name]}",
+                "a page computes these times when it is written", "remove the slider")
+        for name in request.tunable if name in found
+    ]  # fmt: skip
+
+
 def _switching_problems(eqs: EquationSet) -> list[Problem]:
     problems = []
     if switches(eqs.formed):
@@ -292,11 +337,5 @@ def _switching_problems(eqs: EquationSet) -> list[Problem]:
             Problem("animation.live_switching", eqs.model.name, "joints stick, or ropes become slack",
                     "the equations change during the motion, which pages do not support yet",
                     "animate a motion from simulate, or give the friction a smooth law")
-        )  # fmt: skip
-    if may_jump(eqs):
-        problems.append(
-            Problem("animation.live_jumps", eqs.model.name, "prescribed rates may jump",
-                    "speeds jump with them, which pages cannot compute yet",
-                    "animate a motion from simulate, or prescribe a smooth motion")
         )  # fmt: skip
     return problems

@@ -5,8 +5,17 @@ function makeSimulation() {
     const n = numbers.block[at.run.states], speeds = numbers.block[at.run.speeds];
     const block = Float64Array.from(numbers.block);
     const isProjected = block[at.run.projection] !== 0;
-    const rows = block[at.run["method.dense_rows"]];
-    const pieces = new Float64Array(rows * n), ends = new Float64Array(2), nothing = new Float64Array(1);
+    const rows = block[at.run["method.dense_rows"]], room = block[at.run["room.steps"]];
+    const nothing = new Float64Array(1);
+    // The steps that are at hand: when each ends, and its dense output.
+    const breaks = new Float64Array(room + 2), pieces = new Float64Array((room + 1) * rows * n);
+    // What kernels take; the rest is null where nothing of its kind happens on the way.
+    const copyOf = (array) => (array === null ? null : Float64Array.from(array));
+    const m = { block, breaks, pieces, times: nothing, t: nothing, x: nothing };
+    for (const name of ["monitor", "held", "sampling", "jumps"]) m[name] = copyOf(numbers[name]);
+    const { monitor, held, jumps } = m;
+    const width = held === null ? 0 : held[at.held.count] + 1;
+    m.recorded = held === null ? null : new Float64Array(held[at.held.room] * width);
     const parameters = Float64Array.from(numbers.parameters.values);
     const inputs = new Float64Array(numbers.inputs.names.length);
     const state = Float64Array.from(numbers.start), first = Float64Array.from(numbers.start);
@@ -25,14 +34,49 @@ function makeSimulation() {
     if (assembly !== null) {
         calls.push({ values: functions.assemblyValues, array: assembly, place: assembly[at.assembly.numbers] });
     }
+    if (monitor !== null) {
+        calls.push({ values: functions.eventsValues, array: monitor, place: monitor[at.monitor.numbers] });
+        const acting = monitor[at.monitor.actions], closing = monitor[at.monitor.closing];
+        if (acting !== 0) calls.push({ values: functions.actionsValues, array: monitor, place: acting });
+        if (closing !== 0) calls.push({ values: functions.assemblyValues, array: monitor, place: closing + monitor[closing + at.assembly.numbers] });
+    }
+    if (held !== null) calls.push({ values: functions.samplesValues, array: m.sampling, place: 0 });
+    if (jumps !== null) {
+        const problem = jumps[at.jumps.problem];
+        calls.push({ values: functions.strikeValues, array: jumps, place: problem + jumps[problem + at.strike.numbers] });
+    }
 
     let time = numbers.startTime;
-    let from = time, to = time; // of the step whose dense output is at hand
     let code = codes.RUNNING;
     let isFresh = true; // the integrator has to begin at `state`
     let pull = null;
 
+    // What follows changes the motion from the time shown on: forget what lies behind it, note where events stand.
+    function interrupt() {
+        if (isFresh) return;
+        isFresh = true;
+        for (let k = 0; monitor !== null && k < monitor[at.monitor.happened]; k += 1) {
+            const t = m.happened[k * (n + 2) + 1];
+            if (t > time && t - time <= instant(time)) { // of the time shown, up to rounding
+                time = t;
+                showState();
+            }
+        }
+        block[at.run.time] = time;
+        block.set(state, block[at.run.state_old]);
+        kernels.rewindEvents?.(m, time);
+        kernels.rewindSamples?.(m, time);
+        if (held !== null) showHeld(held.subarray(held[at.held.values]));
+        kernels.note?.(m);
+    }
+
+    // Let the inputs have held values.
+    function showHeld(values) {
+        for (let k = 0; k < width - 1; k += 1) inputs[held[held[at.held.slots] + k]] = values[k];
+    }
+
     function writeArguments() {
+        interrupt();
         for (const { values, array, place } of calls) {
             const p = place + array[place + at.numbers.parameters], c = place + array[place + at.numbers.constants];
             array.set(inputs, place + array[place + at.numbers.inputs]);
@@ -42,7 +86,6 @@ function makeSimulation() {
                 values.call(nothing, 0, nothing, 0, nothing, 0, nothing, 0, array, p, array, c, array, c, work, 0);
             }
         }
-        isFresh = true;
     }
 
     function begin() {
@@ -50,44 +93,92 @@ function makeSimulation() {
         block.set(state, block[at.run.state_old]);
         block[at.run["counts.failed_kernel"]] = block[at.run["counts.steps"]] = block[at.run["counts.samples"]] = 0;
         block[at.run.after_rejection] = block[at.run.stiff_votes] = block[at.run.other_votes] = block[at.run.unjudged] = 0;
-        code = symbody_begin(functions.motion, block, 0, nothing, 0, nothing, 0, nothing, 0, ends, 0);
-        from = to = time;
+        kernels.bound?.(m);
+        code = kernels.begin(m);
+        kernels.watch?.(m);
         isFresh = false;
         block[at.run.first_step] = numbers.isFixed ? block[at.run["goal.max_step"]] : Math.abs(block[at.run.step]);
     }
 
     function step() {
-        const before = block[at.run.time];
-        code = symbody_advance(
-            functions.motion, functions.projection, block, 0, nothing, 0, nothing, 0, nothing, 0, ends, 0, pieces, 0, 1);
-        if (block[at.run["counts.steps"]] !== 0) {
+        const accepted = block[at.run["counts.accepted"]];
+        if (block[at.run["counts.steps"]] === room) forget();
+        code = kernels.advance(m);
+        if (code === codes.FULL) code = codes.RUNNING;
+        else if (code === codes.NO_EVENT_ROOM) makeRoom(2 * monitor[at.monitor.happened_room]);
+        else if (code === codes.NO_SAMPLE_ROOM) forgetSamples();
+        else if (code === codes.FINISHED && jumps !== null) code = kernels.pass(m);
+        if (!numbers.isFixed && block[at.run["counts.accepted"]] !== accepted) block[at.run.first_step] = Math.abs(block[at.run.step]);
+    }
+
+    // Make room for steps: zeros of events lie in the last ones.
+    function forget() {
+        if (monitor !== null) kernels.forget(m);
+        else {
+            breaks[0] = breaks[1];
             block[at.run["counts.steps"]] = 0;
-            from = before;
-            to = block[at.run.t_new];
-            if (!numbers.isFixed) block[at.run.first_step] = Math.abs(block[at.run.step]);
         }
     }
 
+    function forgetSamples() {
+        const kept = held[at.held.room] / 2;
+        m.recorded.copyWithin(0, kept * width);
+        held[at.held.recorded] = kept;
+        code = codes.RUNNING;
+    }
+
+    function makeRoom(count) {
+        const before = m.happened;
+        m.happened = new Float64Array(count * (n + 2));
+        if (before !== undefined) m.happened.set(before);
+        monitor[at.monitor.happened_room] = count;
+        code = codes.RUNNING;
+    }
+
+    // What counts as one time for events.
+    function instant(t) {
+        return monitor === null ? 0 : 2e-12 * Math.max(monitor[at.monitor.span], Math.abs(t));
+    }
+
+    // Up to when nothing that is still found changes the motion.
+    function settled() {
+        if (monitor === null || code !== codes.RUNNING) return block[at.run.time];
+        return monitor[at.monitor.seen] === 0 ? breaks[monitor[at.monitor.first_step]] : monitor[at.monitor.t_before];
+    }
+
     function showState() {
-        if (time < to) {
-            symbody_interpolate(n, rows, pieces, 0, (time - from) / (to - from), state, 0);
+        let k = block[at.run["counts.steps"]] - 1;
+        while (k > 0 && time < breaks[k]) k -= 1;
+        if (k >= 0 && time < breaks[k + 1]) {
+            const share = Math.max((time - breaks[k]) / (breaks[k + 1] - breaks[k]), 0);
+            symbody_interpolate(n, rows, pieces, k * rows * n, share, state, 0);
             if (isProjected) symbody_project(functions.projection, block, 0, time, state, 0);
         } else {
             state.set(block.subarray(block[at.run.state_old], block[at.run.state_old] + n));
         }
+        if (held !== null) showHeldAt();
+    }
+
+    // Let the view have the held values of the time shown.
+    function showHeldAt() {
+        let row = held[at.held.recorded] - 1;
+        while (row > 0 && m.recorded[row * width] > time) row -= 1;
+        if (row < 0) return;
+        showHeld(m.recorded.subarray(row * width + 1));
+        seen.set(inputs, seen[at.numbers.inputs]);
     }
 
     // Go on to a time [s] with at most so many trials of steps; return whether it was reached.
     function goTo(target, trials) {
         if (isFresh) begin();
-        const end = Math.min(target, block[at.run.t_end]);
+        const end = Math.min(target, jumps === null ? block[at.run.t_end] : jumps[at.jumps.t_end]);
         let left = trials;
-        while (code === codes.RUNNING && block[at.run.time] < end && left > 0) {
+        while (code === codes.RUNNING && settled() < end + instant(end) && left > 0) {
             step();
             left -= 1;
         }
-        const reached = block[at.run.time] >= end;
-        time = reached ? end : block[at.run.time];
+        const reached = settled() >= end;
+        time = reached ? end : settled();
         showState();
         return reached;
     }
@@ -144,12 +235,12 @@ function makeSimulation() {
     }
 
     function writeWrench(force, arm) {
+        interrupt();
         const { wrench, weights } = numbers.pull;
         const torque = [0, 1, 2].map((i) => arm[(i + 1) % 3] * force[(i + 2) % 3] - arm[(i + 2) % 3] * force[(i + 1) % 3]);
         wrench.forEach((place, i) => { inputs[place] = i < 3 ? force[i] : torque[i - 3]; });
         weights.forEach((place, body) => { inputs[place] = pull !== null && body === pull.body ? 1 : 0; });
         for (const { array, place } of calls) array.set(inputs, place + array[place + at.numbers.inputs]);
-        isFresh = true;
     }
 
     // The mass that a point of a body has in a direction: what the constraints and the other bodies make of it.
@@ -271,8 +362,8 @@ function makeSimulation() {
     }
 
     function refresh() {
+        interrupt();
         code = codes.RUNNING;
-        isFresh = true;
         return true;
     }
 
@@ -283,6 +374,20 @@ function makeSimulation() {
         block[at.run.first_step] = numbers.firstStep;
         block[at.run["breaks.next"]] = 0;
         refresh();
+        for (const name of ["monitor", "held", "jumps"]) m[name]?.set(numbers[name]);
+        if (monitor !== null) makeRoom(numbers.happenedRoom);
+        if (held !== null) showHeld(held.subarray(held[at.held.values]));
+        writeArguments();
+    }
+
+    // Events up to the time shown: which, and when.
+    function happenings() {
+        const found = [];
+        for (let k = 0; monitor !== null && k < monitor[at.monitor.happened]; k += 1) {
+            const [place, t] = m.happened.subarray(k * (n + 2));
+            if (t <= time) found.push({ name: numbers.events[place], t });
+        }
+        return found;
     }
 
     // The largest position residual over the size of the mechanism.
@@ -304,11 +409,15 @@ function makeSimulation() {
         return { kinetic: shown[view.energies], potential: shown[view.energies + 1], work: state[n - 1] };
     }
 
+    if (monitor !== null) makeRoom(numbers.happenedRoom);
+    if (held !== null) showHeld(held.subarray(held[at.held.values]));
     writeArguments();
     return {
         numbers,
         get time() { return time; },
-        get code() { return code; },
+        get code() { return time < settled() ? codes.RUNNING : code; }, // what ends the motion may lie ahead
+        get culprit() { return monitor === null ? "" : numbers.events[monitor[at.monitor.culprit] - 1] ?? ""; },
+        get happened() { return happenings(); },
         get state() { return state; },
         get first() { return first; },
         get isPulled() { return pull !== null; },

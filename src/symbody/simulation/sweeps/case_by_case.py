@@ -51,10 +51,18 @@ STATUSES: Final[Mapping[int, Status]] = MappingProxyType({code: status for statu
 
 def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
     """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
+    held = ", ".join(law.name for law in laws.held_laws.values())
     reasons = {
-        f"values are sampled ({', '.join(law.name for law in laws.held_laws.values())})": bool(
-            laws.held_laws
-        ),
+        f"values are sampled ({held})": bool(held),
+        reason_for_python(eqs, laws, integrator, constraints): True,
+        "prescribed rates may jump": may_jump(eqs),
+    }
+    return "; ".join(reason for reason, holds in reasons.items() if reason and holds)
+
+
+def reason_for_python(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
+    """Return why a motion is computed in part by Python, empty if it is not."""
+    reasons = {
         f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
         f"{type(integrator).__name__} is not an explicit method": not isinstance(
             integrator, Explicit | FixedStep | None
@@ -63,7 +71,6 @@ def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, c
             constraints, Projection | Baumgarte | None
         ),
         "joints stick and slip, or ropes slacken": switches(eqs.formed) or bool(ropes(eqs.formed)),
-        "prescribed rates may jump": may_jump(eqs),
         "pivots of dependent speeds are monitored": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),

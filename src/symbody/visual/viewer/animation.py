@@ -22,6 +22,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.model.model import Model
+from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.input_laws import Law
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.programs.motion_request import MotionRequest
@@ -133,7 +134,7 @@ def animate(
     live: bool = False, sliders: Sequence[Slider] | Mapping[str, tuple[float, float] | None] = (),
     initial: Mapping[str, Value] | None = None, parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Law] | None = None, integrator: Integrator | None = None,
-    constraints: Constraints | None = None, rtol: float = 1e-8,
+    constraints: Constraints | None = None, events: Event | Sequence[Event] = (), rtol: float = 1e-8,
 ) -> Animation | LiveAnimation | LivePage:  # fmt: skip
     """Show a motion: as a page that any browser opens, without a network, or in a notebook.
 
@@ -166,7 +167,7 @@ def animate(
     live, sliders : bool, sequence of str or (name, lowest, highest), or mapping of name to (lowest, highest)
         In a notebook: share time with Python; coordinates and parameters of equations to move by sliders. On
         a page of equations: parameters, inputs, first values of coordinates and speeds.
-    initial, parameters, inputs, integrator, constraints, rtol
+    initial, parameters, inputs, integrator, constraints, events, rtol
         Of a page of equations, as `simulate` takes them, without Python functions and implicit methods.
 
     Raises
@@ -178,8 +179,9 @@ def animate(
     """
     target = None if path is None else _page_path(path)
     options = {"view": view, "theme": theme, "speed": speed}
+    watched = check_events(events, run) if isinstance(run, EquationSet) else ()
     request = MotionRequest(
-        initial or {}, parameters or {}, inputs or {}, (), (), integrator, constraints, rtol
+        initial or {}, parameters or {}, inputs or {}, (), (), integrator, constraints, rtol, events=watched
     )  # fmt: skip
     if isinstance(run, EquationSet):
         return live_mechanism(run, sliders, title, target, options, request)
@@ -214,7 +216,8 @@ def live_mechanism(
         raise UsageError(
             Problem("animation.live_widget", "animate", "sliders in a notebook change positions, without "
                 "simulating",
-                    "initial, parameters, inputs, integrator and constraints are for pages that simulate",
+                    "initial, parameters, inputs, events, integrator and constraints are for pages that "
+                "simulate",
                     "give a path: animate(eqs, 'live.html', ...)")
         )  # fmt: skip
     if isinstance(sliders, Mapping):

@@ -258,7 +258,7 @@ def _courses(
     run = simulate(
         eqs, (start, start + _PREVIEW), request.initial, None, request.parameters,
         {**request.inputs, **pushed},
-        np.linspace(start, start + _PREVIEW, 81), request.integrator, request.constraints,
+        np.linspace(start, start + _PREVIEW, 81), request.integrator, request.constraints, request.events,
         rtol=1e-6, max_steps=_MOST_STEPS,
     )  # fmt: skip
     note = change_point_note(run.notes)
