@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import get_args
+from typing import Final, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,6 +36,9 @@ from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sampling.held_signals import HeldSignals, held_signals
 from symbody.simulation.sampling.later_samples import sample_later
 from symbody.simulation.simulation_problem import SimulationProblem
+
+_INTEGRATORS: Final = get_args(Integrator)
+_CONSTRAINTS: Final = get_args(Constraints)
 
 
 @checked_arguments
@@ -168,8 +171,8 @@ def check_arguments(
             Problem("simulation.not_a_time", "t_end", what, "", "give seconds: 10.0, or (2.0, 10.0)")
         )
     for name, given, kinds in [
-        ("integrator", integrator, get_args(Integrator)),
-        ("constraints", constraints, get_args(Constraints)),
+        ("integrator", integrator, _INTEGRATORS),
+        ("constraints", constraints, _CONSTRAINTS),
     ]:
         if given is not None and not isinstance(given, kinds):
             known = ", ".join(f"{kind.__name__}(..)" for kind in kinds)

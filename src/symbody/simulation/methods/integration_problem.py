@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.events.event_functions import EventFunctions, watched_outputs
@@ -29,7 +30,7 @@ from symbody.simulation.methods.explicit import (
 from symbody.simulation.methods.stepping import Course, StepEnds
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector
-from symbody.simulation.native.machine import address, step_machine
+from symbody.simulation.native.machine import step_machine
 from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
 from symbody.simulation.native.segments import StepWatch

@@ -13,6 +13,7 @@ from symbody.analysis.named_values import angle_names
 from symbody.analysis.state import State
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.massless import massless_speeds
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import number_in_words
 from symbody.manifold import null_space
 from symbody.model.model import Model
@@ -53,23 +54,31 @@ def start_notes(
 
 def _whole_turns(problem: SimulationProblem, given: Mapping[str, object]) -> tuple[str, ...]:
     """Return which angles are beyond a turn as plain numbers: most are degrees."""
-    eqs, notes = problem.eqs, []
-    angles = angle_names(eqs)
-    for name, value in {**eqs.model.initial, **given}.items():
+    eqs = problem.eqs
+    of_model: dict[str, str] = eqs.plans.get("whole turns", lambda: _turns_of(eqs, eqs.model.initial))
+    notes = {name: note for name, note in of_model.items() if name not in given} | _turns_of(eqs, given)
+    return tuple(notes[name] for name in {**eqs.model.initial, **given} if name in notes) if notes else ()
+
+
+def _turns_of(eqs: EquationSet, given: Mapping[str, object]) -> dict[str, str]:
+    """Return what to say of angles beyond a turn, by their names."""
+    notes, angles = {}, angle_names(eqs)
+    for name, value in given.items():
         number = _plain_number(value) if name in angles else None
         if number is not None and abs(number) > math.tau:
             degrees = math.degrees(number)
-            notes.append(
+            notes[name] = (
                 f"{name} = {number:g} rad is {degrees:.0f} deg; for {number:g} degrees write '{number:g} deg'"
             )
-    return tuple(notes)
+    return notes
 
 
 def _plain_number(value: object) -> float | None:
     """Return a number that stands there without a unit, or None."""
-    text = str(value).strip()
+    if isinstance(value, float):
+        return value
     try:
-        return float(text)
+        return float(str(value).strip())
     except ValueError:
         return None
 

@@ -220,9 +220,10 @@ def _reason_to_replace(
 
 def _breaks_off_dependent(problem: SimulationProblem, raw: RawRun) -> bool:
     """Return whether steps became ever smaller where constraints follow from others."""
-    loops, dense = LoopConstraints(problem), raw.dense_output
+    dense = raw.dense_output
     if dense is None or not _is_collapse(raw.status, dense.breaks):
         return False
+    loops = LoopConstraints(problem)
     return loops.depends(raw.reached, dense(raw.reached)[loops.places])
 
 
