@@ -26,8 +26,8 @@ from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
-from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
-from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.motion import Motion
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.results.provenance import provenance_of
@@ -99,8 +99,10 @@ def simulate(
         notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
         notes += start_notes(problem, first, {**near, **exact})
         x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
-        integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
-        run, problem, _ = drive(MotionPlan(integration, integrator, constraints), inputs)
+        motion = Motion(
+            problem, x0, span, times, rtol, atol, max_steps, report, watched, integrator, constraints
+        )
+        run, problem, _ = drive(motion, inputs)
     return _annotate(run, problem, first, notes, held)
 
 

@@ -25,7 +25,7 @@ from symbody.simulation.methods.closed_loops.overconstrained import is_overconst
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.motion import Motion
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -88,7 +88,7 @@ class PosedMotion:
 
     Attributes
     ----------
-    integration : IntegrationProblem
+    integration : Motion
         With the equations that are integrated, which the pointer pulls, and inputs that are free at 0.
     wrench : PointerWrench or None
         Inputs of the pointer.
@@ -103,7 +103,7 @@ class PosedMotion:
     """
 
     request: MotionRequest
-    integration: IntegrationProblem
+    integration: Motion
     wrench: PointerWrench | None
     first: State
     formulas: Mapping[str, Value]
@@ -184,7 +184,7 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
     )
     problem = pose_problem(made, request.span, request.parameters, laws, scales, constraints, first)
     x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
-    integration = IntegrationProblem(
+    integration = Motion(
         problem, x0, request.span, request.times, request.rtol, request.atol, request.max_steps
     )
     names = (*request.free_inputs, *(() if wrench is None else wrench.names))

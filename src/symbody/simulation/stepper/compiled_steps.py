@@ -24,7 +24,7 @@ from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.integration_problem import StateProjector
+from symbody.simulation.motion import StateProjector
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector, RightHandSide
 from symbody.simulation.native.run import VERDICTS, RawRun, Statistics

@@ -1,10 +1,10 @@
-"""`IntegrationProblem`: one smooth motion, as the integrators that take single steps read it."""
+"""`Motion`: what moves, from which state, how far, how exactly and by which method."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,14 +37,17 @@ from symbody.simulation.native.segments import StepWatch
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import SingleFlight
 
+if TYPE_CHECKING:
+    from symbody.simulation.methods.integration import Constraints, Integrator
+
 Floats = NDArray[np.float64]
 
 NOTHING: Final = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class IntegrationProblem:
-    """What moves, from which state, how far and how carefully.
+class Motion:
+    """What moves, from which state, how far, how exactly and by which method.
 
     Attributes
     ----------
@@ -56,6 +59,8 @@ class IntegrationProblem:
         Absolute tolerance of every state; None follows the scales of the problem.
     events : tuple of Event
         What is watched on the way.
+    integrator, constraints : optional
+        The method that is to compute it; None leaves the choice open.
     before : RawRun, optional
         A run that was broken off where this one starts.
     sides : tuple of EventSide
@@ -78,6 +83,8 @@ class IntegrationProblem:
     max_steps: int = 1_000_000
     progress: Progress | None = None
     events: tuple[Event, ...] = ()
+    integrator: Integrator | None = None
+    constraints: Constraints | None = None
     before: RawRun | None = None
     sides: tuple[EventSide, ...] = ()
     free: SimulationProblem | None = None
@@ -119,7 +126,7 @@ class IntegrationProblem:
     def part(
         self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int,
         problem: SimulationProblem | None = None, events: tuple[Event, ...] | None = None,
-    ) -> IntegrationProblem:  # fmt: skip
+    ) -> Motion:  # fmt: skip
         """Return the problem of a part of this motion, from a state x = (u, q).
 
         Parameters
