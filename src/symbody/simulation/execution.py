@@ -14,8 +14,7 @@ from symbody.simulation.methods.closed_loops.change_point import integrate_on_br
 from symbody.simulation.methods.integration import Integration
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.results.singular_angles import singular_passages
-from symbody.simulation.results.stop_note import stop_note
+from symbody.simulation.results.checks import singular_passages, stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.analysis.state import State
 from symbody.codegen.call_arguments import address
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -208,6 +209,11 @@ class Motion:
             self.x0, *self.span, times, int(self.max_steps), self.progress, power, closed or keep, watch,
             self.before,
         )  # fmt: skip
+
+
+def first_numbers(first: State) -> Floats:
+    """Return x = (u, q, s) of a first state, and behind it the work done before: none."""
+    return np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,6 @@ from dataclasses import replace
 from numbers import Real
 from typing import Final, get_args
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.configurations.assembly import assemble
@@ -27,11 +26,11 @@ from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator
-from symbody.simulation.motion import Motion
+from symbody.simulation.motion import Motion, first_numbers
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
+from symbody.simulation.results.checks import start_notes
 from symbody.simulation.results.provenance import provenance_of
-from symbody.simulation.results.start_notes import start_notes
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sampling.held_signals import HeldSignals, held_signals
 from symbody.simulation.sampling.later_samples import sample_later
@@ -92,17 +91,15 @@ def simulate(
     held = held_signals(eqs, span, parameters, exact, inputs)
     inputs, exact = {**inputs, **held.laws}, held.others(exact)
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
-    with show_progress(progress, "motion") as report:
+    with show_progress(progress, "motion") as show:
         first = assemble(eqs, exact, near, parameters, laws.formulas, span[0], scales=scales)
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
-        notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
-        notes += start_notes(problem, first, {**near, **exact})
-        x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
-        motion = Motion(
-            problem, x0, span, times, rtol, atol, max_steps, report, watched, integrator, constraints
-        )
-        run, problem, _ = drive(motion, inputs)
+        notes = _input_notes(problem, inputs, atol) + start_notes(problem, first, {**near, **exact})
+        run, problem, _ = drive(Motion(
+            problem, first_numbers(first), span, times, rtol, atol, max_steps, show, watched, integrator,
+            constraints,
+        ), inputs)  # fmt: skip
     return _annotate(run, problem, first, notes, held)
 
 
@@ -132,12 +129,16 @@ def pose_problem(
     return SimulationProblem(stabilized, dict(parameters), laws, sizes, first)
 
 
-def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:
+def _input_notes(
+    problem: SimulationProblem, inputs: Mapping[str, Law], atol: float | None
+) -> tuple[str, ...]:
+    """Return notes on inputs, on motions that are prescribed whole, and on what counts as large."""
+    eqs = problem.eqs
     silent = sorted(set(eqs.input_names).difference(inputs))
     notes = [silent_input_note(eqs.units, name) for name in silent]
     if not (eqs.speed_names or eqs.formed.light_balances):
         notes.append("every coordinate is prescribed: only driving forces and reactions are computed")
-    return (*notes, *laws.notes)
+    return (*notes, *problem.laws.notes, *problem.scales.notes(eqs, atol))
 
 
 def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from symbody.simulation.methods.closed_loops.overconstrained import is_overconst
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.motion import Motion
+from symbody.simulation.motion import Motion, first_numbers
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -183,9 +183,14 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
         made, request.initial, request.guess, request.parameters, laws.formulas, start, scales=scales
     )
     problem = pose_problem(made, request.span, request.parameters, laws, scales, constraints, first)
-    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
     integration = Motion(
-        problem, x0, request.span, request.times, request.rtol, request.atol, request.max_steps
+        problem,
+        first_numbers(first),
+        request.span,
+        request.times,
+        request.rtol,
+        request.atol,
+        request.max_steps,
     )
     names = (*request.free_inputs, *(() if wrench is None else wrench.names))
     formulas = {name: law for name, law in laws.formulas.items() if name not in names}
