@@ -15,8 +15,9 @@ import pytest
 SOURCE = Path(__file__).parents[1] / "src" / "symbody"
 FILES = sorted([*SOURCE.rglob("*.py"), *SOURCE.rglob("*.pyi")])
 
-# The aim for the median is 130; the limit keeps it from drifting away.
-MAX_FILE, MAX_MEDIAN, MAX_FUNCTION = 400, 150, 60
+# A file is one thought, which its first line names. The aim for the median is 130; the limit keeps it from
+# drifting away.
+MAX_FILE, MAX_MEDIAN, MAX_FUNCTION = 600, 150, 60
 DRAWERS = {"base", "common", "helpers", "misc", "utils"}
 # Text never becomes code: these turn strings into it.
 TEXT_TO_CODE = {"eval", "exec", "lambdify", "parse_expr", "sympify"}

@@ -12,7 +12,7 @@ import symbody as sb
 from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.native.run import RawRun, Statistics
-from symbody.simulation.results.stop_note import stop_note
+from symbody.simulation.results.checks import stop_note
 from symbody.simulation.simulation_problem import SimulationProblem
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -21,7 +21,7 @@ from symbody.analysis.signal_sizes import signal_sizes
 from symbody.codegen.formation.bound_function import evaluate_once
 from symbody.codegen.formation.formula_values import FormulaValues
 from symbody.codegen.formation.names import Value
-from symbody.codegen.formation.parameter_set import parameter_set
+from symbody.codegen.formation.parameter_set import ParameterSet, parameter_set
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.model.constraints.couplings import Constraint
@@ -167,13 +167,23 @@ def mechanism_scales(
     """
     signals = checked_sizes(eqs, given)
     chosen = checked_scales({name: x for name, x in (given or {}).items() if name not in signals})
-    lengths, pulls, masses, moments = parameter_set(eqs, parameters).quantities
-    length = chosen.get("length", largest_magnitude(lengths))
+    values = parameter_set(eqs, parameters)
+    length = chosen.get("length", largest_magnitude(values.quantities.lengths))
     if not length and near is None:
         initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
         length = largest_magnitude(values_at_start(eqs, initial, parameters).values())
     elif not length and near is not None:
         length = largest_magnitude(x for name, x in near.items() if _is_length(eqs, name))
+    key = "scales", length, *chosen.items(), *signals.items()
+    scales: Scales = values.note(key, lambda: _scales_of_length(values, length, chosen, signals))
+    return scales
+
+
+def _scales_of_length(
+    values: ParameterSet, length: float, chosen: Mapping[str, float], signals: Mapping[str, float]
+) -> Scales:
+    """Return the scales of a mechanism of a length, 0 if it has none."""
+    eqs, (_, pulls, masses, moments) = values.original, values.quantities
     scales = Scales(length or 1.0, has_length=bool(length), signals=signals)
     gravity = math.hypot(*pulls)
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
@@ -181,8 +191,8 @@ def mechanism_scales(
     mass = (
         chosen.get("mass", largest_magnitude(masses) or largest_magnitude(moments) / scales.length**2) or 1.0
     )
-    numbers = parameter_set(eqs, parameters).floats if eqs.signal_state_names else scales.numbers
-    return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales), numbers=numbers)
+    numbers = values.floats if eqs.signal_state_names else scales.numbers
+    return replace(scales, mass=mass, equations=_equations(eqs, values.given, scales), numbers=numbers)
 
 
 def state_tolerances(

@@ -36,6 +36,7 @@ Floats = NDArray[np.float64]
 Specialize = Callable[[], Sequence]
 NOTHING: Final = np.zeros(0)
 _NO_SIGNALS: Final = ()
+_NO_PARAMETERS: Final = ()
 # Calls at a point after which a function has its own way into machine code; it takes some 50 us to make.
 _FEW_CALLS: Final = 20
 
@@ -216,6 +217,11 @@ class CompiledFunction:
             return self._values
         return np.concatenate([p, np.broadcast_to(self._values, (*p.shape[:-1], self._values.size))], axis=-1)
 
+    def at_states(self, t: Floats, q: Floats, u: Floats, r: Floats) -> Any:
+        """Return the outputs at times () or (N,) for states (.., n); nothing is free, nor checked."""
+        given = {"t": t[..., np.newaxis], "q": q, "u": u, "r": r, "c": self.bound_constants}
+        return self._reshape_outputs(self._code.tail(given, q.shape[:-1]), q.shape[:-1], None)
+
     def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:
         """Return the outputs for a state (speeds, coordinates, signals), the order of ``eqs.states``."""
         state = as_array("x", x)
@@ -273,8 +279,10 @@ class CompiledFunction:
         """How many numbers `constants` returns."""
         return self._code.constant_count
 
-    def constants(self, p: ArrayLike = ()) -> Floats:
+    def constants(self, p: ArrayLike = _NO_PARAMETERS) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""
+        if p is _NO_PARAMETERS and not self.signature.p:
+            return self.bound_constants
         return self._constants(checked_group("p", p, self.signature.names("p")))
 
     @property

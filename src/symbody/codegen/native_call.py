@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import sys
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.llvm.machine import lanes as widest
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.codegen.llvm.portable import compile_portable
@@ -24,6 +26,7 @@ GROUPS: Final = ("t", "q", "u", "r", "p", "c")
 _POINTER: Final = ctypes.c_void_p
 _LONG: Final = ctypes.c_int64
 _BYTES: Final = 8
+_DOUBLE: Final = np.dtype(np.float64)
 _SINGLE: Final = ctypes.CFUNCTYPE(ctypes.c_int, *[_POINTER] * (len(GROUPS) + 2))
 _BATCH: Final = ctypes.CFUNCTYPE(
     ctypes.c_int, _LONG, *([_POINTER, _LONG] * len(GROUPS)), _POINTER, _LONG, _POINTER
@@ -67,7 +70,7 @@ class NativeCall:
         lanes: bool | None = None,
         portable: bool = False,
     ) -> None:
-        self.sequence = sequence
+        self.sequence, self.output_size = sequence, sequence.output_size
         self.native: NativeFunction = (
             compile_portable(sequence) if portable else compile_sequence(sequence, quick=quick)
         )
@@ -80,8 +83,8 @@ class NativeCall:
 
     def __call__(self, given: Mapping[str, Floats], batch: tuple[int, ...], threads: int = 1) -> Floats:
         """Return (*batch, outputs) by at most `threads`; groups that are missing or empty are not read."""
-        count = int(np.prod(batch, dtype=np.int64))
-        out = np.empty((count, self.sequence.output_size))
+        count = math.prod(batch)
+        out = np.empty((count, self.output_size))
         points = _PointArrays(tuple(_rows(given.get(group), batch, count) for group in GROUPS), out)
         lanes = self._lanes_for(count)
         useful = max(1, min(threads, count * self._work // _WORTH_A_THREAD))
@@ -108,11 +111,14 @@ class NativeCall:
         SimulationError
             If a kernel could not be solved.
         """
-        out, work = np.empty(self.sequence.output_size), np.empty(self.native.work_size)
+        out, work = np.empty(self.output_size), np.empty(self.native.work_size)
         # Native code reads doubles that lie one after the other: slices and other byte orders are copied.
-        arrays = {group: np.require(values, np.float64, ["A", "C"]) for group, values in given.items()}
-        places = [arrays[group].ctypes.data if group in arrays else None for group in GROUPS]
-        check_status(self._point(*places, out.ctypes.data, work.ctypes.data))
+        arrays = {
+            group: x if x.dtype is _DOUBLE and x.flags.c_contiguous else np.require(x, _DOUBLE, ["A", "C"])
+            for group, x in given.items()
+        }
+        places = [address(arrays[group]) if group in arrays else None for group in GROUPS]
+        check_status(self._point(*places, address(out), address(work)))
         return out
 
     def _lanes_for(self, count: int) -> NativeFunction | None:
@@ -149,8 +155,8 @@ class _PointArrays:
         work, size = np.empty(function.work_size), self.out.shape[1]
         arguments = []
         for array, stride in self.rows:
-            arguments += [array.ctypes.data + _BYTES * start * stride, stride]
-        arguments += [self.out.ctypes.data + _BYTES * start * size, size, work.ctypes.data]
+            arguments += [address(array) + _BYTES * start * stride, stride]
+        arguments += [address(self.out) + _BYTES * start * size, size, address(work)]
         return int(_BATCH(function.batch_address)(count, *arguments))
 
 

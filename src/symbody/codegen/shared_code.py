@@ -77,7 +77,7 @@ class SharedCode:
     @property
     def constant_count(self) -> int:
         """How many numbers c are."""
-        return 0 if self.head is None else self.head.sequence.output_size
+        return 0 if self.head is None else self.head.output_size
 
     def constants(self, p: Floats) -> Floats:
         """Return c (..., n_c) for parameters (..., n_p).

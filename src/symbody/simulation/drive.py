@@ -37,7 +37,7 @@ from symbody.simulation.hybrid.switching import (
 )
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
-from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.motion import Motion
 from symbody.simulation.native.strikes import Strike
 from symbody.simulation.pieces import MotionInstant, Pieces
 from symbody.simulation.results.trajectory import Trajectory
@@ -60,7 +60,7 @@ class Driven(NamedTuple):
     sides: tuple[EventSide, ...]
 
 
-def drive(plan: MotionPlan, inputs: Mapping[str, object] | None = None) -> Driven:
+def drive(motion: Motion, inputs: Mapping[str, object] | None = None) -> Driven:
     """Return a motion with all that happens on its way.
 
     Parameters
@@ -75,17 +75,16 @@ def drive(plan: MotionPlan, inputs: Mapping[str, object] | None = None) -> Drive
     SimulationError
         If an FMU or a law fails, or no speeds fit rates that jump.
     """
-    integration = plan.integration
-    problem, span, x = integration.problem, integration.span, integration.state
+    problem, span, x = motion.problem, motion.span, motion.state
     fmus = {name: law for name, law in (inputs or {}).items() if isinstance(law, FmuInput)}
-    sampler = None if problem.sampler is None or samples_on_the_way(plan) else problem.sampler
+    sampler = None if problem.sampler is None or samples_on_the_way(motion) else problem.sampler
     with ExitStack() as stack:
         held = HeldInputs(problem, fmus, span, x, stack, sampler)
-        motion = _MotionByPieces(plan, held)
-        if not motion.has_instants:
-            piece = execute(plan)
+        pieces = _MotionByPieces(motion, held)
+        if not pieces.has_instants:
+            piece = execute(motion)
             return Driven(piece.run, problem, piece.sides)
-        return motion.go()
+        return pieces.go()
 
 
 class _MotionByPieces:
@@ -93,24 +92,23 @@ class _MotionByPieces:
 
     Parameters
     ----------
-    plan : MotionPlan
-        Of the whole motion.
+    motion : Motion
+        The whole of it.
     held : HeldInputs
         What is sampled between pieces.
     """
 
-    def __init__(self, plan: MotionPlan, held: HeldInputs) -> None:
-        integration = plan.integration
-        problem, span = integration.problem, integration.span
-        self._plan, self._held = plan, held
-        self._pieces = Pieces(plan)
-        self._times, margin = jump_times(problem, integration.state, span)
+    def __init__(self, motion: Motion, held: HeldInputs) -> None:
+        problem, span = motion.problem, motion.span
+        self._motion, self._held = motion, held
+        self._pieces = Pieces(motion)
+        self._times, margin = jump_times(problem, motion.state, span)
         self._way = 1.0 if span[1] >= span[0] else -1.0
         self._step = self._way * margin
         self._jumped: list[tuple[float, float]] = []  # jumps that changed a speed: when, and the energy
         self._passed = 0  # of the jumps
         self._modes = SwitchingModes(held.problem, self._pieces) if switches(problem.eqs.formed) else None
-        self._acts = any(event.mapping for event in integration.events)
+        self._acts = any(event.mapping for event in motion.events)
         self._changes: list[float] = []
         if self._modes is not None:
             check_backwards(span)
@@ -131,13 +129,13 @@ class _MotionByPieces:
                 raise
             self._pieces.interrupt()
             run = self._whole()
-        end = self._plan.integration.span[1]
+        end = self._motion.span[1]
         return Driven(run, self._held.problem_of_record(end), self._pieces.sides)
 
     def _march(self) -> Trajectory:
         """Go from instant to instant until the motion ends."""
-        integration = self._plan.integration
-        stage: PieceStart | None = PieceStart(integration.span[0], integration.state, {})
+        motion = self._motion
+        stage: PieceStart | None = PieceStart(motion.span[0], motion.state, {})
         try:
             while stage is not None:
                 x = self._settle(stage)
@@ -157,7 +155,7 @@ class _MotionByPieces:
 
     def _next_instant(self, t: float) -> MotionInstant:
         """Return when more happens than events."""
-        end, way = self._plan.integration.span[1], self._way
+        end, way = self._motion.span[1], self._way
         if way * (end - t) <= 0.0:  # behind a jump at the end
             return MotionInstant("end", t, t, t)
         found = MotionInstant("end", end, end, end)
@@ -190,7 +188,7 @@ class _MotionByPieces:
     def _end_piece(self, piece: MotionPiece, until: MotionInstant) -> PieceStart | None:
         """Let happen what ends a piece; return the state with which the motion goes on, if it does."""
         run, modes = piece.run, self._modes
-        stops = {event.label for event in self._plan.integration.events if event.action == "stop"}
+        stops = {event.label for event in self._motion.events if event.action == "stop"}
         if modes is not None and run.status is Status.STOPPED and piece.happened[-1].name not in stops:
             stage = modes.state_behind(piece)
             if piece.after is not None:
@@ -228,7 +226,7 @@ class _MotionByPieces:
         DeadEndError
             See above.
         """
-        start, end = self._plan.integration.span
+        start, end = self._motion.span
         last = piece.happened[-1]
         self._changes.append(last.t)
         recent = self._changes[-_MOST_CHANGES:]
@@ -269,24 +267,24 @@ class _MotionByPieces:
         KeyboardInterrupt
             If the motion is to end.
         """
-        integration = self._plan.integration
-        start, end = integration.span
-        if integration.progress is not None and integration.progress((t - start) / (end - start)) is False:
+        motion = self._motion
+        start, end = motion.span
+        if motion.progress is not None and motion.progress((t - start) / (end - start)) is False:
             raise KeyboardInterrupt
 
     def _dead_end(self, end: DeadEndError) -> Trajectory:
         """Return the motion up to a state in which it cannot go on."""
         if not self._pieces.runs:
-            integration = self._plan.integration
-            t, problem = integration.span[0], self._held.problem
+            motion = self._motion
+            t, problem = motion.span[0], self._held.problem
             start = MotionInstant("start", t, t, t)
-            self._pieces.add(execute(self._pieces.plan(problem, integration.state, t, start)), start)
+            self._pieces.add(execute(self._pieces.plan(problem, motion.state, t, start)), start)
         run = self._whole()
         return replace(run, status=end.status, notes=(*run.notes, f"at t = {end.t:.9g} s {end.why}"))
 
     def _whole(self) -> Trajectory:
         """Return the motion so far."""
-        problem = self._plan.integration.problem
+        problem = self._motion.problem
         run = self._pieces.trajectory()
         notes = run.notes
         if np.isfinite(self._held.due) and len(notes) > _MOST_NOTES:

@@ -1,4 +1,4 @@
-"""`execute`: one smooth motion, from its plan to its trajectory."""
+"""`execute`: one smooth motion, from its record to its trajectory."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.methods.breakdowns import judge_friction, judge_pivots, pivot_events
 from symbody.simulation.methods.closed_loops.change_point import integrate_on_branch
-from symbody.simulation.methods.integration import Integration, MotionPlan
+from symbody.simulation.methods.integration import Integration
+from symbody.simulation.motion import Motion
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.results.singular_angles import singular_passages
-from symbody.simulation.results.stop_note import stop_note
+from symbody.simulation.results.checks import singular_passages, stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 
@@ -40,16 +40,14 @@ class MotionPiece(NamedTuple):
     after: Floats | None = None
 
 
-def execute(plan: MotionPlan) -> MotionPiece:
+def execute(motion: Motion) -> MotionPiece:
     """Return the motion of equations that stay the same."""
-    integration = plan.integration
-    problem = integration.problem
+    problem = motion.problem
     has_pivots = problem.eqs.formed.elimination is not None
-    pivots = pivot_events(problem, integration.span[0], integration.state) if has_pivots else ()
+    pivots = pivot_events(problem, motion.span[0], motion.state) if has_pivots else ()
     if pivots:
-        watched = replace(integration, events=(*integration.events, *pivots))
-        plan = replace(plan, integration=watched)
-    run = integrate_on_branch(plan)
+        motion = replace(motion, events=(*motion.events, *pivots))
+    run = integrate_on_branch(motion)
     if pivots or not run.raw.status.success:
         run = judge_pivots(judge_friction(problem, run), pivots)
     watch, trajectory = run.watch, _trajectory(problem, run)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from symbody.simulation.events.events import Event, EventSide, Occurrence
 from symbody.simulation.execution import MotionPiece, execute
-from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.motion import Motion
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.piecewise import Piecewise
@@ -50,8 +50,8 @@ class Pieces:
 
     Parameters
     ----------
-    plan : MotionPlan
-        Of the whole motion.
+    motion : Motion
+        The whole of it.
 
     Attributes
     ----------
@@ -63,11 +63,11 @@ class Pieces:
         Where the values of the motion's events stand at the end.
     """
 
-    def __init__(self, plan: MotionPlan) -> None:
+    def __init__(self, motion: Motion) -> None:
         self.runs: list[Trajectory] = []
         self.occurrences: list[Occurrence] = []
-        self.sides: tuple[EventSide, ...] = plan.integration.sides
-        self._plan = plan
+        self.sides: tuple[EventSide, ...] = motion.sides
+        self._motion = motion
         self._modes: list[tuple[int, ...]] = []
         self._changes: dict[int, float] = {}
         self._stored = 0  # of the samples asked for
@@ -78,8 +78,8 @@ class Pieces:
     def plan(
         self, problem: SimulationProblem, x: Floats, t: float, end: MotionInstant, more: Sequence[Event] = (),
         free: SimulationProblem | None = None,
-    ) -> MotionPlan:  # fmt: skip
-        """Return the plan of the next piece.
+    ) -> Motion:  # fmt: skip
+        """Return the motion of the next piece.
 
         Parameters
         ----------
@@ -88,17 +88,17 @@ class Pieces:
         more : sequence of Event
             What is watched besides the events of the motion.
         free : SimulationProblem, optional
-            The equations in which actions close states; see `IntegrationProblem`.
+            The equations in which actions close states; see `Motion`.
         """
-        whole = self._plan.integration
+        whole = self._motion
         span = t, end.before
         self._width = max(self._width, end.width, abs(end.behind - end.before))
         part = whole.part(x, span, self._times(span, end), self._steps, problem, (*whole.events, *more))
-        return replace(self._plan, integration=replace(part, sides=self.sides, free=free))
+        return replace(part, sides=self.sides, free=free)
 
     def _times(self, span: tuple[float, float], end: MotionInstant) -> Floats | None:
         """Return the samples of a piece; one at an instant belongs to the piece at later times."""
-        whole = self._plan.integration
+        whole = self._motion
         if whole.times is None or end.happens == "start":
             return None
         times, last = np.asarray(whole.times), None
@@ -117,7 +117,7 @@ class Pieces:
         run, is_there = piece.run, piece.run.status is Status.SUCCESS and until.happens == "jump"
         edge = None
         if is_there:
-            is_forward = self._plan.integration.span[1] >= self._plan.integration.span[0]
+            is_forward = self._motion.span[1] >= self._motion.span[0]
             edge = until.at if is_forward else math.nextafter(until.at, -math.inf)
         self.runs.append(_stretch(run, self._edge, edge))
         self._edge = edge
@@ -126,14 +126,14 @@ class Pieces:
         self._stored += run.t.size
         self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
         if len(self.runs) == 1 or _length(run):  # one of no time sees nothing pass zero
-            self.sides = piece.sides[: len(self._plan.integration.events)]
+            self.sides = piece.sides[: len(self._motion.events)]
 
     def leave_out(self, t: float, *, is_replaced: bool = False) -> None:
         """Leave out the last sample of the last piece if it is at a time at which the motion was cut.
 
         Of samples asked for it stays, unless the state behind `is_replaced`: then it is the one behind.
         """
-        times, run = self._plan.integration.times, self.runs[-1]
+        times, run = self._motion.times, self.runs[-1]
         if times is None or not run.t.size or run.t[-1] != t:
             return
         is_asked = self._stored <= np.size(times) and run.t[-1] in np.asarray(times)
@@ -145,14 +145,14 @@ class Pieces:
         )
         self._stored -= 1
 
-    def begin_behind(self, t: float, first: MotionPlan) -> None:
+    def begin_behind(self, t: float, first: Motion) -> None:
         """Let the next piece begin in another state than the last one ended: both are samples.
 
-        Of samples asked for it is the one behind; `first` is the plan of a motion that is the state before.
+        Of samples asked for it is the one behind; `first` is a motion that is the state before.
         """
         if self.runs:
             self.leave_out(t, is_replaced=True)
-        elif self._plan.integration.times is None:
+        elif self._motion.times is None:
             self.add(execute(first), MotionInstant("start", t, t, t))
 
     def add_energy(self, change: float) -> None:
@@ -167,8 +167,8 @@ class Pieces:
     def trajectory(self) -> Trajectory:
         """Return the whole motion, with the verdict of its last piece."""
         run = concatenate(self.runs, self.occurrences, self._changes, self._modes)
-        if self._plan.integration.times is not None:
-            run = at_times_asked(run, np.asarray(self._plan.integration.times), self._width)
+        if self._motion.times is not None:
+            run = at_times_asked(run, np.asarray(self._motion.times), self._width)
         return run
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import get_args
+from typing import Final, get_args
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.configurations.assembly import assemble
@@ -26,16 +25,19 @@ from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
-from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
-from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.motion import Motion, first_numbers
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
+from symbody.simulation.results.checks import start_notes
 from symbody.simulation.results.provenance import provenance_of
-from symbody.simulation.results.start_notes import start_notes
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sampling.held_signals import HeldSignals, held_signals
 from symbody.simulation.sampling.later_samples import sample_later
 from symbody.simulation.simulation_problem import SimulationProblem
+
+_INTEGRATORS: Final = get_args(Integrator)
+_CONSTRAINTS: Final = get_args(Constraints)
 
 
 @checked_arguments
@@ -89,15 +91,15 @@ def simulate(
     held = held_signals(eqs, span, parameters, exact, inputs)
     inputs, exact = {**inputs, **held.laws}, held.others(exact)
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
-    with show_progress(progress, "motion") as report:
+    with show_progress(progress, "motion") as show:
         first = assemble(eqs, exact, near, parameters, laws.formulas, span[0], scales=scales)
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
-        notes = (*_input_notes(eqs, inputs, laws), *problem.scales.notes(eqs, atol))
-        notes += start_notes(problem, first, {**near, **exact})
-        x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
-        integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
-        run, problem, _ = drive(MotionPlan(integration, integrator, constraints), inputs)
+        notes = _input_notes(problem, inputs, atol) + start_notes(problem, first, {**near, **exact})
+        run, problem, _ = drive(Motion(
+            problem, first_numbers(first), span, times, rtol, atol, max_steps, show, watched, integrator,
+            constraints,
+        ), inputs)  # fmt: skip
     return _annotate(run, problem, first, notes, held)
 
 
@@ -127,12 +129,16 @@ def pose_problem(
     return SimulationProblem(stabilized, dict(parameters), laws, sizes, first)
 
 
-def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:
+def _input_notes(
+    problem: SimulationProblem, inputs: Mapping[str, Law], atol: float | None
+) -> tuple[str, ...]:
+    """Return notes on inputs, on motions that are prescribed whole, and on what counts as large."""
+    eqs = problem.eqs
     silent = sorted(set(eqs.input_names).difference(inputs))
     notes = [silent_input_note(eqs.units, name) for name in silent]
     if not (eqs.speed_names or eqs.formed.light_balances):
         notes.append("every coordinate is prescribed: only driving forces and reactions are computed")
-    return (*notes, *laws.notes)
+    return (*notes, *problem.laws.notes, *problem.scales.notes(eqs, atol))
 
 
 def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:
@@ -168,8 +174,8 @@ def check_arguments(
             Problem("simulation.not_a_time", "t_end", what, "", "give seconds: 10.0, or (2.0, 10.0)")
         )
     for name, given, kinds in [
-        ("integrator", integrator, get_args(Integrator)),
-        ("constraints", constraints, get_args(Constraints)),
+        ("integrator", integrator, _INTEGRATORS),
+        ("constraints", constraints, _CONSTRAINTS),
     ]:
         if given is not None and not isinstance(given, kinds):
             known = ", ".join(f"{kind.__name__}(..)" for kind in kinds)

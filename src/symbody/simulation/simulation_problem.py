@@ -133,7 +133,7 @@ class SimulationProblem:
 
     def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
-        return function(t, q.T, u.T, self.laws.values(t, q, u))
+        return function.at_states(t, q.T, u.T, self.laws.values(t, q, u))
 
     def value(self, output: str, t: float, q: Floats, u: Floats) -> float:
         """Return a number at one state."""

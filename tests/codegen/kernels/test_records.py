@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.kernels.reader import read_text
 from symbody.codegen.kernels.source import KernelError
 from symbody.codegen.kernels.tree import Apply, ArrayEntry, KernelTree, Literal, Part, Return, Type, Variable
@@ -17,7 +18,6 @@ from symbody.kernels.language import Reals
 from symbody.kernels.pack import pack
 from symbody.kernels.record_layout import RecordLayout, exists, inline, pointer
 from symbody.kernels.samples.sample_hold import SampleHold
-from symbody.simulation.native.machine import address
 
 HEAD = """
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from symbody.analysis.curvature import limited_coordinates
 from symbody.analysis.named_values import unit_quaternions
 from symbody.analysis.scales import Scales
+from symbody.codegen.call_arguments import address
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
@@ -239,7 +240,7 @@ class PlainAssembly:
         self._choose_speeds(A, fixed, near)
         A[self._constants] = constants
         x = np.concatenate([np.zeros(n_u), start])
-        if _kernel()(self._function, A.ctypes.data, t, x.ctypes.data) != SOLVED or not (np.isfinite(x).all()):
+        if _kernel()(self._function, address(A), t, address(x)) != SOLVED or not (np.isfinite(x).all()):
             return None
         return self._state(A, x, start)
 

@@ -225,9 +225,9 @@ class _Request:
 
 def _is_without_value(code: SharedCode, constants: Floats) -> bool:
     """Return whether the code divides by 0 with these constants, before it is called or then."""
-    if not constants.size:
-        return False
-    return not np.isfinite(constants).all() or not constants.take(code.divisors).all()
+    if np.count_nonzero(np.isfinite(constants)) < constants.size:
+        return True
+    return bool(np.count_nonzero(constants.take(code.divisors)) < code.divisors.size)
 
 
 def _split_inputs(

@@ -13,7 +13,7 @@ from symbody.expr.graph import TIME
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequences.evaluate import evaluate_sequence
-from symbody.expr.sequences.sequence import Roots, build_sequence
+from symbody.expr.sequences.sequence import Roots, Sequence, build_sequence
 from symbody.model.numbers import as_float
 
 
@@ -39,7 +39,7 @@ class FormulaValues:
         self._numbers = [0.0 if number is None else as_float(number) for number in plain]
         self._places = [k for k, number in enumerate(plain) if number is None]
         self._read: tuple[str, ...] = ()
-        self._sequence = None
+        self._sequence: Sequence | None = None
         if self._places:
             graph, names = eqs.formed.graph, eqs.formed.names
             nodes = tuple(
@@ -52,6 +52,8 @@ class FormulaValues:
             if not timed:
                 del places[graph.symbol(TIME)]
             self._sequence = build_sequence(graph, [Roots("values", (len(nodes),), nodes)], places)
+            if not self._read:
+                self._numbers, self._sequence = self.numbers({}), None
 
     def numbers(self, values: Mapping[str, float]) -> list[float]:
         """Return the value of each formula, with those of all parameters."""

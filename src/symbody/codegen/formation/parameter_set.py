@@ -70,17 +70,19 @@ class ParameterSet:
         default_factory=lambda: SingleFlight(_MOST_FUNCTIONS), repr=False
     )
     _notes: SingleFlight[Hashable, Any] = field(default_factory=lambda: SingleFlight(_MOST_NOTES), repr=False)
-    _for_values: SingleFlight[None, tuple[tuple[bool, ...], EquationSet]] = field(
-        default_factory=SingleFlight, repr=False
-    )
 
     @property
     def floats(self) -> Mapping[str, float]:
         """The values as floats."""
-        floats: Mapping[str, float] = self.note(
-            "floats", lambda: {name: as_float(value) for name, value in self.values.items()}
-        )
+        floats: Mapping[str, float] = self.note("floats", self._find_floats)
         return floats
+
+    def _find_floats(self) -> dict[str, float]:
+        declared = _entries_of(self.original)  # most values are those of the model
+        return {
+            name: declared.floats[name] if value is declared.values.get(name) else as_float(value)
+            for name, value in self.values.items()
+        }
 
     @property
     def quantities(self) -> Quantities:
@@ -115,30 +117,39 @@ class ParameterSet:
         FormulationError
             If a constraint on parameters alone excludes these values.
         """
-        return self._for_values.get(None, self._equations_for_values)[1]
+        return self._for_values[1]
 
     @property
     def pattern(self) -> Hashable:
         """What the code depends on: sets with the same pattern share it."""
-        rows = self._for_values.get(None, self._equations_for_values)[0]
-        return self.free, self.numbers, tuple(self.written.items()), rows
+        return self._for_values[0]
 
     def replacements(self) -> dict[int, int]:
         """Return the nodes that take the place of parameters that are no arguments."""
         return parameter_nodes(self.original, self.written, (*self.free, *self.numbers))
 
-    def _equations_for_values(self) -> tuple[tuple[bool, ...], EquationSet]:
+    @property
+    def _for_values(self) -> tuple[Hashable, EquationSet]:
+        """The pattern and the equations."""
+        made: tuple[Hashable, EquationSet] = self.note("equations", self._find_equations)
+        return made
+
+    def _find_equations(self) -> tuple[Hashable, EquationSet]:
+        eqs, silent = self.original, self._silent_rows()
+        pattern = self.free, self.numbers, tuple(self.written.items()), silent
+        return pattern, eqs.without_rows(silent)
+
+    def _silent_rows(self) -> tuple[bool, ...]:
+        """Return which constraints are 0 = 0 with these values; empty without constraints."""
         eqs = self.original
         if not (eqs.multiplier_names or eqs.formed.coupled.rows):
-            return (), eqs
-        values = self.floats
+            return ()
         if eqs.formed.topology.model.constraints:
-            check_parameter_constraints(eqs.formed, values)
+            check_parameter_constraints(eqs.formed, self.floats)
         if not eqs.multiplier_names:
-            return (), eqs
+            return ()
         rows: RoundingRows = eqs.plans.get("rounding rows", lambda: RoundingRows(eqs))
-        silent = rows(values)
-        return silent, eqs.without_rows(silent)
+        return rows(self.floats)
 
 
 def parameter_set(
@@ -164,12 +175,15 @@ class _ModelEntries(NamedTuple):
     ----------
     entries : mapping of name to number, formula or None
     values : mapping of name to number
+    floats : mapping of name to float
+        The same values.
     sources : mapping of name to set of str
         All parameters that a formula reads, through others too.
     """
 
     entries: Mapping[str, Entry]
     values: Mapping[str, Constant]
+    floats: Mapping[str, float]
     sources: Mapping[str, frozenset[str]]
 
 
@@ -191,12 +205,13 @@ def _model_entries(eqs: EquationSet) -> _ModelEntries:
         read = frozenset(formula.names)
         sources[name] = read.union(*(sources.get(other, frozenset()) for other in read))
         try:
-            value = formula_value(formula, values)
+            value = formula_value(formula, values) if plain is None else plain
         except ExpressionError:  # it may be given another value
             continue
         if value is not None:
             values[name] = value
-    return _ModelEntries(entries, values, sources)
+    floats = {name: as_float(value) for name, value in values.items()}
+    return _ModelEntries(entries, values, floats, sources)
 
 
 def _resolve_set(eqs: EquationSet, given: Mapping[str, Value], free: tuple[str, ...]) -> ParameterSet:
@@ -205,8 +220,10 @@ def _resolve_set(eqs: EquationSet, given: Mapping[str, Value], free: tuple[str, 
         check_names(eqs, given, free)
     replaced = {name: _entry(name, value) for name, value in given.items() if name in model.parameters}
     formulas = {name: entry for name, entry in replaced.items() if isinstance(entry, Formula)}
-    order = model.parameter_order(formulas) if formulas else declared.entries
-    entries = {name: replaced.get(name, declared.entries[name]) for name in order if name not in free}
+    entries = {**declared.entries, **replaced}
+    if formulas or free:
+        order = model.parameter_order(formulas) if formulas else entries
+        entries = {name: entries[name] for name in order if name not in free}
     missing = [name for name, entry in entries.items() if entry is None]
     if missing:
         raise CompileError(missing_value(missing))

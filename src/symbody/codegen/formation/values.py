@@ -74,12 +74,15 @@ def constant_values(
     }
     if len(plain) == len(formulas):
         return plain
-    read = [Formula.from_value(value, where=name) for name, value in formulas.items()]
-    key = "values", tuple([formula.text for formula in read])
-    values: FormulaValues = eqs.plans.get(key, lambda: FormulaValues(eqs, read))
-    numbers = dict(zip(formulas, values.numbers(parameter_set(eqs, parameters).floats), strict=True))
+    read = {
+        name: Formula.from_value(value, where=name) for name, value in formulas.items() if name not in plain
+    }
+    key = "values", tuple([formula.text for formula in read.values()])
+    values: FormulaValues = eqs.plans.get(key, lambda: FormulaValues(eqs, read.values()))
+    computed = dict(zip(read, values.numbers(parameter_set(eqs, parameters).floats), strict=True))
+    numbers = {name: computed[name] if name in read else plain[name] for name in formulas}
     if not all(map(math.isfinite, numbers.values())):
-        _check_exactly(eqs, read, parameters or {})
+        _check_exactly(eqs, [*read.values()], parameters or {})
     return numbers
 
 

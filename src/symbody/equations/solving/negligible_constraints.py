@@ -7,6 +7,7 @@ hand. Each row is compared with them at a few random configurations, with values
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from collections.abc import Sequence as Items
 from dataclasses import replace
@@ -72,11 +73,14 @@ def negligible_rows(
     for _ in range(POINTS if formed.rows else 0):
         values = evaluate_sequence(program, random_point(formed, parameters, random))
         for k in range(len(silent)):
-            slopes, squares = values[2 * k], values[2 * k + 1]
-            limits = (TYPED * max(float(square), 0.0) ** 0.5 for square in squares)
-            quiet = all(abs(float(x)) <= limit for x, limit in zip(slopes, limits, strict=True))
-            silent[k] = silent[k] and quiet
+            silent[k] = silent[k] and is_rounding(values[2 * k], values[2 * k + 1])
     return silent
+
+
+def is_rounding(slopes: Items[float], squares: Items[float]) -> bool:
+    """Return whether slopes are below `TYPED` of the motions that they compare, whose squares these are."""
+    pairs = zip(slopes, squares, strict=True)
+    return all(abs(float(x)) <= TYPED * math.sqrt(max(float(square), 0.0)) for x, square in pairs)
 
 
 def _slopes_and_squares(formed: EquationsOfMotion, row: ConstraintEquation) -> tuple[list[Expr], list[Expr]]:

@@ -55,8 +55,16 @@ def evaluate_sequence(
     """
     rules = FLOATS if arithmetic is None else arithmetic
     values: list[Number] = []
+    functions, symbols = rules.functions, sequence.inputs
     for operation in sequence.operations:
-        values.append(_value(sequence, operation, values, inputs, rules))
+        code, operands, datum = operation
+        if code == op.SYMBOL:
+            symbol = symbols[datum]
+            values.append(inputs[symbol.group][symbol.position])
+        elif code != op.POW and code in functions:
+            values.append(functions[code](*[values[k] for k in operands]))
+        else:
+            values.append(_value(sequence, operation, values, rules))
     return [[values[k] for k in output.values] for output in sequence.outputs]
 
 
@@ -64,13 +72,10 @@ def _value(
     sequence: Sequence,
     operation: Operation,
     values: list[Number],
-    inputs: Mapping[str, Items[Number]],
     rules: Arithmetic,
 ) -> Number:
+    """Return the value of a number, a power, a kernel or what it leaves, a program, or a user's function."""
     code, operands, datum = operation
-    if code == op.SYMBOL:
-        entry = sequence.inputs[datum]
-        return inputs[entry.group][entry.position]
     if code in (op.RATIONAL, op.FLOAT):
         return rules.constant(sequence.constants[datum])
     if code == op.PI:

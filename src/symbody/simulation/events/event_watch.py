@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.kernels import block as run_at
 from symbody.kernels.block import Run
 from symbody.kernels.events.event_monitor import (
@@ -27,7 +28,7 @@ from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import Event, EventSide, Occurrence
 from symbody.simulation.events.watch_arrays import with_cut_fit
 from symbody.simulation.native.description import LoopCall, Record
-from symbody.simulation.native.machine import address, watched_motion
+from symbody.simulation.native.machine import watched_motion
 from symbody.simulation.native.segments import Cut, HeldValues
 from symbody.simulation.status import Status
 

@@ -28,7 +28,7 @@ from symbody.simulation.hybrid.modes import (
 from symbody.simulation.hybrid.rate_jumps import struck_friction
 from symbody.simulation.hybrid.ropes import TAUT, RopeElements, rope_elements
 from symbody.simulation.hybrid.stick_slip import stick_slip_joints
-from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.motion import Motion
 from symbody.simulation.pieces import MotionInstant, Pieces
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -232,8 +232,8 @@ class SwitchingModes:
         names = self.mechanism.problem.eqs.state_names
         self._pieces.occurrences.append(Occurrence(name, t, dict(zip(names, x.tolist(), strict=True))))
 
-    def _first_state(self, t: float, x: Floats) -> MotionPlan:
-        """Return the plan of the motion that consists of one state."""
+    def _first_state(self, t: float, x: Floats) -> Motion:
+        """Return the motion that consists of one state."""
         default = tuple(kind.default for kind, _ in self.mechanism.elements)
         return self._pieces.plan(self.mechanism.problem_in(default), x, t, MotionInstant("start", t, t, t))
 

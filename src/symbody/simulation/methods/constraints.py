@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 # shifts what follows by eps times it. So residuals are known to 3 eps of the largest coordinate, for each.
 ROUNDED_PER_COORDINATE: Final = 3.0
 
+_EMPTY: Final = np.zeros(0)
 # Outputs of the projecting function, in the order that the compiled loop expects.
 PROJECTED = ("position_residual", "position_move", "velocity_residual", "velocity_move")
 
@@ -153,21 +154,12 @@ def make_projector(
     scales = sizes.constraints(eqs)[: len(eqs.formed.holonomic)]
     ones = np.ones(function.outputs[0].shape[0])
     ones[: scales.size] = scales
-    empty = np.zeros(0)
     return Projector(
-        function.address,
-        n_u,
-        empty,
-        empty,
-        function.constants(),
-        function.work_size,
-        n_q,
-        tolerance * ones,
-        method.limit,
-        sizes.coordinates(eqs),
+        function.address, n_u, _EMPTY, _EMPTY, function.constants(), function.work_size, n_q,
+        tolerance * ones, method.limit, sizes.coordinates(eqs),
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
         sum(len(output.values) for output in function.outputs),
-    )
+    )  # fmt: skip
 
 
 def residual_share(method: Projection, atol: float | None) -> float:

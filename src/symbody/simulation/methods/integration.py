@@ -1,4 +1,4 @@
-"""`Plan`: a smooth motion with the method that is to compute it, and `integrate_plan`, which does.
+"""`Plan`: a smooth motion with the method that is to compute it, and `integrate_motion`, which does.
 
 Without an integrator a motion starts explicitly. Where stability alone keeps the steps small, `Stiff` is
 tried: it goes on where it takes far fewer steps, and explicit steps do where what is fast is hardly damped.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Final, NamedTuple
 
@@ -29,7 +29,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL, run_ggl
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, run_generalized_alpha
 from symbody.simulation.methods.implicit.stiff import Stiff, run_stiff
-from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
+from symbody.simulation.motion import Motion, StateProjector
 from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before
@@ -63,48 +63,39 @@ _VIBRATES: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class MotionPlan:
-    """A smooth motion and the method that is to compute it; None leaves the choice open."""
-
-    integration: IntegrationProblem
-    integrator: Integrator | None
-    constraints: Constraints | None
-
-
 class Integration(NamedTuple):
-    """The run of a plan, what to note about it, and what looked for events."""
+    """The run of a motion, what to note about it, and what looked for events."""
 
     raw: RawRun
     notes: Notes
     watch: EventWatch | None
 
 
-def integrate_plan(plan: MotionPlan) -> Integration:
-    """Return the run of a plan; constraints are held by `Projection` if the plan leaves that open.
+def integrate_motion(motion: Motion) -> Integration:
+    """Return the run of a motion; constraints are held by `Projection` if that is left open.
 
     Raises
     ------
     UsageError
-        If the integrator cannot hold the constraints as the plan requires.
+        If the integrator cannot hold the constraints as required.
     SimulationError
         If the law of an input fails.
     """
-    integration, integrator = plan.integration, plan.integrator
-    constraints = _fitting_constraints(plan)
+    integrator = motion.integrator
+    constraints = _fitting_constraints(motion)
     # Methods that do not project after steps, except `Baumgarte`, do so where samples are interpolated.
     projection = constraints if isinstance(constraints, Projection) else _PROJECTION
-    closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
-    watch = integration.event_watch(projection)
-    raw, notes, watch = _run_method(integration, integrator, constraints, closing, watch)
+    closing = None if isinstance(constraints, Baumgarte) else motion.projection(projection)
+    watch = motion.event_watch(projection)
+    raw, notes, watch = _run_method(motion, integrator, constraints, closing, watch)
     step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
-    return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
+    return Integration(raw, (*notes, *motion.breakpoints.notes(step)), watch)
 
 
-def _fitting_constraints(plan: MotionPlan) -> Constraints:
+def _fitting_constraints(motion: Motion) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
-    constraints = plan.constraints or _PROJECTION
-    eqs = plan.integration.eqs
+    constraints = motion.constraints or _PROJECTION
+    eqs = motion.eqs
     fits: tuple[type, ...]
     if isinstance(constraints, GGL):
         fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"
@@ -112,51 +103,51 @@ def _fitting_constraints(plan: MotionPlan) -> Constraints:
         fits, name, why, fix = (Explicit,), "sb.Partition()", "is integrated explicitly", "sb.Explicit()"
     else:
         return constraints
-    if not (plan.integrator is None or isinstance(plan.integrator, fits)):
+    if not (motion.integrator is None or isinstance(motion.integrator, fits)):
         what = f"this integrator cannot be combined with {name}"
         raise UsageError(Problem("simulation.combination", "integrator", what, f"{name} {why}", f"use {fix}"))
     return constraints if eqs.multiplier_names else _PROJECTION
 
 
 def _run_method(
-    integration: IntegrationProblem,
+    motion: Motion,
     integrator: Integrator | None,
     constraints: Constraints,
     closing: StateProjector | None,
     watch: EventWatch | None,
 ) -> tuple[RawRun, Notes, EventWatch | None]:
     """Return the run by a method that can hold the constraints, what to note, and what looked for events."""
-    held = integration.problem.sampler is not None
+    held = motion.problem.sampler is not None
     if isinstance(constraints, GGL):
         stiff = integrator if isinstance(integrator, Stiff) else Stiff()
-        return *run_ggl(integration, stiff, watch), watch
+        return *run_ggl(motion, stiff, watch), watch
     if isinstance(constraints, Partition):
         explicit = integrator if isinstance(integrator, Explicit) else DEFAULT
-        return *run_partition(integration, constraints, explicit, watch), watch
+        return *run_partition(motion, constraints, explicit, watch), watch
     if isinstance(integrator, Stiff):
-        return run_stiff(integration, integrator, constraints, watch), (), watch
+        return run_stiff(motion, integrator, constraints, watch), (), watch
     if isinstance(integrator, GeneralizedAlpha):
-        tolerance = work_tolerance(integration)
-        return *run_generalized_alpha(integration, integrator, closing, watch, tolerance), watch
+        tolerance = work_tolerance(motion)
+        return *run_generalized_alpha(motion, integrator, closing, watch, tolerance), watch
     if integrator is not None or held:
-        return run_explicit(integration, integrator or DEFAULT, closing, watch), (), watch
-    return _choose_method(integration, constraints, closing, watch)
+        return run_explicit(motion, integrator or DEFAULT, closing, watch), (), watch
+    return _choose_method(motion, constraints, closing, watch)
 
 
 def _choose_method(
-    integration: IntegrationProblem,
+    motion: Motion,
     constraints: Projection | Baumgarte,
     closing: StateProjector | None,
     watch: EventWatch | None,
 ) -> tuple[RawRun, Notes, EventWatch | None]:
     """Return a run by explicit steps, carried on by `Stiff` where a first part of it shows that this pays."""
-    raw = run_explicit(integration, DEFAULT, closing, watch, stop_when_stiff=True)
+    raw = run_explicit(motion, DEFAULT, closing, watch, stop_when_stiff=True)
     if raw.status is not Status.STIFF or raw.dense_output is None:
         return raw, (), watch
-    length, steps = _steps_left(raw.dense_output, integration.span[1])
+    length, steps = _steps_left(raw.dense_output, motion.span[1])
     if watch is None and steps < BEARABLE:
-        return run_explicit(integration, DEFAULT, closing, watch), (), watch  # events would be noted twice
-    remainder = _remainder(integration, raw, raw.dense_output(raw.reached))
+        return run_explicit(motion, DEFAULT, closing, watch), (), watch  # events would be noted twice
+    remainder = _remainder(motion, raw, raw.dense_output(raw.reached))
     note = _STIFF.format(raw.reached, length)
     most = max(_TRIAL, math.ceil(steps / _GAIN))
     try:
@@ -170,12 +161,12 @@ def _choose_method(
                 return run, (note,), watch
     except KeyboardInterrupt:  # while it compiled: what came before is kept
         return replace(raw, status=Status.INTERRUPTED), (), watch
-    again = integration.event_watch(constraints if isinstance(constraints, Projection) else _PROJECTION)
-    return run_explicit(integration, DEFAULT, closing, again), (_VIBRATES.format(length),), again
+    again = motion.event_watch(constraints if isinstance(constraints, Projection) else _PROJECTION)
+    return run_explicit(motion, DEFAULT, closing, again), (_VIBRATES.format(length),), again
 
 
 def _run_some(
-    remainder: IntegrationProblem, constraints: Projection | Baumgarte, steps: int, watch: EventWatch | None
+    remainder: Motion, constraints: Projection | Baumgarte, steps: int, watch: EventWatch | None
 ) -> RawRun:
     """Return a run by `Stiff` of at most so many steps."""
     part = replace(remainder, max_steps=min(steps, remainder.max_steps))
@@ -191,7 +182,7 @@ def _gains(trial: RawRun, length: float) -> bool:
 
 
 def run_explicit(
-    integration: IntegrationProblem,
+    motion: Motion,
     method: Explicit | FixedStep,
     closing: StateProjector | None,
     watch: EventWatch | None,
@@ -205,7 +196,7 @@ def run_explicit(
     SimulationError
         If the law of an input fails.
     """
-    problem, laws = integration.problem, integration.problem.laws
+    problem, laws = motion.problem, motion.problem.laws
     # The work is one more state: the function writes its rate, the power, behind xdot.
     function = problem.compile_outputs(OF_STEPS)
     python_laws = CallbackFunction(function, laws) if laws.need_python else None
@@ -216,23 +207,23 @@ def run_explicit(
         integrate,
         function.address if python_laws is None else python_laws.address,
         function.work_size,
-        integration.n_u,
-        integration.x0.size - integration.n_u,
-        integration.x0,
-        integration.span,
+        motion.n_u,
+        motion.x0.size - motion.n_u,
+        motion.x0,
+        motion.span,
         method=method,
         inputs=np.zeros(len(laws.callbacks)),
         tables=laws.table_numbers(),
         constants=function.constants(),
-        times=integration.times,
-        rtol=integration.rtol,
-        atol=[*integration.tolerances, work_tolerance(integration)],
-        max_steps=integration.max_steps,
+        times=motion.times,
+        rtol=motion.rtol,
+        atol=[*motion.tolerances, work_tolerance(motion)],
+        max_steps=motion.max_steps,
         stop_when_stiff=stop_when_stiff,
-        progress=integration.progress,
+        progress=motion.progress,
         projector=projector,
         watch=watch,
-        breakpoints=integration.breakpoints,
+        breakpoints=motion.breakpoints,
         held=None if problem.sampler is None else SampledLoop(problem, problem.sampler),
     )
     if python_laws is None:
@@ -246,19 +237,19 @@ def run_explicit(
     raise python_laws.error
 
 
-def work_tolerance(integration: IntegrationProblem) -> float:
+def work_tolerance(motion: Motion) -> float:
     """Return how large a local error of the work may be.
 
     Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism
     in fast motion would need steps without end.
     """
-    energy = CLOSED * integration.problem.scales.energy
-    usual = energy if integration.atol is None else integration.atol
-    return min(max(usual, integration.rtol * _first_kinetic_energy(integration)), sys.float_info.max)
+    energy = CLOSED * motion.problem.scales.energy
+    usual = energy if motion.atol is None else motion.atol
+    return min(max(usual, motion.rtol * _first_kinetic_energy(motion)), sys.float_info.max)
 
 
-def _first_kinetic_energy(integration: IntegrationProblem) -> float:
-    problem, t, n_u, x = integration.problem, integration.span[0], integration.n_u, integration.state
+def _first_kinetic_energy(motion: Motion) -> float:
+    problem, t, n_u, x = motion.problem, motion.span[0], motion.n_u, motion.state
     first = problem.first_numbers(t, x)
     if first is not None and first.kinetic_energy is not None:
         return first.kinetic_energy
@@ -280,19 +271,19 @@ def _steps_left(dense: DenseOutput, end: float) -> tuple[float, float]:
     return float(abs(reached - last)), float((end - reached) / (reached - last))
 
 
-def _remainder(integration: IntegrationProblem, first: RawRun, x: Floats) -> IntegrationProblem:
+def _remainder(motion: Motion, first: RawRun, x: Floats) -> Motion:
     """Return what an explicit run that was broken off in a state `x` leaves to another method."""
-    start, end = first.reached, integration.span[1]
+    start, end = first.reached, motion.span[1]
     times = None
-    if integration.times is not None:
-        samples = np.asarray(integration.times)
+    if motion.times is not None:
+        samples = np.asarray(motion.times)
         times = samples[(samples - start) * np.sign(end - start) > 0.0]
     return replace(
-        integration,
+        motion,
         x0=x,
         span=(start, end),
         times=times,
-        max_steps=integration.max_steps - first.statistics.accepted - (first.statistics.rejected or 0),
+        max_steps=motion.max_steps - first.statistics.accepted - (first.statistics.rejected or 0),
         before=first,
     )
 

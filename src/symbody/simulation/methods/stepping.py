@@ -14,8 +14,9 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.simulation.native.dense_output import DenseOutput, shorten
-from symbody.simulation.native.machine import address, step_machine
+from symbody.simulation.native.machine import step_machine
 from symbody.simulation.native.run import SLICE_SECONDS, Progress, RawRun, Statistics, memory_limit
 from symbody.simulation.native.segments import Cut, StepWatch, steps_before
 from symbody.simulation.status import Status

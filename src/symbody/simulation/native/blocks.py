@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Hashable
+from typing import Any, Final
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from symbody.simulation.native.runge_kutta import Tableau
 from symbody.single_flight import SingleFlight
 
 _METHODS: Final[SingleFlight[tuple[Tableau, int], Floats]] = SingleFlight(64)
+_TEMPLATES: Final[SingleFlight[Hashable, Floats]] = SingleFlight(64)
 
 
 def make_block(
@@ -33,20 +35,64 @@ def make_block(
     t: float,
     first_step: float = 0.0,
 ) -> Floats:
-    """Return the block of a motion at its first time [s] and state x = (u, q)."""
+    """Return the block of a motion at its first time [s] and state x = (u, q).
+
+    Blocks of one size differ in a few numbers, which are written into a copy of the first one.
+    """
+    shape = x.size, rhs.n_u, _sizes(rhs), _sizes(projector), projector.n_q, projector.scales.size
+    key = tableau, goal.breaks.tobytes(), shape, projector.out_size
+    block = _TEMPLATES.get(key, lambda: _first_block(rhs, projector, tableau, goal.breaks, x)).copy()
+    run = Run(block)
+    run.time, run.t_end, run.first_step, run.cases.start = t, goal.t_end, first_step, t
+    aim = run.goal
+    aim.direction, aim.rtol, aim.max_step = goal.direction, goal.rtol, goal.max_step
+    aim.max_trials, aim.stop_when_stiff = goal.max_trials, goal.stop_when_stiff
+    _write((run.state_old, x), (run.tolerances, goal.atol))
+    _write_numbers(run.numbers, rhs)
+    if projector.address:
+        projection = run.projection
+        projection.limit, projection.rounding = projector.limit, projector.rounding
+        _write((projection.scales, projector.scales), (projection.sizes, projector.sizes))
+        _write_numbers(projection.numbers, projector)
+    return block
+
+
+def _sizes(function: RightHandSide | Projector) -> tuple[int, ...]:
+    tables = function.tables.size if isinstance(function, RightHandSide) else int(bool(function.address))
+    groups = function.inputs.size, function.parameters.size, function.constants.size
+    return *groups, function.work_size, tables
+
+
+def _first_block(
+    rhs: RightHandSide, projector: Projector, tableau: Tableau, breaks: Floats, x: Floats
+) -> Floats:
+    """Return the block of motions of these sizes."""
     n = x.size
-    aim = pack(
-        RunGoal, direction=goal.direction, rtol=goal.rtol, max_step=goal.max_step,
-        max_trials=goal.max_trials, stop_when_stiff=goal.stop_when_stiff,
-    )  # fmt: skip
     return pack(
-        Run, time=t, t_end=goal.t_end, first_step=first_step, states=n, speeds=rhs.n_u, goal=aim,
-        cases=pack(CaseCursor, start=t),
-        breaks=pack(BreakpointTable, count=goal.breaks.size // Breakpoint.size, points=goal.breaks),
-        method=method_numbers(tableau, n), state_old=x, tolerances=goal.atol,
+        Run, states=n, speeds=rhs.n_u, goal=pack(RunGoal), cases=pack(CaseCursor),
+        breaks=pack(BreakpointTable, count=breaks.size // Breakpoint.size, points=breaks),
+        method=method_numbers(tableau, n), state_old=x, tolerances=np.ones(n),
         slopes=np.zeros(len(tableau.A) * n), dense=np.zeros((4 + len(tableau.dense)) * n),
         numbers=function_numbers(rhs), projection=_projection(projector) if projector.address else None,
     )  # fmt: skip
+
+
+def _write_numbers(numbers: FunctionNumbers, function: RightHandSide | Projector) -> None:
+    """Write the arguments of a function over those of another one of the same sizes."""
+    groups = (
+        (numbers.inputs, function.inputs),
+        (numbers.parameters, function.parameters),
+        (numbers.constants, function.constants),
+    )
+    _write(*groups)
+    if isinstance(function, RightHandSide) and function.tables.size:
+        np.asarray(numbers.tables)[: function.tables.size] = function.tables
+
+
+def _write(*pairs: tuple[Any, Floats]) -> None:
+    """Write numbers into fields of a record."""
+    for field, values in pairs:
+        field[:] = values
 
 
 def state_of(block: Floats) -> Floats:

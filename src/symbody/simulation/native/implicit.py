@@ -6,13 +6,13 @@ import ctypes
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.kernels.block import Run
 from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.pack import pack
 from symbody.simulation.native.blocks import function_numbers, state_of
 from symbody.simulation.native.description import Floats, Record, RightHandSide
-from symbody.simulation.native.machine import address
 from symbody.simulation.native.run import show_room
 from symbody.simulation.native.runge_kutta import Tableau
 from symbody.simulation.native.segments import Watch

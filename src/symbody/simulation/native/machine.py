@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, NamedTuple
 
 from symbody.codegen.llvm.kernel_library import load_kernels
-from symbody.simulation.native.description import Floats
 from symbody.single_flight import once
 
 _POINTER: Final = ctypes.c_void_p
@@ -127,8 +126,3 @@ def _functions(module: str, *names: str, light: bool = False) -> list[Callable[.
         ctypes.CFUNCTYPE(result, *arguments) for result, arguments in map(_SIGNATURES.__getitem__, names)
     ]
     return [kind(addresses[name]) for kind, name in zip(kinds, names, strict=True)]
-
-
-def address(array: Floats) -> int:
-    """Return where an array lies."""
-    return array.ctypes.data

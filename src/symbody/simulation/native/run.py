@@ -9,6 +9,7 @@ from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 
+from symbody.codegen.call_arguments import address
 from symbody.errors import Problem, SimulationError
 from symbody.kernels import block as at
 from symbody.kernels.block import Run
@@ -16,7 +17,7 @@ from symbody.memory import memory_size
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Floats, LoopCall, Record
-from symbody.simulation.native.machine import address, step_machine
+from symbody.simulation.native.machine import step_machine
 from symbody.simulation.native.segments import HeldValues, Watch
 from symbody.simulation.status import Status
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from symbody.analysis.derivatives import partial_derivatives, with_outputs
 from symbody.analysis.scales import Scales
+from symbody.codegen.call_arguments import address
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.codegen.native_call import check_status
 from symbody.equations.equation_set import EquationSet
@@ -20,7 +21,6 @@ from symbody.kernels.pack import pack
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import Floats, RightHandSide
-from symbody.simulation.native.machine import address
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import once
 

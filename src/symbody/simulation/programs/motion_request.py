@@ -26,7 +26,7 @@ from symbody.simulation.methods.closed_loops.overconstrained import is_overconst
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.motion import Motion, first_numbers
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue
@@ -94,7 +94,7 @@ class PosedMotion:
 
     Attributes
     ----------
-    integration : IntegrationProblem
+    integration : Motion
         With the equations that are integrated, which the pointer pulls, and inputs that are free at 0.
     wrench : PointerWrench or None
         Inputs of the pointer.
@@ -111,7 +111,7 @@ class PosedMotion:
     """
 
     request: MotionRequest
-    integration: IntegrationProblem
+    integration: Motion
     wrench: PointerWrench | None
     first: State
     formulas: Mapping[str, Value]
@@ -188,9 +188,14 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
     initial = {name: value for name, value in request.initial.items() if name not in held}
     first = assemble(made, initial, request.guess, request.parameters, laws.formulas, start, scales=scales)
     problem = pose_problem(made, request.span, request.parameters, laws, scales, constraints, first)
-    x0 = np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
-    integration = IntegrationProblem(
-        problem, x0, request.span, request.times, request.rtol, request.atol, request.max_steps
+    integration = Motion(
+        problem,
+        first_numbers(first),
+        request.span,
+        request.times,
+        request.rtol,
+        request.atol,
+        request.max_steps,
     )
     names = (*request.free_inputs, *held, *(() if wrench is None else wrench.names))
     formulas = {name: law for name, law in laws.formulas.items() if name not in names}

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.native_call import check_status
 from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.sequence import Output
@@ -18,7 +19,6 @@ from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import LoopCall, RightHandSide
 from symbody.simulation.native.machine import (
-    address,
     advance_sampled,
     advance_sampled_watched,
     sample_kernels,

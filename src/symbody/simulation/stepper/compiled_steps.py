@@ -10,6 +10,7 @@ from typing import Final, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.native import NativeFunction
@@ -23,10 +24,9 @@ from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.integration_problem import StateProjector
+from symbody.simulation.motion import StateProjector
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector, RightHandSide
-from symbody.simulation.native.machine import address
 from symbody.simulation.native.run import VERDICTS, RawRun, Statistics
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.numbers import StepNumbers

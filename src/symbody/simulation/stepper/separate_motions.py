@@ -21,7 +21,6 @@ from symbody.simulation.methods.closed_loops.overconstrained import is_overconst
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.stiff import Stiff
-from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import Sampler
@@ -97,13 +96,11 @@ class SeparateMotions:
 
     def _run(self, start: float, end: float) -> Driven:
         """Return the motion of a step."""
-        settings = self._problem.settings
         if self._sampler is not None:
             self._sampler.begin_anew()
         x = np.append(self._numbers.x[:-1], 0.0)
-        integration = self._problem.integration(x, (start, end), self._pose())
-        integration = replace(integration, sides=self._sides)
-        return drive(MotionPlan(integration, settings.integrator, settings.constraints))
+        motion = self._problem.integration(x, (start, end), self._pose())
+        return drive(replace(motion, sides=self._sides))
 
     def check(self) -> None:
         """Refuse a step that leaves a table which must not be left."""

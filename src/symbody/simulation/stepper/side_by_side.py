@@ -9,13 +9,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
 from symbody.kernels.block import Run
 from symbody.kernels.lanes.lane_block import LaneGroup
 from symbody.simulation.native.lane_blocks import aligned_zeros, make_lane_block
-from symbody.simulation.native.machine import address
 from symbody.simulation.native.runge_kutta import Tableau
 from symbody.simulation.stepper.compiled_steps import CompiledSteps
 from symbody.single_flight import once

@@ -17,7 +17,7 @@ from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import Callback, InputLaws, input_laws
 from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.methods.integration import work_tolerance
-from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.motion import Motion
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.stepper.numbers import StepNumbers
@@ -75,12 +75,12 @@ class StepProblem:
 
     def integration(
         self, x: Floats, span: tuple[float, float], problem: SimulationProblem | None = None
-    ) -> IntegrationProblem:
+    ) -> Motion:
         """Return a motion from x = (u, q, work)."""
         settings = self.settings
-        return IntegrationProblem(
+        return Motion(
             problem or self.problem, x, span, None, settings.rtol, settings.atol, settings.max_steps, None,
-            settings.events,
+            settings.events, settings.integrator, settings.constraints,
         )  # fmt: skip
 
     def check_tables(self, start: float, end: float) -> None:

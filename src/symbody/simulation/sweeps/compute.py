@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
 from symbody.kernels.block import Breakpoint, Run, Verdict
@@ -22,7 +23,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Floats, Projector, RightHandSide
 from symbody.simulation.native.lane_blocks import make_lane_block
-from symbody.simulation.native.machine import address, lane_motions, many_motions
+from symbody.simulation.native.machine import lane_motions, many_motions
 from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, StopSignal, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob

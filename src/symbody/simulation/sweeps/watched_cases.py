@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.call_arguments import address
 from symbody.codegen.function import CompiledFunction
 from symbody.kernels import block as at
 from symbody.kernels.block import Counts, Run, Verdict
@@ -20,7 +21,7 @@ from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import closing_block
 from symbody.simulation.native.description import Floats, RightHandSide
-from symbody.simulation.native.machine import address, watched_cases
+from symbody.simulation.native.machine import watched_cases
 from symbody.simulation.native.run import EVENT_SAMPLES, memory_limit
 from symbody.simulation.sweeps.records import NOT_ENDED, CaseDetails, CaseWatch, Chunk, LoopJob, Records
 

@@ -37,8 +37,8 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.stiff import Stiff
-from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
-from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.methods.integration import Integration, end_run, integrate_motion
+from symbody.simulation.motion import Motion
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.results.motion_balance import passage_balance
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -105,74 +105,78 @@ def change_point_note(notes: Iterable[str]) -> str:
     return next((note for note in notes if "(change point)" in note or "near a change point" in note), "")
 
 
-def samples_on_the_way(plan: MotionPlan) -> bool:
-    """Return whether the method of a plan takes the samples of signals inside its loop."""
-    if isinstance(plan.integrator, Stiff | GeneralizedAlpha) or isinstance(plan.constraints, GGL | Partition):
+def samples_on_the_way(motion: Motion) -> bool:
+    """Return whether the method of a motion takes the samples of signals inside its loop."""
+    if isinstance(motion.integrator, Stiff | GeneralizedAlpha) or isinstance(
+        motion.constraints, GGL | Partition
+    ):
         return False
-    integration = plan.integration
-    if plan.constraints is not None or not integration.eqs.multiplier_names:
+    if motion.constraints is not None or not motion.eqs.multiplier_names:
         return True
-    return not is_overconstrained(integration.problem, integration.span[0], integration.state)
+    return not is_overconstrained(motion.problem, motion.span[0], motion.state)
 
 
-def integrate_on_branch(plan: MotionPlan) -> Integration:
-    """Return the run of a plan on its branch; without constraints given, `Projection` where that is safe."""
-    constraints = plan.constraints or _PROJECTION
-    integration = plan.integration
-    problem, eqs, t, x = integration.problem, integration.eqs, integration.span[0], integration.state
+def integrate_on_branch(motion: Motion) -> Integration:
+    """Return a motion on its branch; without constraints given, `Projection` holds it where that is safe."""
+    constraints = motion.constraints or _PROJECTION
+    problem, eqs, t, x = motion.problem, motion.eqs, motion.span[0], motion.state
     if not eqs.multiplier_names or not eqs.speed_names:
-        return integrate_plan(plan)
+        return integrate_motion(motion)
     if eqs.plans.get(
         "constant rows", partial(has_constant_rows, eqs)
     ):  # nothing becomes dependent on the way
-        return integrate_plan(plan)
+        return integrate_motion(motion)
     follows = is_overconstrained(problem, t, x)
     if isinstance(constraints, Partition):
-        run = integrate_plan(plan)
-        return run if follows or not run.raw.status.success else _judge_passages(plan, run)
-    by_partition = replace(plan, constraints=_PARTITION)
+        run = integrate_motion(motion)
+        return run if follows or not run.raw.status.success else _judge_passages(motion, run)
+    by_partition = replace(motion, constraints=_PARTITION)
     # The loop of `Partition` takes no samples.
     is_replaceable = (
         isinstance(constraints, Projection)
-        and isinstance(plan.integrator, Explicit | None)
+        and isinstance(motion.integrator, Explicit | None)
         and problem.sampler is None
     )
     if follows and is_replaceable:
-        return integrate_by_partition(plan)
-    run = integrate_plan(plan) if isinstance(constraints, GGL) or not follows else integrate_independent(plan)
-    run = _with_step_notes(run, plan)
+        return integrate_by_partition(motion)
+    run = (
+        integrate_motion(motion)
+        if isinstance(constraints, GGL) or not follows
+        else integrate_independent(motion)
+    )
+    run = _with_step_notes(run, motion)
     if run.raw.status not in _JUDGED:
         return run
     passages = find_passages(problem, run.raw)
-    at = _first_change_point(passages, run.raw) if passages and plan.constraints is None else None
+    at = _first_change_point(passages, run.raw) if passages and motion.constraints is None else None
     is_locked = follows and isinstance(constraints, GGL)
     is_plain = run.raw.status.success and passages is None
-    end = None if is_plain else _end_of_branch(plan, run, passages, is_locked=is_locked)
+    end = None if is_plain else _end_of_branch(motion, run, passages, is_locked=is_locked)
     if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
-        second = integrate_plan(by_partition)
+        second = integrate_motion(by_partition)
         if second.raw.status.success:
-            return _judge_passages(plan, second._replace(notes=(reason, *second.notes)))
+            return _judge_passages(motion, second._replace(notes=(reason, *second.notes)))
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
             run = run._replace(notes=(*run.notes, _SEVERAL))
     if end is None:
-        return end_where_rows_change(plan, run)
+        return end_where_rows_change(motion, run)
     return end_run(run, end.t, end.note(f"sb.{type(constraints).__name__}()"))
 
 
-def _judge_passages(plan: MotionPlan, run: Integration) -> Integration:
+def _judge_passages(motion: Motion, run: Integration) -> Integration:
     """Return a run by `Partition` that ends before a passage that its energies or its branch do not allow."""
-    passages = find_passages(plan.integration.problem, run.raw)
-    end = None if passages is None else _untaken_passage(plan.integration, passages)
+    passages = find_passages(motion.problem, run.raw)
+    end = None if passages is None else _untaken_passage(motion, passages)
     return run if end is None else end_run(run, end.t, end.note("sb.Partition()"))
 
 
-def _untaken_passage(integration: IntegrationProblem, passages: Passages) -> _BranchEnd | None:
+def _untaken_passage(motion: Motion, passages: Passages) -> _BranchEnd | None:
     """Return where a motion goes over to a branch that does not meet its own, or gains or loses energy."""
     leap = passages.leap()
     if leap is not None:
         return _BranchEnd(leap.before, _LEAPT, (leap.at, leap.opening, "{}"))
     for at, before, after in passages.sides():
-        balance = passage_balance(integration.problem, passages.dense, before, after, integration.rtol)
+        balance = passage_balance(motion.problem, passages.dense, before, after, motion.rtol)
         if not balance.holds:
             return _BranchEnd(before, _UNBALANCED, (at, balance.change, "{}", balance.usual))
     return None
@@ -186,12 +190,12 @@ def has_constant_rows(eqs: EquationSet) -> bool:
     return all(symbol.kind is SymbolKind.PARAMETER for symbol in symbols)
 
 
-def _with_step_notes(run: Integration, plan: MotionPlan) -> Integration:
+def _with_step_notes(run: Integration, motion: Motion) -> Integration:
     """Return a run with a note where steps of a given length are too long; others follow their errors."""
-    step = plan.integrator.step if isinstance(plan.integrator, FixedStep | GeneralizedAlpha) else None
+    step = motion.integrator.step if isinstance(motion.integrator, FixedStep | GeneralizedAlpha) else None
     if step is None:
         return run
-    notes = unresolved_pose_notes(plan.integration.problem, run.raw, step)
+    notes = unresolved_pose_notes(motion.problem, run.raw, step)
     return run._replace(notes=(*run.notes, *notes))
 
 
@@ -220,9 +224,10 @@ def _reason_to_replace(
 
 def _breaks_off_dependent(problem: SimulationProblem, raw: RawRun) -> bool:
     """Return whether steps became ever smaller where constraints follow from others."""
-    loops, dense = LoopConstraints(problem), raw.dense_output
+    dense = raw.dense_output
     if dense is None or not _is_collapse(raw.status, dense.breaks):
         return False
+    loops = LoopConstraints(problem)
     return loops.depends(raw.reached, dense(raw.reached)[loops.places])
 
 
@@ -260,18 +265,18 @@ class _BranchEnd:
 
 
 def _end_of_branch(
-    plan: MotionPlan, run: Integration, passages: Passages | None, *, is_locked: bool
+    motion: Motion, run: Integration, passages: Passages | None, *, is_locked: bool
 ) -> _BranchEnd | None:
     """Return where a motion leaves its branch, or breaks off; `is_locked` if for constraints that follow."""
-    (raw, _, watch), integration = run, plan.integration
-    problem, t, x = integration.problem, integration.span[0], integration.state
+    raw, _, watch = run
+    problem, t, x = motion.problem, motion.span[0], motion.state
     if passages is not None:
         happened = [] if watch is None else [event.t for event in watch.occurrences]
         for at in passages.times():
             before = passages.jump(at, happened)
             if before is not None:
                 return _BranchEnd(before, _LEFT, (at, "{}"))
-        if (end := _untaken_passage(integration, passages)) is not None:
+        if (end := _untaken_passage(motion, passages)) is not None:
             return end
     if raw.status.success:
         return None

@@ -20,7 +20,8 @@ from symbody.simulation.methods.closed_loops.partition import Partition
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
-from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
+from symbody.simulation.methods.integration import Integration, end_run, integrate_motion
+from symbody.simulation.motion import Motion
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -78,42 +79,41 @@ def is_overconstrained(problem: SimulationProblem, t: float, x: Floats) -> bool:
     return any(count_significant(sizes, _STANDS) > branch.speeds for sizes in beside)
 
 
-def integrate_by_partition(plan: MotionPlan) -> Integration:
-    """Return the run of a plan by `Partition`, with a note that says so."""
-    run = integrate_plan(replace(plan, constraints=Partition()))
-    return run._replace(notes=(_CHOSEN if plan.constraints is None else _REPLACED, *run.notes))
+def integrate_by_partition(motion: Motion) -> Integration:
+    """Return the run of a motion by `Partition`, with a note that says so."""
+    run = integrate_motion(replace(motion, constraints=Partition()))
+    return run._replace(notes=(_CHOSEN if motion.constraints is None else _REPLACED, *run.notes))
 
 
-def integrate_independent(plan: MotionPlan) -> Integration:
-    """Return the run of a plan without constraints that follow from others on the branch of the motion.
+def integrate_independent(motion: Motion) -> Integration:
+    """Return the run of a motion without constraints that follow from others on the branch of the motion.
 
     It ends where those kept no longer determine the motion about as well as all of them.
     """
-    integration = plan.integration
-    problem, t, x = integration.problem, integration.span[0], integration.state
+    problem, t, x = motion.problem, motion.span[0], motion.state
     kept = independent_rows(problem, t, x)
     if len(kept) == len(problem.eqs.formed.rows):
-        return integrate_plan(plan)
+        return integrate_motion(motion)
     independent = replace(problem, eqs=without_other_rows(problem.eqs, kept))
-    run = integrate_plan(replace(plan, integration=replace(integration, problem=independent)))
+    run = integrate_motion(replace(motion, problem=independent))
     end = _worn(LoopConstraints(problem), kept, run.raw)
     if end is None:
         return run
-    method = plan.constraints if isinstance(plan.constraints, Baumgarte) else plan.integrator
+    method = motion.constraints if isinstance(motion.constraints, Baumgarte) else motion.integrator
     return end_run(run, end, _WORN.format(end, f"sb.{type(method).__name__}()"))
 
 
-def end_where_rows_change(plan: MotionPlan, run: Integration) -> Integration:
+def end_where_rows_change(motion: Motion, run: Integration) -> Integration:
     """Return a run of steps of a given length that ends where the last of them left the mechanism closed.
 
     Steps that follow their errors become ever smaller where it changes which constraints count. Others go
     across, by accelerations without bounds, to positions that are open, of which nothing can be said.
     """
-    integrator, dense = plan.integrator, run.raw.dense_output
+    integrator, dense = motion.integrator, run.raw.dense_output
     is_fixed = isinstance(integrator, FixedStep | GeneralizedAlpha) and integrator.step is not None
     if not is_fixed or run.raw.status not in (Status.SINGULAR, Status.NOT_FINITE) or dense is None:
         return run
-    loops = LoopConstraints(plan.integration.problem)
+    loops = LoopConstraints(motion.problem)
     for t in dense.breaks[-2 : -2 - _LAST_STEPS : -1].tolist():
         q = dense(t)[loops.places]
         values, _ = loops.positions(t, q)

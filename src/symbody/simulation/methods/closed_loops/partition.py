@@ -23,8 +23,8 @@ from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.methods.closed_loops.partition_states import PartitionStates
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.sundials import MonitoredFunction
-from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step, march
+from symbody.simulation.motion import Motion
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
 
@@ -73,12 +73,12 @@ class Partition:
 
 
 def run_partition(
-    integration: IntegrationProblem, method: Partition, explicit: Explicit, events: EventWatch | None
+    motion: Motion, method: Partition, explicit: Explicit, events: EventWatch | None
 ) -> tuple[RawRun, tuple[str, ...]]:
     """Integrate a set of independent coordinates and speeds; return run and notes."""
-    stepper = _PartitionStepper(integration, method, explicit)
+    stepper = _PartitionStepper(motion, method, explicit)
     states = stepper.states
-    raw = march(stepper, integration.course(events, partial(states.loops.project, states.branch)))
+    raw = march(stepper, motion.course(events, partial(states.loops.project, states.branch)))
     changes = stepper.changes
     more = (f"other independent coordinates were chosen {changes} times",) if changes else ()
     return raw, (NOTE, *more, *((_OPEN,) if stepper.is_open else ()))
@@ -97,11 +97,11 @@ class _PartitionStepper:
     long the next step may be.
     """
 
-    def __init__(self, integration: IntegrationProblem, method: Partition, explicit: Explicit) -> None:
-        self._integration, self._worst, self._explicit = integration, method.worst, explicit
-        self.states = PartitionStates(integration)
-        self._x, (self._t, self._end) = integration.state, integration.span
-        self._ends = integration.step_ends()
+    def __init__(self, motion: Motion, method: Partition, explicit: Explicit) -> None:
+        self._integration, self._worst, self._explicit = motion, method.worst, explicit
+        self.states = PartitionStates(motion)
+        self._x, (self._t, self._end) = motion.state, motion.span
+        self._ends = motion.step_ends()
         self._watch = MonitoredFunction(self.states.rates)
         self.changes, self.rejections = 0, 0
         self.is_open = not self.states.is_on_branch(self._t, self._x)

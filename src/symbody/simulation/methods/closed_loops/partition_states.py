@@ -20,7 +20,7 @@ from symbody.errors import Problem, SimulationError
 from symbody.manifold import LinearConstraints, correct, pivot_order, square_step
 from symbody.simulation.methods.closed_loops.crossing import find_crossing
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR, LoopConstraints, motion_branch
-from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
+from symbody.simulation.motion import Motion, StateFunction
 from symbody.tolerances import TRACED
 
 Floats = NDArray[np.float64]
@@ -108,12 +108,12 @@ class PartitionStates:
         What follows from what.
     """
 
-    def __init__(self, integration: IntegrationProblem) -> None:
-        self.loops = LoopConstraints(integration.problem)
-        self._integration, self._eqs, self._n_u = integration, integration.eqs, integration.n_u
+    def __init__(self, motion: Motion) -> None:
+        self.loops = LoopConstraints(motion.problem)
+        self._integration, self._eqs, self._n_u = motion, motion.eqs, motion.n_u
         self._places = self.loops.places
         self._functions: dict[tuple[int, ...], StateFunction] = {}
-        t, x = integration.span[0], integration.state
+        t, x = motion.span[0], motion.state
         self.branch = motion_branch(self.loops, t, x)
         self._reference, self._regular = self.branch.reference, (self.branch.t, self.branch.q)
         self._aside_choice: Choices | None = None

@@ -32,8 +32,8 @@ from symbody.simulation.methods.implicit.sundials import (
     print_as_usual,
     solver_class,
 )
-from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
 from symbody.simulation.methods.stepping import march
+from symbody.simulation.motion import Motion, StateFunction
 from symbody.simulation.native.run import RawRun
 
 Floats = NDArray[np.float64]
@@ -52,9 +52,7 @@ class GGL:
     """Constraints on positions and on velocities both hold at each step, with a multiplier each."""
 
 
-def run_ggl(
-    integration: IntegrationProblem, method: Stiff, events: EventWatch | None
-) -> tuple[RawRun, tuple[str, ...]]:
+def run_ggl(motion: Motion, method: Stiff, events: EventWatch | None) -> tuple[RawRun, tuple[str, ...]]:
     """Integrate the equations of index 2 by IDA, with their Jacobian from the graph; return run and notes.
 
     Raises
@@ -62,10 +60,10 @@ def run_ggl(
     SimulationError, EnvironmentFault
         If the solver does not start, or is not installed.
     """
-    eqs = drop_idle_rows(integration.eqs, integration.problem.parameters)
-    eqs, notes = _independent(integration, eqs)
-    system = _GGLSystem(integration, _with_residual(eqs, integration))
-    n, size = integration.state.size, integration.state.size + system.m + system.m_positions
+    eqs = drop_idle_rows(motion.eqs, motion.problem.parameters)
+    eqs, notes = _independent(motion, eqs)
+    system = _GGLSystem(motion, _with_residual(eqs, motion))
+    n, size = motion.state.size, motion.state.size + system.m + system.m_positions
     watch = MonitoredFunction(system.residual)
 
     @print_as_usual
@@ -76,12 +74,12 @@ def run_ggl(
     def slopes(t: float, y: Floats, rate: Floats, value: Floats, share: float, out: Floats) -> None:
         out[:] = system.slopes(t, y, rate, share)
 
-    scales = integration.problem.scales
+    scales = motion.problem.scales
     sizes = scales.constraints(eqs)
     pushes = 1.0 / (sizes[: system.m_positions] * scales.time)
-    tolerances = np.concatenate([integration.tolerances, FREE * scales.energy / sizes, FREE * pushes])
+    tolerances = np.concatenate([motion.tolerances, FREE * scales.energy / sizes, FREE * pushes])
     solver = solver_class("IDA")(
-        residual, jacfn=slopes, rtol=integration.rtol, atol=tolerances,
+        residual, jacfn=slopes, rtol=motion.rtol, atol=tolerances,
         algebraic_idx=list(range(n, size)), **method.options(),
     )  # fmt: skip
 
@@ -89,15 +87,15 @@ def run_ggl(
         solver.init_step(t, *system.consistent(t, x))
 
     stepper = SundialsStepper(
-        solver, begin, lambda t, x: (x, False), watch, integration.state, integration.span,
-        integration.step_ends(SHARE_OF_PIECE),
+        solver, begin, lambda t, x: (x, False), watch, motion.state, motion.span,
+        motion.step_ends(SHARE_OF_PIECE),
     )  # fmt: skip
-    return march(stepper, integration.course(events)), notes
+    return march(stepper, motion.course(events)), notes
 
 
-def _independent(integration: IntegrationProblem, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
+def _independent(motion: Motion, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
     """Return the equations without constraints that follow from the others on the branch of the motion."""
-    kept = independent_rows(replace(integration.problem, eqs=eqs), integration.span[0], integration.state)
+    kept = independent_rows(replace(motion.problem, eqs=eqs), motion.span[0], motion.state)
     dropped = [name for k, name in enumerate(eqs.multiplier_names) if k not in kept]
     if not dropped:
         return eqs, ()
@@ -106,7 +104,7 @@ def _independent(integration: IntegrationProblem, eqs: EquationSet) -> tuple[Equ
     )
 
 
-def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> EquationSet:
+def _with_residual(eqs: EquationSet, motion: Motion) -> EquationSet:
     """Return the equations with the residual and its derivatives; udot, lambda and mu become inputs."""
     formed, graph = eqs.formed, eqs.formed.graph
     m, m_positions = len(formed.rows), len(formed.holonomic)
@@ -124,7 +122,7 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
             total = total - rows[k][i] * pull
         values.append(total)
     moved = {}
-    squares = integration.problem.scales.displacements(eqs) ** 2
+    squares = motion.problem.scales.displacements(eqs) ** 2
     for i, u in enumerate(formed.kinematics.speeds):
         speed = Expr(graph, u)
         for k, push in enumerate(pushes):
@@ -133,15 +131,13 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
     rates = substitute(graph, eqs.roots("qdot").nodes, moved)
     values += [
         -(Expr(graph, node) + pull)
-        for node, pull in zip(
-            rates, _norm_pulls(eqs, _NORMING / integration.problem.scales.time), strict=True
-        )
+        for node, pull in zip(rates, _norm_pulls(eqs, _NORMING / motion.problem.scales.time), strict=True)
     ]
     values += [-Expr(graph, node) for node in eqs.roots("signal_rates").nodes]
     values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
-    nodes = with_laws(eqs, [value.index for value in values], integration.problem.laws.formulas)
+    nodes = with_laws(eqs, [value.index for value in values], motion.problem.laws.formulas)
     by = (*formed.u, *formed.q, *formed.signal_states, *first.values(), *second.values())
-    callbacks = input_symbols(eqs, integration.problem.laws.callbacks)
+    callbacks = input_symbols(eqs, motion.problem.laws.callbacks)
     outputs = [
         Roots(_RESIDUAL, (len(nodes),), tuple(nodes)),
         partial_derivatives(eqs, _SLOPES, nodes, by),
@@ -164,16 +160,16 @@ def _norm_pulls(eqs: EquationSet, rate: float) -> list[Expr]:
 class _GGLSystem:
     """The residual ``R(t, y, y')`` with y = (u, q, s, lambda, mu), and its derivatives, as numbers."""
 
-    def __init__(self, integration: IntegrationProblem, eqs: EquationSet) -> None:
+    def __init__(self, motion: Motion, eqs: EquationSet) -> None:
         self.m, self.m_positions = len(eqs.formed.rows), len(eqs.formed.holonomic)
-        self._n_u, self._n = integration.n_u, integration.state.size
-        self._residual = integration.compile_outputs(_RESIDUAL, eqs)
-        self._slopes = integration.compile_outputs((_SLOPES, _MASS, _BY_CALLBACKS), eqs)
-        self._laws = integration.problem.laws
-        scales = integration.problem.scales
+        self._n_u, self._n = motion.n_u, motion.state.size
+        self._residual = motion.compile_outputs(_RESIDUAL, eqs)
+        self._slopes = motion.compile_outputs((_SLOPES, _MASS, _BY_CALLBACKS), eqs)
+        self._laws = motion.problem.laws
+        scales = motion.problem.scales
         weight = np.sqrt(scales.mass) * scales.length  # with it entries of M and J are of order 1
         self._sizes = np.concatenate([scales.displacements(eqs) / weight, weight / scales.constraints(eqs)])
-        self._start = integration.compile_outputs(
+        self._start = motion.compile_outputs(
             (_MASS, "forcing", "jacobian", "gamma", "qdot", "signal_rates"), eqs
         )
 

@@ -29,8 +29,8 @@ from symbody.simulation.methods.implicit.state_jacobian import (
     drop_idle_rows,
     with_state_jacobian,
 )
-from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.stepping import SHARES, Failure, Step, march
+from symbody.simulation.motion import Motion, StateProjector
 from symbody.simulation.native.blocks import make_block, state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Projector, Record, RightHandSide
@@ -114,7 +114,7 @@ class GeneralizedAlpha:
 
 
 def run_generalized_alpha(
-    integration: IntegrationProblem,
+    motion: Motion,
     method: GeneralizedAlpha,
     closing: StateProjector | None,
     watch: EventWatch | None,
@@ -129,22 +129,22 @@ def run_generalized_alpha(
     SimulationError
         If the law of an input fails.
     """
-    laws = integration.problem.laws
-    compiled = _compile_functions(integration)
+    laws = motion.problem.laws
+    compiled = _compile_functions(motion)
     with _with_laws(compiled, laws) as addresses:
-        run = _make_run(integration, method, closing, addresses, compiled, work_tolerance)
+        run = _make_run(motion, method, closing, addresses, compiled, work_tolerance)
         if watch is None:
-            raw = drive(run, fresh_record(run, _times(integration), dense=True), integration.progress)
+            raw = drive(run, fresh_record(run, _times(motion), dense=True), motion.progress)
         else:
-            course = integration.course(watch, None if closing is None else closing.project_all)
+            course = motion.course(watch, None if closing is None else closing.project_all)
             raw = march(_LoopStepper(run), course)
     return raw, (method.note,)
 
 
-def _compile_functions(integration: IntegrationProblem) -> tuple[CompiledFunction, ...]:
+def _compile_functions(motion: Motion) -> tuple[CompiledFunction, ...]:
     """Return the slopes with the power, the rates of coordinates, and the derivatives of the slopes."""
-    problem = integration.problem
-    eqs = drop_idle_rows(integration.eqs, problem.parameters)
+    problem = motion.problem
+    eqs = drop_idle_rows(motion.eqs, problem.parameters)
     wider = with_state_jacobian(eqs, problem.laws.formulas, problem.laws.callbacks)
     derivatives = replace(problem, eqs=wider).compile_outputs(STATE_JACOBIAN, quick=True)
     return problem.compile_outputs(OF_STEPS), problem.compile_outputs("qdot"), derivatives
@@ -166,7 +166,7 @@ def _with_laws(functions: Sequence[CompiledFunction], laws: InputLaws) -> Iterat
 
 
 def _make_run(
-    integration: IntegrationProblem,
+    motion: Motion,
     method: GeneralizedAlpha,
     closing: StateProjector | None,
     addresses: Sequence[int],
@@ -174,7 +174,7 @@ def _make_run(
     work_tolerance: float,
 ) -> ImplicitRun:
     """Return the run at its start."""
-    laws, n_u = integration.problem.laws, integration.n_u
+    laws, n_u = motion.problem.laws, motion.n_u
     inputs, tables = np.zeros(len(laws.callbacks)), laws.table_numbers()
     functions = ImplicitFunctions(
         *(
@@ -182,19 +182,17 @@ def _make_run(
             for place, function in zip(addresses, compiled, strict=True)
         )
     )
-    tolerances = np.array([*integration.tolerances, work_tolerance])
+    tolerances = np.array([*motion.tolerances, work_tolerance])
     longest = method.max_step if method.step is None else method.step
-    bounds = bounds_of_steps(integration.breakpoints, method)
-    goal = make_goal(integration.span, integration.rtol, tolerances, longest, bounds)
-    goal = goal._replace(max_trials=int(integration.max_steps))
+    bounds = bounds_of_steps(motion.breakpoints, method)
+    goal = make_goal(motion.span, motion.rtol, tolerances, longest, bounds)
+    goal = goal._replace(max_trials=int(motion.max_steps))
     block = make_block(
-        functions.slopes, _projector(closing, method), METHOD, goal, integration.x0, integration.span[0],
+        functions.slopes, _projector(closing, method), METHOD, goal, motion.x0, motion.span[0],
         float(method.step or 0.0),
     )  # fmt: skip
-    n_q = len(integration.eqs.coordinate_names)
-    array = make_array(
-        functions, integration.x0.size, n_q, float(method.rho), one_length=method.step is not None
-    )
+    n_q = len(motion.eqs.coordinate_names)
+    array = make_array(functions, motion.x0.size, n_q, float(method.rho), one_length=method.step is not None)
     return ImplicitRun(functions, 0 if closing is None else closing.projector.address, block, array)
 
 
@@ -212,8 +210,8 @@ def bounds_of_steps(bounds: Breakpoints, method: GeneralizedAlpha) -> Breakpoint
     return replace(bounds, longest=_SHARE_OF_PIECE * bounds.longest)
 
 
-def _times(integration: IntegrationProblem) -> Floats | None:
-    return None if integration.times is None else np.asarray(integration.times, dtype=np.float64)
+def _times(motion: Motion) -> Floats | None:
+    return None if motion.times is None else np.asarray(motion.times, dtype=np.float64)
 
 
 class _LoopStepper:

@@ -26,8 +26,8 @@ from symbody.simulation.methods.implicit.sundials import (
     print_as_usual,
     solver_class,
 )
-from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.stepping import march
+from symbody.simulation.motion import Motion, StateProjector
 from symbody.simulation.native.run import RawRun
 
 Floats = NDArray[np.float64]
@@ -78,7 +78,7 @@ class Stiff:
 
 
 def run_stiff(
-    integration: IntegrationProblem,
+    motion: Motion,
     method: Stiff,
     constraints: Projection | Baumgarte,
     events: EventWatch | None,
@@ -93,14 +93,14 @@ def run_stiff(
     SimulationError, EnvironmentFault
         If the solver does not start, or is not installed.
     """
-    closing = integration.projection(constraints) if isinstance(constraints, Projection) else None
-    eqs = drop_idle_rows(integration.eqs, integration.problem.parameters)
+    closing = motion.projection(constraints) if isinstance(constraints, Projection) else None
+    eqs = drop_idle_rows(motion.eqs, motion.problem.parameters)
     if closing is not None and eqs.multiplier_names:
-        eqs = Baumgarte(zeta=1.0, omega=DRIFT / integration.problem.scales.time).applied(eqs)
-    laws = integration.problem.laws
+        eqs = Baumgarte(zeta=1.0, omega=DRIFT / motion.problem.scales.time).applied(eqs)
+    laws = motion.problem.laws
     wider = with_state_jacobian(eqs, laws.formulas, laws.callbacks)
-    rates = integration.compile_outputs(STATE_RATES, wider)
-    slopes = integration.compile_outputs((STATE_JACOBIAN, CALLBACK_JACOBIAN), wider)
+    rates = motion.compile_outputs(STATE_RATES, wider)
+    slopes = motion.compile_outputs((STATE_JACOBIAN, CALLBACK_JACOBIAN), wider)
     watch = MonitoredFunction(rates)
 
     @print_as_usual
@@ -110,7 +110,7 @@ def run_stiff(
     def jacobian(t: float, x: Floats) -> Floats:
         by_state, by_callbacks = slopes(t, x)
         found: Floats = (
-            by_state + by_callbacks @ laws.slopes(t, x, integration.n_u) if laws.callbacks else by_state
+            by_state + by_callbacks @ laws.slopes(t, x, motion.n_u) if laws.callbacks else by_state
         )
         return found
 
@@ -118,16 +118,16 @@ def run_stiff(
     def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
         out[:] = jacobian(t, x)
 
-    solved = SolvedSteps(watch, jacobian, integration.rtol, integration.tolerances)
+    solved = SolvedSteps(watch, jacobian, motion.rtol, motion.tolerances)
     solver = solver_class("CVODE")(
-        right_hand_side, method="BDF", jacfn=state_jacobian, rtol=integration.rtol,
-        atol=integration.tolerances, **method.options(),
+        right_hand_side, method="BDF", jacfn=state_jacobian, rtol=motion.rtol,
+        atol=motion.tolerances, **method.options(),
     )  # fmt: skip
     stepper = SundialsStepper(
-        solver, solver.init_step, _Settling(closing, constraints), watch, integration.state, integration.span,
-        integration.step_ends(SHARE_OF_PIECE), solved,
+        solver, solver.init_step, _Settling(closing, constraints), watch, motion.state, motion.span,
+        motion.step_ends(SHARE_OF_PIECE), solved,
     )  # fmt: skip
-    return march(stepper, integration.course(events, None if closing is None else closing.project_all))
+    return march(stepper, motion.course(events, None if closing is None else closing.project_all))
 
 
 class _Settling:

@@ -1,14 +1,16 @@
-"""`IntegrationProblem`: one smooth motion, as the integrators that take single steps read it."""
+"""`Motion`: what moves, from which state, how far, how exactly and by which method."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.analysis.state import State
+from symbody.codegen.call_arguments import address
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.events.event_functions import EventFunctions, watched_outputs
@@ -29,12 +31,15 @@ from symbody.simulation.methods.explicit import (
 from symbody.simulation.methods.stepping import Course, StepEnds
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector
-from symbody.simulation.native.machine import address, step_machine
+from symbody.simulation.native.machine import step_machine
 from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
 from symbody.simulation.native.segments import StepWatch
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import SingleFlight
+
+if TYPE_CHECKING:
+    from symbody.simulation.methods.integration import Constraints, Integrator
 
 Floats = NDArray[np.float64]
 
@@ -42,8 +47,8 @@ NOTHING: Final = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class IntegrationProblem:
-    """What moves, from which state, how far and how carefully.
+class Motion:
+    """What moves, from which state, how far, how exactly and by which method.
 
     Attributes
     ----------
@@ -55,6 +60,8 @@ class IntegrationProblem:
         Absolute tolerance of every state; None follows the scales of the problem.
     events : tuple of Event
         What is watched on the way.
+    integrator, constraints : optional
+        The method that is to compute it; None leaves the choice open.
     before : RawRun, optional
         A run that was broken off where this one starts.
     sides : tuple of EventSide
@@ -77,6 +84,8 @@ class IntegrationProblem:
     max_steps: int = 1_000_000
     progress: Progress | None = None
     events: tuple[Event, ...] = ()
+    integrator: Integrator | None = None
+    constraints: Constraints | None = None
     before: RawRun | None = None
     sides: tuple[EventSide, ...] = ()
     free: SimulationProblem | None = None
@@ -118,7 +127,7 @@ class IntegrationProblem:
     def part(
         self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int,
         problem: SimulationProblem | None = None, events: tuple[Event, ...] | None = None,
-    ) -> IntegrationProblem:  # fmt: skip
+    ) -> Motion:  # fmt: skip
         """Return the problem of a part of this motion, from a state x = (u, q).
 
         Parameters
@@ -200,6 +209,11 @@ class IntegrationProblem:
             self.x0, *self.span, times, int(self.max_steps), self.progress, power, closed or keep, watch,
             self.before,
         )  # fmt: skip
+
+
+def first_numbers(first: State) -> Floats:
+    """Return x = (u, q, s) of a first state, and behind it the work done before: none."""
+    return np.array([*first.u.values(), *first.q.values(), *first.s.values(), 0.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
