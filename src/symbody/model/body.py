@@ -11,7 +11,7 @@ from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import ByName
 from symbody.model.declarations.fields import Flag, Quantity, VectorQuantity, part
 from symbody.model.declarations.formula_site import FormulaSite
-from symbody.model.declarations.part_fields import DeclaredPart
+from symbody.model.declarations.part_fields import DeclaredPart, Refusal
 from symbody.model.element import Element, FrameRef, make_frame_ref
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
@@ -20,7 +20,8 @@ from symbody.model.shapes.shape import Shapes
 
 
 def _frame() -> DeclaredPart[Frame]:
-    return DeclaredPart(kind=Frame, code="model.not_a_frame", noun="a frame", fix="write Frame(at=(x, y, z))")
+    refusal = Refusal("model.not_a_frame", what="{value} is not a frame", fix="write Frame(at=(x, y, z))")
+    return DeclaredPart(kind=Frame, refusal=refusal)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -100,6 +100,11 @@ class OptionalField(Field[Given | None, Kept | None], Generic[Given, Kept]):
         """Return the directions of a value."""
         return {} if value is None else self._inner().directions(value, path)
 
+    @property
+    def fits(self) -> Any:
+        """The check of numbers that the role has, or None."""
+        return getattr(self.inner, "fits", None)
+
     def _inner(self) -> Field[Given, Kept]:
         inner: Field[Given, Kept] = self.inner
         return inner

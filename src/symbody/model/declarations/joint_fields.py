@@ -14,7 +14,7 @@ from symbody.model.declarations.field import FileTarget, Node, PlainField
 from symbody.model.declarations.fields import AngleQuantity, Flag, Quantity, SymbolName, TextField
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.declarations.misfits import Misfit, Path, Schema, wrong_type
-from symbody.model.declarations.part_fields import DeclaredPart
+from symbody.model.declarations.part_fields import DeclaredPart, Refusal
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
 from symbody.model.loads.forces import Drive
@@ -127,8 +127,12 @@ class Coordinates(ListOf[Iterable[str] | None, tuple[str, ...]]):
 
 
 def _drive() -> DeclaredPart[Drive]:
-    cure = "write Drive(applied=.., stiffness=.., damping=.., free=..)"
-    return DeclaredPart(kind=Drive, code="model.not_a_drive", noun="a drive", fix=cure)
+    refusal = Refusal(
+        "model.not_a_drive",
+        what="{value} is not a drive",
+        fix="write Drive(applied=.., stiffness=.., damping=.., free=..)",
+    )
+    return DeclaredPart(kind=Drive, refusal=refusal)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -243,8 +247,9 @@ class Armature(AlongCoordinate[Value, Formula]):
 
 
 def _friction() -> DeclaredPart[Friction]:
-    cure = "write Friction(mu=.., v0=..), or Friction(force=.., v0=..)"
-    return DeclaredPart(kind=Friction, code="model.not_friction", noun="friction", fix=cure)
+    refusal = Refusal("model.not_friction", what="{value} is not friction",
+                      fix="write Friction(mu=.., v0=..), or Friction(force=.., v0=..)")  # fmt: skip
+    return DeclaredPart(kind=Friction, refusal=refusal)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.declaration import ElementPart, file_table
@@ -16,6 +16,14 @@ from symbody.model.numeric_checks import NumericChecks
 P = TypeVar("P", bound=ElementPart)
 
 
+class Refusal(NamedTuple):
+    """A fault; `what` contains ``{value}`` where the value is shown."""
+
+    code: str
+    what: str = ""
+    fix: str = ""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class DeclaredPart(Field[P, P], Generic[P]):
     """A part of an element, which is a table of its own in a file.
@@ -24,8 +32,8 @@ class DeclaredPart(Field[P, P], Generic[P]):
     ----------
     kind : type
         Its class.
-    code, noun, fix : str
-        What something else is told.
+    refusal : Refusal
+        The fault of something else in its place.
     """
 
     role: ClassVar[str] = "part"
@@ -34,9 +42,7 @@ class DeclaredPart(Field[P, P], Generic[P]):
 
     _: KW_ONLY
     kind: Any = None
-    code: str = ""
-    noun: str = ""
-    fix: str = ""
+    refusal: Refusal = Refusal("")
 
     def __post_init__(self) -> None:
         """Take over the name of the class."""
@@ -46,7 +52,8 @@ class DeclaredPart(Field[P, P], Generic[P]):
     def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> P:
         """Return the part; an empty one stands for something else."""
         if not isinstance(value, self.kind):
-            arguments.add(self.code, path, f"{value!r} is not {self.noun}", "", self.fix)
+            code, what, fix = self.refusal
+            arguments.add(code, path, what.format(value=repr(value)), "", fix)
         part: P = value if isinstance(value, self.kind) else self.kind()
         return part
 
