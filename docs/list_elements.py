@@ -12,7 +12,8 @@ from typing import Any
 
 from symbody.formats import schema
 from symbody.model import Bushing, Drive, Force, SpringDamper, Torque, TorsionSpring
-from symbody.model.declarations.declaration import Declared, Field
+from symbody.model.declarations.declaration import Declared
+from symbody.model.declarations.field import Field
 from symbody.model.joint import Joint
 from symbody.model.output_names import OUTPUT_KINDS, TITLES
 from symbody.model.registry import element_types, type_word

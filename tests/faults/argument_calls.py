@@ -12,7 +12,8 @@ import numpy as np
 
 import symbody as sb
 from symbody.model.model import KINDS
-from symbody.model.registry import element_types, shape_types
+from symbody.model.registry import element_types
+from symbody.model.shapes.shape import shape_types
 from tests.formulations import FORMULATIONS
 
 ROOT = Path(__file__).parents[2]

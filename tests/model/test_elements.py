@@ -13,7 +13,8 @@ from symbody.errors import UsageError
 from symbody.model.declarations.declaration import Declared
 from symbody.model.element import Element
 from symbody.model.model import KINDS
-from symbody.model.registry import element_types, shape_types
+from symbody.model.registry import element_types
+from symbody.model.shapes.shape import shape_types
 
 DOCS = Path(__file__).parents[2] / "docs"
 KINDS_OF_ELEMENTS = [each for kind in KINDS for each in element_types(kind).values()]

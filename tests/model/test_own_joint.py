@@ -19,7 +19,7 @@ from symbody.model.declarations.joint_fields import (
     TREE,
     Coordinate,
     CoordinateDrive,
-    PrescribedAngle,
+    PrescribedCoordinate,
     TreeMembership,
 )
 from symbody.model.joint import Joint
@@ -41,7 +41,7 @@ class Hoop(Joint):
     coordinate: Coordinate = Coordinate("Name of the place on the circle.", unit="rad")
     tree: TreeMembership = TREE
     torque: CoordinateDrive = CoordinateDrive("What acts along the circle.")
-    motion: PrescribedAngle = PrescribedAngle("Prescribed place.", unit="rad")
+    motion: PrescribedCoordinate = PrescribedCoordinate("Prescribed place.", unit="rad")
     as_constraint: Flag = AS_CONSTRAINT
 
     def shift(self) -> Triple:
@@ -62,7 +62,7 @@ class Ellipse(Joint):
     coordinate: Coordinate = Coordinate("Name of the parameter's angle.", unit="rad")
     tree: TreeMembership = TREE
     torque: CoordinateDrive = CoordinateDrive("What acts along the angle.")
-    motion: PrescribedAngle = PrescribedAngle("Prescribed angle.", unit="rad")
+    motion: PrescribedCoordinate = PrescribedCoordinate("Prescribed angle.", unit="rad")
     as_constraint: Flag = AS_CONSTRAINT
 
     def turns(self) -> tuple[SimpleRotation, ...]:

@@ -24,7 +24,7 @@ from symbody.builder.services import Services
 from symbody.builder.settings import BuilderSettings
 from symbody.builder.task_failure import TaskFailure
 from symbody.errors import Problem, SymbodyError
-from symbody.formats.schema import ModelFile
+from symbody.formats.schema import file_schema
 from symbody.model import elements
 
 Answer = dict[str, Any]
@@ -99,7 +99,7 @@ def _page(request: Request, builder: Builder) -> Response:
 
 @api.post("/schema")
 def _schema(request: asked.NothingRequest) -> Answer:
-    return {"schema": ModelFile.model_json_schema(), "elements": elements()}
+    return {"schema": file_schema(), "elements": elements()}
 
 
 @api.post("/examples")

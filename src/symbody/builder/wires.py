@@ -11,8 +11,8 @@ from typing import Any, Final
 from symbody.builder.formulas import formula_texts
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
+from symbody.formats.checking import check_structure
 from symbody.formats.entries import read_element
-from symbody.formats.schema_fit import check_structure
 from symbody.formats.version import VERSION
 from symbody.model.body import Body
 from symbody.model.checks.structure import free_joints

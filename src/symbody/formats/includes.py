@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from symbody.errors import FormatError, ModelError, Problem
-from symbody.formats.entries import Node, write_node
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, relocate
 from symbody.formats.reading import read_text
 from symbody.formats.toml_syntax import parse_toml
+from symbody.model.declarations.field import Node
 from symbody.model.model import Model
 from symbody.model.parts.include import Include
 from symbody.model.tables.inner_path import inner_path
@@ -156,5 +156,5 @@ def include_entry(include: Include, folder: str | None) -> dict[str, Node]:
     for key in ("connect", "parameters"):
         values = getattr(include, key)
         if values:
-            entry[key] = write_node(values)
+            entry[key] = dict(values)
     return entry

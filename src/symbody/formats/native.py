@@ -11,27 +11,23 @@ from symbody.arguments import checked_arguments
 from symbody.collection import without_collection
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.formats.entries import (
-    Node,
-    ground_frames,
-    read_element,
-    shape_entries,
-    shapes_from_entries,
-    write_element,
-    write_node,
-)
+from symbody.formats.checking import check_structure
+from symbody.formats.entries import read_element, write_element
 from symbody.formats.includes import include_entry, read_includes
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
-from symbody.formats.schema_fit import check_structure
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.version import NEWER_SECTIONS, VERSION
 from symbody.formats.writing import write_text
+from symbody.model.body import GROUND_FRAMES
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.field import FileTarget, Node
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import KINDS, Model
 from symbody.model.parts.own_content import own_content, whole_content
+from symbody.model.shapes.shape import GROUND_SHAPES
 
 _PACKAGE: Final = __name__.partition(".")[0]
 
@@ -190,11 +186,11 @@ def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, .
                 paths.append((kind, k))
             except ModelError as error:
                 problems += relocate(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
-    faults: list[Problem] = []
+    arguments = Arguments("model")
     fixed = content.get("ground", {})
-    ground = ground_frames(fixed.get("frames", {}), faults)
-    shapes = shapes_from_entries(fixed.get("shape", []), "model, ground.shape", folder, faults)
-    problems += relocate(faults, {"model": ()}, locate)
+    frames: Any = GROUND_FRAMES.from_file(fixed.get("frames", {}), arguments, "ground.frames", folder)
+    shapes: Any = GROUND_SHAPES.from_file(fixed.get("shape", []), arguments, "ground.shape", folder)
+    problems += relocate(arguments.problems, {"model": ()}, locate)
     if problems:
         raise ModelError(*problems)
     labels = element_labels(elements)
@@ -208,7 +204,7 @@ def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, .
             parameters={name: None if v == "" else v for name, v in content.get("parameters", {}).items()},
             inputs=content.get("inputs", ()),
             initial=content.get("initial", {}),
-            ground=ground,
+            ground=frames,
             ground_shapes=shapes,
         )
     except ModelError as error:
@@ -216,8 +212,9 @@ def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, .
 
 
 def _content(model: Model, folder: str | None = None, *, is_alone: bool = False) -> dict[str, Node]:
-    """Return what the file of a model says, without layout; `folder` as in `shape_entries`."""
-    content: dict[str, Node] = {"name": model.name, "gravity": write_node(model.gravity)}
+    """Return what the file of a model says, without layout."""
+    target = FileTarget(folder, is_alone)
+    content: dict[str, Node] = {"name": model.name, "gravity": list(model.gravity)}
     said = whole_content(model) if is_alone else own_content(model)
     if said.inputs:
         content["inputs"] = list(said.inputs)
@@ -227,16 +224,14 @@ def _content(model: Model, folder: str | None = None, *, is_alone: bool = False)
         }
     fixed: dict[str, Node] = {}
     if said.ground:
-        fixed["frames"] = {name: write_node(frame) for name, frame in said.ground.items()}
+        fixed["frames"] = {name: frame.to_entry(target) for name, frame in said.ground.items()}
     if said.ground_shapes:
-        fixed["shape"] = shape_entries(said.ground_shapes, folder)
+        fixed["shape"] = GROUND_SHAPES.to_file(None, said.ground_shapes, target) or []
     if fixed:
         content["ground"] = fixed
     for kind in KINDS:
         entries: list[Node] = [
-            write_element(element, folder, is_alone=is_alone)
-            for element in said.elements
-            if element.kind == kind
+            write_element(element, target) for element in said.elements if element.kind == kind
         ]
         if entries:
             content[kind] = entries

@@ -8,16 +8,19 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.formats.entries import Node, shape_entries, write_element, write_node
+from symbody.formats.entries import write_element
+from symbody.model.body import GROUND_FRAMES
+from symbody.model.declarations.field import FileTarget, Node
 from symbody.model.element import Element
 from symbody.model.model import Model
-from symbody.model.registry import shape_types
+from symbody.model.shapes.shape import GROUND_SHAPES, shape_types
 
 _WIDTH: Final = 100
 _NUMBER: Final = re.compile(r"-?(0|[1-9][0-9]*)(\.[0-9]+)?")
 # Values that are parts of their own, by the key they stand under.
 _PARTS: Final = MappingProxyType({"force": "Drive", "torque": "Drive", "friction": "Friction"})
 _INDENT: Final = "    "
+_TARGET: Final = FileTarget(is_alone=True)
 
 
 def model_to_script(model: Model) -> str:
@@ -28,7 +31,7 @@ def model_to_script(model: Model) -> str:
     """
     elements = [_element(element) for element in model.elements]
     arguments = [_text(model.name), _list(elements)]
-    arguments += [f"gravity={_value(write_node(model.gravity))}"]
+    arguments += [f"gravity={_value(list(model.gravity))}"]
     if model.parameters:
         arguments.append(f"parameters={_parameters(model.parameters)}")
     if model.inputs:
@@ -36,9 +39,11 @@ def model_to_script(model: Model) -> str:
     if model.initial:
         arguments.append(f"initial={_initial(model)}")
     if model.ground:
-        arguments.append(f"ground={_frames(write_node(model.ground))}")
+        arguments.append(f"ground={_frames(GROUND_FRAMES.to_file(None, model.ground, _TARGET))}")
     if model.ground_shapes:
-        arguments.append(f"ground_shapes={_shapes(shape_entries(model.ground_shapes, None))}")
+        arguments.append(
+            f"ground_shapes={_shapes(GROUND_SHAPES.to_file(None, model.ground_shapes, _TARGET))}"
+        )
     first = f'"""{_title(model.name)}, written by symbody."""'
     return f"{first}\n\nimport symbody as sb\n\nmodel = {_call('sb.Model', arguments)}\n"
 
@@ -56,7 +61,7 @@ def _title(name: str) -> str:
 
 
 def _element(element: Element) -> str:
-    entry = write_element(element, is_alone=True)
+    entry = write_element(element, _TARGET)
     entry.pop("type", None)
     arguments = [_value(entry.pop("name"))]
     between = entry.pop("between", None)
@@ -93,12 +98,12 @@ def _part(name: str, node: Node) -> str:
     return _call(f"sb.{name}", [f"{key}={_value(item, key)}" for key, item in node.items()])
 
 
-def _frames(node: Node) -> str:
+def _frames(node: Node | None) -> str:
     assert isinstance(node, dict)
     return _dict_text({name: _part("Frame", frame) for name, frame in node.items()})
 
 
-def _shapes(node: Node) -> str:
+def _shapes(node: Node | None) -> str:
     assert isinstance(node, list)
     calls = []
     for entry in node:

@@ -1,112 +1,242 @@
-"""The structure of the model file as pydantic classes; `schema.json` beside this file is made from them.
-
-They check keys and types. What the values mean is checked by the Model.
-"""
+"""The structure of the model file: its sections and their roles, from which `schema.json` is made."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from typing import Annotated, Any, Final
+from collections.abc import Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass
+from functools import cache
+from typing import Any, Final
 
-from pydantic import Field, WithJsonSchema, create_model
-from pydantic.functional_validators import PlainValidator
-from pydantic_core import PydanticCustomError
-
-from symbody.formats.schema_entries import TYPES, entry_list_type
-from symbody.formats.schema_types import Angle, Expression, FileEntry, FirstValue, Triple
 from symbody.formats.version import VERSION
-from symbody.model.body import Frames
+from symbody.model.body import GROUND_FRAMES
+from symbody.model.declarations.combinators import ByName, list_of
+from symbody.model.declarations.field import REQUIRED, FileRole, FileTable
+from symbody.model.declarations.fields import AngleQuantity, Quantity, Text, VectorQuantity
+from symbody.model.declarations.misfits import (
+    FORMULA_SCHEMA,
+    Misfit,
+    Path,
+    Schema,
+    formula_misfits,
+    list_misfits,
+    mapping_misfits,
+    short_text,
+    wrong_type,
+)
+from symbody.model.declarations.typed_tables import typed_list_schema, typed_misfits
 from symbody.model.model import KINDS
-from symbody.model.shapes.shape import Shapes
+from symbody.model.registry import ElementTables
+from symbody.model.shapes.shape import GROUND_SHAPES
+
+NEWER: Final = "newer_version"
+_PRIORITIES: Final = ("guess", "hold")
 
 
-def _version(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise PydanticCustomError("version", "a whole number")
-    if value > VERSION:
-        raise PydanticCustomError("newer", "a version known to this symbody")
-    return value
+class Version(FileRole):
+    """The version of the file format."""
+
+    def schema(self) -> Schema:
+        """Return an integer up to the version of this package."""
+        return {"type": "integer", "minimum": 1, "maximum": VERSION}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being a version, or from being one that is known."""
+        if isinstance(entry, bool) or not isinstance(entry, int) or entry < 1:
+            return wrong_type(entry, path, "a whole number")
+        if entry <= VERSION:
+            return ()
+        what = f"the file was made by a newer version of symbody: it has version {short_text(entry)}"
+        why = f"this version of symbody reads versions up to {VERSION}"
+        return (Misfit(path, NEWER, what, why, "update symbody"),)
 
 
-# Ground has no name: it is the same in every model.
-GroundEntry: Final = create_model(
-    "GroundEntry",
-    __base__=FileEntry,
-    __doc__="The fixed frame.",
-    frames=(TYPES[Frames], Field(default={}, description="Frames fixed to the ground.")),
-    shape=(TYPES[Shapes], Field(default=[], description="Shapes to draw.")),
+class FirstValue(FileRole):
+    """A value, or one with its priority."""
+
+    def schema(self) -> Schema:
+        """Return a formula or a table."""
+        table = {
+            "type": "object",
+            "properties": {
+                "value": FORMULA_SCHEMA,
+                "priority": {"enum": [*_PRIORITIES], "default": _PRIORITIES[0]},
+            },
+            "required": ["value"],
+            "additionalProperties": False,
+        }
+        text = 'A value, or { value = .., priority = "hold" } if closing the loops must not change it.'
+        return {"anyOf": [FORMULA_SCHEMA, table], "description": text}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being either."""
+        if not isinstance(entry, dict):
+            return formula_misfits(entry, path)
+        if "value" not in entry or not set(entry) <= {"value", "priority"}:
+            return wrong_type(entry, path, 'a value, or { value = .., priority = "hold" }')
+        if entry.get("priority", _PRIORITIES[0]) not in _PRIORITIES:
+            return wrong_type(entry, path, 'priority "hold" or "guess"')
+        return formula_misfits(entry["value"], path)
+
+
+class DiagramLayout(FileRole):
+    """What editors of diagrams write for themselves."""
+
+    def schema(self) -> Schema:
+        """Return any table."""
+        return {"type": "object", "additionalProperties": True}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being a table."""
+        return mapping_misfits(entry, path, lambda value, place: ())
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Section(FileRole):
+    """A table of its own."""
+
+    _: KW_ONLY
+    default: Any = None
+    table: FileTable | None = None
+
+    def schema(self) -> Schema:
+        """Return the name of the table."""
+        return self._table.reference
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of the table."""
+        return self._table.misfits(entry, path)
+
+    def tables(self) -> Iterable[FileTable]:
+        """Return the table."""
+        return (self._table,)
+
+    @property
+    def file_default(self) -> object:
+        """Nothing: the keys of the table have their defaults."""
+        return REQUIRED
+
+    @property
+    def _table(self) -> FileTable:
+        assert self.table is not None
+        return self.table
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Entries(FileRole):
+    """A list of tables of one kind, by their types where there are several.
+
+    Attributes
+    ----------
+    choices : mapping of type to FileTable
+        Under "" where there is one.
+    """
+
+    _: KW_ONLY
+    default: Any = ()
+    kind: str = ""
+    choices: Mapping[str, FileTable] | None = None
+
+    def schema(self) -> Schema:
+        """Return a list of tables."""
+        return typed_list_schema(self.choices or {})
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of each table."""
+        example = f"[[{self.kind}]] instead of [{self.kind}]" if isinstance(entry, Mapping) else ""
+        return list_misfits(entry, path, self._entry_misfits, example=example)
+
+    def tables(self) -> Iterable[FileTable]:
+        """Return all tables."""
+        return (self.choices or {}).values()
+
+    def _entry_misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        return typed_misfits(entry, path, self.kind, self.choices or {})
+
+
+_GROUND: Final = FileTable(
+    "GroundEntry", "The fixed frame.", {"frames": GROUND_FRAMES, "shape": GROUND_SHAPES}
 )
-Version = Annotated[
-    Any, PlainValidator(_version), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": VERSION})
-]
-IncludeEntry: Final = create_model(
+_INCLUDE: Final = FileTable(
     "IncludeEntry",
-    __base__=FileEntry,
-    __doc__="A model file included as a part: its elements and symbols get names with a prefix.",
-    file=(str, Field(description="Relative path of a model file in the folder of this file or below it.")),
-    prefix=(str, Field(description='With "FL" the joint or parameter knee becomes FL_knee.')),
-    at=(str, Field(default="ground", description="Frame that becomes the ground of the part.")),
-    connect=(
-        dict[str, Expression],
-        Field(
-            default={},
-            description="Connects inputs of the part to symbols or formulas here, and its signals to new "
-            "names.",
+    "A model file included as a part: its elements and symbols get names with a prefix.",
+    {
+        "file": Text("Relative path of a model file in the folder of this file or below it."),
+        "prefix": Text('With "FL" the joint or parameter knee becomes FL_knee.'),
+        "at": Text("Frame that becomes the ground of the part.", default="ground"),
+        "connect": ByName(
+            "Connects inputs of the part to symbols or formulas here, and its signals to new names.",
+            default=None,
+            item=Quantity(),
         ),
-    ),
-    share=(
-        list[str],
-        Field(default=[], description="Parameters and inputs of the part that keep their names."),
-    ),
-    parameters=(
-        dict[str, Angle],
-        Field(
-            default={},
-            description="New values for parameters of the part, as formulas in symbols of this model.",
+        "share": list_of(Text("Parameters and inputs of the part that keep their names."), default=()),
+        "parameters": ByName(
+            "New values for parameters of the part, as formulas in symbols of this model.",
+            default=None,
+            item=AngleQuantity(),
         ),
-    ),
+    },
 )
-_ENTRY: Final[Any] = IncludeEntry
-_LISTS: Final[Mapping[str, Any]] = {kind: (entry_list_type(kind), []) for kind in KINDS}
-ModelFile: Final = create_model(
-    "ModelFile",
-    __base__=FileEntry,
-    __doc__="A mechanism. SI units, radians.",
-    version=(Version, Field(default=1, description="Version of the file format.")),
-    name=(str, Field(description="Title.")),
-    gravity=(
-        Triple,
-        Field(default=[0, 0, 0], description="Acceleration of gravity in ground axes [m/s^2]."),
-    ),
-    inputs=(
-        list[str],
-        Field(default=[], description="Quantities given from outside during the motion."),
-    ),
-    parameters=(
-        dict[str, Angle],
-        Field(
-            default={}, description='Values, or formulas in other parameters; "" where there is no value yet.'
-        ),
-    ),
-    ground=(GroundEntry, Field(default_factory=GroundEntry)),
-    **_LISTS,
-    include=(
-        list[_ENTRY],
-        Field(default=[], description="Parts: included model files, each with its own prefix."),
-    ),
-    initial=(
-        dict[str, FirstValue],
-        Field(default={}, description="Initial values of coordinates and speeds."),
-    ),
-    layout=(
-        dict[str, Any],
-        Field(default={}, description="Layout of the diagram; it does not affect the mechanism."),
-    ),
-)
+
+
+@cache
+def model_table() -> FileTable:
+    """Return the table that a whole file is."""
+    return FileTable(
+        "ModelFile",
+        "A mechanism. SI units, radians.",
+        {
+            "version": Version("Version of the file format.", default=1),
+            "name": Text("Title."),
+            "gravity": VectorQuantity(
+                "Acceleration of gravity in ground axes.", unit="m/s^2", default=(0, 0, 0),
+                example='gravity = ["0", "-9.81", "0"]',
+            ),
+            "inputs": list_of(
+                Text("Quantities given from outside during the motion.", example='inputs = ["F"]'), default=()
+            ),
+            "parameters": ByName(
+                'Values, or formulas in other parameters; "" where there is no value yet.', default=None,
+                item=AngleQuantity(),
+            ),
+            "ground": Section(table=_GROUND),
+            **{kind: Entries(kind=kind, choices=ElementTables(kind)) for kind in KINDS},
+            "include": Entries(
+                "Parts: included model files, each with its own prefix.",
+                kind="include",
+                choices={"": _INCLUDE},
+            ),
+            "initial": ByName("Initial values of coordinates and speeds.", default=None, item=FirstValue()),
+            "layout": DiagramLayout("Layout of the diagram; it does not affect the mechanism.", default={}),
+        },
+    )  # fmt: skip
+
+
+def file_schema() -> dict[str, Any]:
+    """Return the JSON Schema of the model file."""
+    whole = model_table()
+    tables = {table.title: table for table in _tables_below(whole)}
+    schema = {"$defs": {title: tables[title].schema() for title in sorted(tables)}, **whole.schema()}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_sort_keys(schema)}
 
 
 def schema_text() -> str:
     """Return the JSON Schema of the model file, as it stands in `schema.json`."""
-    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **ModelFile.model_json_schema()}
-    return json.dumps(schema, indent=2) + "\n"
+    return json.dumps(file_schema(), indent=2) + "\n"
+
+
+def _tables_below(table: FileTable) -> Iterable[FileTable]:
+    for role in table.fields.values():
+        for inner in role.tables():
+            yield inner
+            yield from _tables_below(inner)
+
+
+def _sort_keys(node: Any, is_sorted: bool = True) -> Any:
+    """Return a schema with its keys in order, those of the properties in the order of the constructors."""
+    if isinstance(node, list):
+        return [_sort_keys(item) for item in node]
+    if not isinstance(node, Mapping):
+        return node
+    keys = sorted(node) if is_sorted else list(node)
+    return {key: _sort_keys(node[key], key not in ("properties", "default")) for key in keys}

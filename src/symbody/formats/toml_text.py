@@ -11,7 +11,7 @@ import tomlkit
 from tomlkit.items import AoT, Array, Float, InlineTable, Item, Table, Trivia
 
 from symbody.expr.language.formula import Formula
-from symbody.formats.entries import Node
+from symbody.model.declarations.field import Node
 
 # Keys whose value is a table under a header of its own; other tables stand in the line of their key.
 _HEADED: Final = frozenset({"frames", "ground", "initial", "layout", "parameters"})

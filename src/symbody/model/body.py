@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import ClassVar, final
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, ClassVar, Final, final
 
 from symbody.expr.language.tokens import normalize
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.declaration import Field
+from symbody.model.declarations.combinators import ByName
 from symbody.model.declarations.fields import Flag, Quantity, VectorQuantity, part
 from symbody.model.declarations.formula_site import FormulaSite
+from symbody.model.declarations.part_fields import DeclaredPart, Refusal
 from symbody.model.element import Element, FrameRef, make_frame_ref
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
@@ -17,21 +19,43 @@ from symbody.model.naming import CENTRE, element_problem
 from symbody.model.shapes.shape import Shapes
 
 
-class Frames(Field[Mapping[str, Frame] | None, FrozenMapping[Frame]]):
+def _frame() -> DeclaredPart[Frame]:
+    refusal = Refusal("model.not_a_frame", what="{value} is not a frame", fix="write Frame(at=(x, y, z))")
+    return DeclaredPart(kind=Frame, refusal=refusal)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Frames(ByName[Mapping[str, Frame] | None, Frame]):
     """Frames by name."""
 
     role: ClassVar[str] = "frames"
     takes: ClassVar[str] = "mapping of name to Frame"
     annotation: ClassVar[str] = "Mapping[str, Frame] | None"
 
-    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> FrozenMapping[Frame]:
-        """Return the frames."""
-        return frame_table(arguments, value or {}, path)
+    _: KW_ONLY
+    default: Any = None
+    item: Any = field(default_factory=_frame)
 
-    def formula_sites(self, owner: object, value: FrozenMapping[Frame], path: str) -> Iterator[FormulaSite]:
-        """Return where their formulas stand."""
-        for name, frame in value.items():
-            yield from frame.formula_sites(f"{path}.{name}")
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> FrozenMapping[Frame]:
+        """Return the frames; none may have the name of the centre of mass."""
+        table = ByName.read(self, owner, arguments, value or {}, path)
+        for name in table:
+            problem = element_problem(name, arguments.where(f"{path}.{name}"))
+            if problem is not None:
+                arguments.problems.append(problem)
+            if name == CENTRE:
+                arguments.add(
+                    "names.reserved",
+                    f"{path}.{name}",
+                    f"the name {CENTRE!r} is reserved: every body has a frame of this name",
+                    "it is the centre of mass",
+                    "rename the frame",
+                )
+        return table
+
+
+# The frames of the ground, which has no declaration of its own.
+GROUND_FRAMES: Final = Frames("Frames fixed to the ground.")
 
 
 @final
@@ -54,12 +78,13 @@ class Body(Element):
         default=0,
     )
     inertia: VectorQuantity = VectorQuantity(
-        "Moments xx, yy, zz about the centre of mass, in the body's axes.", unit="kg m^2", default=(0, 0, 0)
-    )
+        "Moments xx, yy, zz about the centre of mass, in the body's axes.", unit="kg m^2", default=(0, 0, 0),
+        example='the moments about x, y and z of the body, such as inertia = ["0", "0", "I"]',
+    )  # fmt: skip
     products: VectorQuantity = VectorQuantity(
         "Tensor entries xy, xz, yz, with the sign of URDF.", unit="kg m^2", default=(0, 0, 0)
     )
-    frames: Frames = Frames("Frames fixed to the body.", default=None)
+    frames: Frames = Frames("Frames fixed to the body.")
     unphysical: Flag = Flag(
         "Whether a physically impossible inertia is used unchanged, with a note.", default=False
     )
@@ -126,28 +151,3 @@ def _parse_frame_ref(arguments: Arguments, text: str, path: str) -> FrameRef:
         "write Body.Frame, or Body for its centre of mass, or ground",
     )
     return FrameRef("ground")
-
-
-def frame_table(arguments: Arguments, frames: object, path: str) -> FrozenMapping[Frame]:
-    """Return named frames, checked."""
-    table = arguments.table(frames, path, lambda value, place: _frame(arguments, value, place))
-    for name in table:
-        problem = element_problem(name, arguments.where(f"{path}.{name}"))
-        if problem is not None:
-            arguments.problems.append(problem)
-        if name == CENTRE:
-            arguments.add(
-                "names.reserved",
-                f"{path}.{name}",
-                f"the name {CENTRE!r} is reserved: every body has a frame of this name",
-                "it is the centre of mass",
-                "rename the frame",
-            )
-    return table
-
-
-def _frame(arguments: Arguments, value: object, path: str) -> Frame:
-    if isinstance(value, Frame):
-        return value
-    arguments.add("model.not_a_frame", path, f"{value!r} is not a frame", "", "write Frame(at=(x, y, z))")
-    return Frame()

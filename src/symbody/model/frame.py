@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import KW_ONLY, dataclass, field
 from fractions import Fraction
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import ZERO, Arguments, Value
-from symbody.model.declarations.declaration import ElementPart, Field
-from symbody.model.declarations.fields import AxisLike, VectorQuantity, part
-from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.declarations.combinators import ListOf, OptionalField
+from symbody.model.declarations.declaration import ElementPart
+from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
+from symbody.model.declarations.fields import AngleQuantity, AxisLike, Direction, VectorQuantity, part
+from symbody.model.declarations.formula_site import FormulaSite, Triple
+from symbody.model.declarations.misfits import Misfit, Path, Schema, wrong_length, wrong_type
 from symbody.model.numbers import formula_value
 from symbody.model.simple_rotation import LETTERS, Axis, SimpleRotation, read_axis, unit_axis
 
@@ -22,42 +26,102 @@ Rotation = tuple[tuple[Axis, Formula], ...]
 _SNAP: Final = 2e-11
 
 
-class Turns(Field[Iterable[tuple[AxisLike, Value]], Rotation]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Turn(Field[tuple[AxisLike, Value], tuple[Axis, Formula]]):
+    """A simple rotation: an axis and an angle."""
+
+    role: ClassVar[str] = "turn"
+    takes: ClassVar[str] = "(axis, angle)"
+    annotation: ClassVar[str] = "tuple[str | Iterable[Value], Value]"
+
+    _: KW_ONLY
+    axis: Any = field(default_factory=Direction)
+    angle: Any = field(default_factory=AngleQuantity)
+
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Axis, Formula]:
+        """Return the axis and the angle [rad]."""
+        return _turn(arguments, value, path)
+
+    def schema(self) -> Schema:
+        """Return an array of both."""
+        both = [self.axis.schema(), self.angle.schema()]
+        return {"type": "array", "prefixItems": both, "minItems": 2, "maxItems": 2}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of both, or what is missing or too much."""
+        if not isinstance(entry, list):
+            return wrong_type(entry, path, "a list of an axis and an angle")
+        if len(entry) > 2:
+            return wrong_length(path, len(entry), 2)
+        misfits = [
+            misfit
+            for k, (role, item) in enumerate(zip((self.axis, self.angle), entry, strict=False))
+            for misfit in role.misfits(item, (*path, k))
+        ]
+        cure = 'write both, such as ["z", "pi/2"]'
+        for k in range(len(entry), 2):
+            misfits.append(Misfit((*path, k), "wrong_length", f"entry {k + 1} is missing", "", cure))
+        return misfits
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return a list of both."""
+        return [self.axis.to_file(owner, value[0], target), self.angle.to_file(owner, value[1], target)]
+
+    def rename(self, value: Any, names: NewNames) -> tuple[Axis, Formula]:
+        """Return both in the new names."""
+        return self.axis.rename(value[0], names), self.angle.rename(value[1], names)
+
+    def formula_sites(self, owner: object, value: Any, path: str) -> Iterator[FormulaSite]:
+        """Return where the formulas stand."""
+        yield from self.axis.formula_sites(owner, value[0], f"{path}[0]")
+        yield from self.angle.formula_sites(owner, value[1], f"{path}[1]")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Turns(ListOf[Iterable[tuple[AxisLike, Value]], Rotation]):
     """Successive rotations."""
 
     role: ClassVar[str] = "turns"
     takes: ClassVar[str] = "iterable of (axis, angle)"
     annotation: ClassVar[str] = "Iterable[tuple[str | Iterable[Value], Value]]"
 
-    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Rotation:
-        """Return pairs of an axis and an angle [rad]."""
-        return tuple(
-            _turn(arguments, turn, f"{path}[{k}]") for k, turn in enumerate(arguments.items(value, path))
-        )
-
-    def formula_sites(self, owner: object, value: Rotation, path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas stand."""
-        for k, (axis, angle) in enumerate(value):
-            if not isinstance(axis, str):
-                yield from component_sites(f"{path}[{k}][0]", axis, Scope.CONSTANT)
-            yield FormulaSite(f"{path}[{k}][1]", angle, Scope.CONSTANT)
+    _: KW_ONLY
+    item: Any = field(default_factory=Turn)
 
 
-class RotationMatrix(Field[Sequence[Iterable[Value]] | None, Matrix | None]):
-    """The rows of a rotation matrix, or None."""
+@dataclass(frozen=True, eq=False, repr=False)
+class _Rows(ListOf[Sequence[Iterable[Value]], Matrix]):
+    """Three rows of three numbers or formulas."""
 
     role: ClassVar[str] = "matrix"
     takes: ClassVar[str] = "(3, 3) number or formula"
-    annotation: ClassVar[str] = "Sequence[Iterable[Value]] | None"
+    annotation: ClassVar[str] = "Sequence[Iterable[Value]]"
+
+    _: KW_ONLY
+    item: Any = field(default_factory=VectorQuantity)
+    count: int | None = 3
+
+    def items(self, arguments: Arguments, value: object, path: str) -> Iterable[object]:
+        """Return three rows."""
+        rows = arguments.items(value, path)
+        if len(rows) == 3:
+            return rows
+        what = f"{len(rows)} rows instead of three"
+        arguments.add("model.not_three", path, what, "", "give three rows of three entries")
+        return ()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RotationMatrix(OptionalField[Sequence[Iterable[Value]], Matrix]):
+    """The rows of a rotation matrix, or None."""
+
+    _: KW_ONLY
+    inner: Any = field(default_factory=_Rows)
+    is_nullable: bool = True
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Matrix | None:
-        """Return three rows of formulas."""
-        return None if value is None else _matrix(arguments, value)
-
-    def formula_sites(self, owner: object, value: Matrix | None, path: str) -> Iterator[FormulaSite]:
-        """Return where the entries stand."""
-        for k, row in enumerate(value or ()):
-            yield from component_sites(f"{path}[{k}]", row, Scope.CONSTANT)
+        """Return three rows of formulas; None also for another number of rows."""
+        return OptionalField.read(self, owner, arguments, value, path) or None
 
 
 @part
@@ -115,21 +179,6 @@ def _turn(arguments: Arguments, turn: object, path: str) -> tuple[Axis, Formula]
         )
         return "x", ZERO
     return read_axis(arguments, pair[0], f"{path}[0]"), arguments.formula(pair[1], f"{path}[1]")
-
-
-def _matrix(arguments: Arguments, rows: object) -> Matrix | None:
-    items = arguments.items(rows, "matrix")
-    if len(items) != 3:
-        arguments.add(
-            "model.not_three",
-            "matrix",
-            f"{len(items)} rows instead of three",
-            "",
-            "give three rows of three entries",
-        )
-        return None
-    a, b, c = (arguments.triple(row, f"matrix[{k}]") for k, row in enumerate(items))
-    return (a, b, c)
 
 
 def _euler_turns(matrix: tuple[Triple, Triple, Triple]) -> tuple[SimpleRotation, ...]:

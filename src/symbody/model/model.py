@@ -10,7 +10,7 @@ from symbody.arguments import checked_arguments
 from symbody.errors import ModelError, Problem, nearest, number_in_words
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
-from symbody.model.body import Body, frame_table
+from symbody.model.body import GROUND_FRAMES, Body
 from symbody.model.checks import physics
 from symbody.model.checks.signals import collect_signals
 from symbody.model.checks.structure import free_joints
@@ -28,7 +28,7 @@ from symbody.model.output_arguments import OutputScope, make_scope
 from symbody.model.parameters import dependence_order, parameter_values, resolve
 from symbody.model.parts.expansion import add_parts
 from symbody.model.parts.include import Include
-from symbody.model.shapes.shape import BodyShape, read_shapes
+from symbody.model.shapes.shape import GROUND_SHAPES, BodyShape
 from symbody.model.signals.signal import Signal
 from symbody.model.tables.lookup import Lookup
 from symbody.notebook import Displayed
@@ -162,8 +162,8 @@ class Model(Displayed):
                 for k, item in enumerate(arguments.items(inputs, "inputs"))
             ),
             initial=read_initial(arguments, initial or {}),
-            ground=frame_table(arguments, ground or {}, "ground.frames"),
-            ground_shapes=read_shapes(arguments, ground_shapes, "ground.shape"),
+            ground=GROUND_FRAMES.read(None, arguments, ground, "ground.frames"),
+            ground_shapes=GROUND_SHAPES.read(None, arguments, ground_shapes, "ground.shape"),
         )
         draft = add_parts(draft, includes, arguments.problems)
         draft = replace(draft, elements=_sort_by_kind(draft.elements))

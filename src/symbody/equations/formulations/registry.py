@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from symbody.equations import formulations
 from symbody.equations.formulations.formulation import Formulation
-from symbody.model.registry import snake_case
+from symbody.model.class_folders import snake_case
 
 
 @cache

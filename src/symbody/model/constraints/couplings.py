@@ -7,12 +7,14 @@ from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import ConstraintElement
-from symbody.model.declarations.element_fields import Coupled, Radii, VanishingFormulas, element
-from symbody.model.declarations.fields import AngleQuantity, Flag, Quantity
+from symbody.model.declarations.combinators import list_of
+from symbody.model.declarations.element_fields import Coupled, VanishingFormulas, element
+from symbody.model.declarations.fields import AngleQuantity, Flag, Formulas, Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.numeric_checks import refuse_zero_ratio
+from symbody.model.numeric_checks import positive_length, refuse_zero_ratio
 
 _ONE: Final = Formula.from_value(1)
+_pulley_radius: Final = positive_length("the directions of rotation are given by the angles and by crossed")
 
 
 class JointCoupling(ConstraintElement):
@@ -113,7 +115,10 @@ class Belt(JointCoupling):
     multiplier_unit: ClassVar[str] = "N"
 
     coupled: Coupled = Coupled("The angles of two joints.")
-    radii: Radii = Radii("Radii of the pulleys.", unit="m")
+    radii: Formulas = list_of(
+        Quantity("Radii of the pulleys.", unit="m", fits=_pulley_radius), 2,
+        why="there are two pulleys", fix="give one for each", instead=(1, 1),
+    )  # fmt: skip
     crossed: Flag = Flag("Whether the pulleys turn in opposite directions.", default=False)
     offset: Quantity = Quantity(
         "Length of belt unwound from the second pulley where the first angle is 0.",

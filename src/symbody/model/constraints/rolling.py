@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.model.constraint import FrameConstraint
+from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.element_fields import element
-from symbody.model.declarations.fields import Direction, OptionalDirection, Quantity
+from symbody.model.declarations.fields import AxisLike, Direction, Quantity
 from symbody.model.numeric_checks import positive_length
+from symbody.model.simple_rotation import Axis
 
 
 @final
@@ -47,6 +49,6 @@ class Rolling(FrameConstraint):
         "Radius of the disc or sphere.", unit="m", fits=positive_length("a point cannot roll")
     )
     normal: Direction = Direction("Normal of the plane, towards the wheel, in the start frame.", default="z")
-    axis: OptionalDirection = OptionalDirection(
-        "Axle of a disc, in the end frame; leave it out for a sphere.", default=None
+    axis: OptionalField[AxisLike, Axis] = optional(
+        Direction("Axle of a disc, in the end frame; leave it out for a sphere.")
     )

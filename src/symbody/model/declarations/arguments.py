@@ -61,10 +61,6 @@ class Arguments:
         """Return a formula from text, a real number or a formula."""
         return self._parse(lambda where: Formula.from_value(plain_value(value), where=where), path)
 
-    def optional_formula(self, value: object, path: str) -> Formula | None:
-        """Return a formula, or None for None."""
-        return None if value is None else self.formula(value, path)
-
     def triple(self, values: object, path: str) -> Triple:
         """Return three formulas."""
         items = list(values) if _is_many(values) else None

@@ -12,111 +12,48 @@ import math
 import reprlib
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass
-from functools import wraps
+from dataclasses import dataclass
+from functools import cache, wraps
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, Generic, Never, Self, TypeVar, overload
+from typing import Any, ClassVar, Final, NamedTuple, Self, TypeVar
 
 from symbody.arguments import call_problem
 from symbody.errors import CallError, Problem, SymbodyError, UsageError
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.combinators import list_of
+from symbody.model.declarations.field import Field, FileRole, FileTable, FileTarget, NewNames, Node, TypeWord
 from symbody.model.declarations.formula_site import FormulaSite
 from symbody.model.numeric_checks import NumericChecks
-from symbody.model.simple_rotation import Axis
 from symbody.notebook import Displayed
 
-Given = TypeVar("Given", contravariant=True)
-Kept = TypeVar("Kept", covariant=True)
 C = TypeVar("C", bound="Declared")
 
-REQUIRED: Final = object()
 _WIDTH: Final = 100
 _POSITIONAL: Final = frozenset(("name", "start", "end"))  # arguments without their names in `repr`
 _IN_WORDS: Final = MappingProxyType({"str": "a text", "bool": "true or false"})
+# Written to files even where they have their default: a reader looks for them.
+_ALWAYS: Final = frozenset({"angles", "axes", "axis"})
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Field(Generic[Given, Kept]):
-    """One argument of an element: a constructor takes `Given`, the element holds `Kept`.
-
-    A subclass is a role: it says how a value is read, where its formulas stand, and what fits.
+class FileKey(NamedTuple):
+    """Where an argument stands in an entry of a model file.
 
     Attributes
     ----------
-    role : str
-        The word for what it is: ``"direction"``.
-    takes, annotation : str
-        What the constructor takes, as documentation and as signatures write it.
-    explanation : str
-        A sentence for every field of the role.
-    sentence : str
-        What this one is.
-    default : object
-        Of the argument; REQUIRED if there is none.
-    unit : str
-        Of its value; "" if it has none, or several, which the sentence then contains.
-    place : str
-        Where it stands in an entry of the model file, if that is not its name.
-    is_content : bool
-        Whether it is written to files and counts where elements are compared.
+    number : int or None
+        In the list under its key, which then has several arguments.
     """
 
-    role: ClassVar[str]
-    takes: ClassVar[str]
-    annotation: ClassVar[str]
-    explanation: ClassVar[str] = ""
+    name: str
+    key: str
+    number: int | None
+    field: Field[Any, Any]
 
-    sentence: str = ""
-    _: KW_ONLY
-    default: Any = REQUIRED
-    unit: str = ""
-    place: str = ""
-    is_content: bool = True
 
-    # For type checkers alone, which take the argument from one and the attribute from the other: at run
-    # time a slot stands in the place of the field. Never: nothing can be assigned to an element.
-    @overload
-    def __get__(self, owner: None, kind: type) -> Self: ...
-    @overload
-    def __get__(self, owner: object, kind: type) -> Kept: ...
-    def __get__(self, owner: object, kind: type) -> Kept | Self:
-        return self
-
-    def __set__(self, owner: Never, value: Given) -> None:
-        raise AttributeError(self.sentence)
-
-    def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> Kept:
-        """Return what is kept of an argument; the owner holds what stands before it."""
-        raise NotImplementedError(self.role)
-
-    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas of the value stand."""
-        return iter(())
-
-    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
-        """Note numbers that cannot be, as far as parameters have values."""
-
-    def directions(self, value: Any, path: str) -> dict[str, Axis]:
-        """Return the directions of the value by the places where they stand."""
-        return {}
-
-    def default_value(self, owner: object, name: str) -> object:
-        """Return what is kept of the default; REQUIRED if there is none."""
-        return REQUIRED if self.is_required else self.read(owner, Arguments(""), self.default, name)
-
-    @property
-    def is_required(self) -> bool:
-        """Whether the argument has no default."""
-        return self.default is REQUIRED
-
-    @property
-    def description(self) -> str:
-        """The sentence with the unit behind its first part."""
-        if not self.unit or not self.sentence:
-            return f"[{self.unit}]" if self.unit else self.sentence
-        first, mark, rest = self.sentence.removesuffix(".").partition(";")
-        return f"{first} [{self.unit}]{mark}{rest}."
+def _file_key(name: str, field: Field[Any, Any]) -> FileKey:
+    key, _, number = (field.place or name).partition("[")
+    return FileKey(name, key, int(number.rstrip("]")) if number else None, field)
 
 
 class Declared(Displayed):
@@ -126,12 +63,15 @@ class Declared(Displayed):
     ----------
     fields : mapping of name to Field
         The arguments, in the order of the constructor.
+    file_keys : tuple of FileKey
+        Where they stand in an entry of a model file.
     """
 
     __slots__ = ()
 
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
     fields: ClassVar[Mapping[str, Field[Any, Any]]] = MappingProxyType({})
+    file_keys: ClassVar[tuple[FileKey, ...]] = ()
 
     def __post_init__(self) -> None:
         """Read the arguments, in their order.
@@ -174,6 +114,52 @@ class Declared(Displayed):
             for name, field in self.fields.items()
             if (value := getattr(self, name)) != field.default_value(self, name)
         }
+
+    @classmethod
+    def from_entry(cls, entry: Mapping[str, Any], label: str, folder: str = "") -> Self:
+        """Return what an entry of a model file describes; paths in it begin in `folder`.
+
+        Raises
+        ------
+        ModelError
+            With everything that is wrong with it.
+        """
+        arguments = Arguments(label)
+        values: dict[str, object] = {}
+        for name, key, number, field in cls.file_keys:
+            if not field.is_content:
+                values[name] = folder
+            elif key in entry:
+                item = entry[key] if number is None else entry[key][number]
+                values[name] = field.from_file(item, arguments, key, folder)
+        make: Callable[..., Self] = cls
+        made = arguments.attempt(lambda: make(**values))
+        arguments.raise_all()
+        assert made is not None
+        return made
+
+    def to_entry(self, target: FileTarget) -> dict[str, Node]:
+        """Return the entry of a model file, without what has its default."""
+        entry: dict[str, Node] = {}
+        for name, key, number, field in self.file_keys:
+            value = getattr(self, name)
+            if not field.is_content or (name not in _ALWAYS and value == field.default_value(self, name)):
+                continue
+            node = field.to_file(self, value, target)
+            if node is not None:
+                before = entry.get(key)
+                entry[key] = node if number is None else [*(before if isinstance(before, list) else ()), node]
+        return entry
+
+    def rename(self, names: NewNames) -> Self:
+        """Return a copy with new names in the place of those of a part."""
+        changes: dict[str, Any] = {}
+        for name, field in self.fields.items():
+            value = getattr(self, name)
+            changed = field.rename(value, names)
+            if changed is not value:
+                changes[name] = changed
+        return dataclasses.replace(self, **changes) if changes else self
 
     def _content(self) -> tuple[object, ...]:
         """Return what counts where elements are compared."""
@@ -247,6 +233,26 @@ class ElementPart(Declared):
         self._check_numbers(check, f"{where}.")
 
 
+def file_table(kind: type[Declared], title: str, word: str = "") -> FileTable:
+    """Return the table that describes what declares its fields; `word` is its type, if it has one."""
+    hashable: Any = kind  # as all classes are, which type checkers do not see
+    return _make_table(hashable, title, word)
+
+
+@cache
+def _make_table(kind: type[Declared], title: str, word: str) -> FileTable:
+    keys: dict[str, FileRole] = {}
+    for _, key, number, field in kind.file_keys:
+        if number is not None:
+            keys[key] = list_of(type(field)("Start and end frame."), number + 1)
+        elif field.is_content:
+            keys[key] = field
+    first: dict[str, FileRole] = {key: keys.pop(key) for key in ("name", "between", "tree") if key in keys}
+    if word:
+        first["type"] = TypeWord(word=word)
+    return FileTable(title, kind.summary(), {**first, **keys})
+
+
 def declare(kind: type[C]) -> type[C]:
     """Return a class with declared fields as a frozen dataclass with a constructor that reads them."""
     for name, value in list(vars(kind).items()):
@@ -257,6 +263,7 @@ def declare(kind: type[C]) -> type[C]:
     made = dataclass(frozen=True, slots=True, eq=False, repr=False)(kind)
     fields = {field.name: field.metadata["declared"] for field in dataclasses.fields(made)}
     made.fields = MappingProxyType(fields)
+    made.file_keys = tuple(_file_key(name, field) for name, field in fields.items())
     hints = {name: field.annotation for name, field in fields.items()}
     made.__init__.__annotations__ = {**hints, "return": "None"}
     constructor: Callable[..., None] = type.__getattribute__(made, "__init__")

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
 from symbody.model.body import FrameLike, read_frame_ref
 from symbody.model.declarations.arguments import Arguments, Value
-from symbody.model.declarations.declaration import Declared, Field, declare
+from symbody.model.declarations.combinators import ListOf, list_of
+from symbody.model.declarations.declaration import Declared, declare
+from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
 from symbody.model.declarations.fields import (
     AngleQuantity,
     AxisLike,
@@ -19,18 +21,18 @@ from symbody.model.declarations.fields import (
     Quantity,
     SymbolElementName,
     SymbolName,
+    TextField,
     VectorQuantity,
-    read_list,
 )
 from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.declarations.misfits import Misfit, Path, Schema, formula_misfits
 from symbody.model.element import Element, FrameRef
-from symbody.model.numeric_checks import NumericChecks, check_axis, positive_length
-from symbody.model.simple_rotation import Axis, read_axis
+from symbody.model.simple_rotation import Axis
 
 E = TypeVar("E", bound=Declared)
 
 
-class AttachedFrame(Field[FrameLike, FrameRef]):
+class AttachedFrame(TextField[FrameLike, FrameRef]):
     """A frame of a body or of the ground."""
 
     role: ClassVar[str] = "frame"
@@ -41,8 +43,18 @@ class AttachedFrame(Field[FrameLike, FrameRef]):
         """Return the address."""
         return read_frame_ref(arguments, value, path)
 
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return the address as text."""
+        name: str = value.full_name
+        return name
 
-class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
+    def rename(self, value: Any, names: NewNames) -> FrameRef:
+        """Return the address in the whole."""
+        return names.frame(value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Directions(ListOf[Iterable[AxisLike], tuple[Axis, Axis]]):
     """A direction in start and one in end."""
 
     role: ClassVar[str] = "directions"
@@ -50,34 +62,17 @@ class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
     annotation: ClassVar[str] = "Axes"
     explanation: ClassVar[str] = "Each is a letter, or three components of any length."
 
-    def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> tuple[Axis, Axis]:
-        """Return two directions."""
-        why = "the first is fixed in start, the second in end"
-        items = read_list(arguments, value, path, 2, "directions", why, 'write axes = ["z", "z"]')
-        first, second = (
-            read_axis(arguments, item, f"{path}[{k}]") for k, item in enumerate(items or ("z", "z"))
-        )
-        return (first, second)
-
-    def formula_sites(self, owner: object, value: tuple[Axis, Axis], path: str) -> Iterator[FormulaSite]:
-        """Return where the components stand."""
-        for k, axis in enumerate(value):
-            if not isinstance(axis, str):
-                yield from component_sites(f"{path}[{k}]", axis, Scope.CONSTANT)
-
-    def directions(self, value: tuple[Axis, Axis], path: str) -> dict[str, Axis]:
-        """Return both directions after their places."""
-        return {f"{path}[{k}]": axis for k, axis in enumerate(value)}
-
-    def check_numbers(self, check: NumericChecks, owner: Any, value: tuple[Axis, Axis], where: str) -> None:
-        """Refuse directions of length zero."""
-        for k, axis in enumerate(value):
-            if not isinstance(axis, str):
-                check_axis(check, axis, f"{where}[{k}]")
+    _: KW_ONLY
+    item: Any = field(default_factory=Direction)
+    count: int | None = 2
+    nouns: str = "directions"
+    why: str = "the first is fixed in start, the second in end"
+    fix: str = 'write axes = ["z", "z"]'
+    instead: tuple[object, ...] = ("z", "z")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class VanishingFormulas(Field[Value | Iterable[Value], tuple[Formula, ...]]):
+class VanishingFormulas(ListOf[Value | Iterable[Value], tuple[Formula, ...]]):
     """What vanishes: one formula or several."""
 
     role: ClassVar[str] = "equations"
@@ -85,47 +80,59 @@ class VanishingFormulas(Field[Value | Iterable[Value], tuple[Formula, ...]]):
     annotation: ClassVar[str] = "Value | Iterable[Value]"
 
     scope: Scope = Scope.MOTION
+    item: Any = field(default_factory=Quantity)
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Formula, ...]:
         """Return the formulas."""
         if isinstance(value, str | Mapping) or not isinstance(value, Iterable):
             return (arguments.formula(value, path),)
-        items = arguments.items(value, path)
-        if not items:
+        formulas = ListOf.read(self, owner, arguments, value, path)
+        if not formulas:
             why = "a constraint consists of left-hand sides that are 0"
             arguments.add("model.empty", path, "there is no equation", why, 'write equations = ["x - y"]')
-        return tuple(arguments.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
+        return formulas
+
+    def schema(self) -> Schema:
+        """Return one formula or a list."""
+        return {"anyOf": [self.item.schema(), ListOf.schema(self)]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of the formula or of the list."""
+        return ListOf.misfits(self, entry, path) if isinstance(entry, list) else formula_misfits(entry, path)
 
     def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[FormulaSite]:
         """Return where the equations stand."""
-        return (FormulaSite(f"{path}[{k}]", formula, self.scope) for k, formula in enumerate(value))
+        return component_sites(path, value, self.scope)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Coupled(Field[Iterable[str], tuple[str, ...]]):
+class Coupled(ListOf[Iterable[str], tuple[str, ...]]):
     """The coordinates of joints that a constraint couples."""
 
     role: ClassVar[str] = "coupled"
     takes: ClassVar[str] = "list of str"
     annotation: ClassVar[str] = "Iterable[str]"
 
+    _: KW_ONLY
+    item: Any = field(default_factory=SymbolName)
     count: int = 2
+    nouns: str = "coordinates"
+    why: str = "each wheel, rack or shaft moves with one coordinate"
+    fix: str = "name one for each"
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return as many different names."""
-        why = "each wheel, rack or shaft moves with one coordinate"
-        items = read_list(arguments, value, path, self.count, "coordinates", why, "name one for each")
-        names = tuple(_coupled_name(arguments, item, f"{path}[{k}]") for k, item in enumerate(items or ()))
+        items = self.items(arguments, value, path)
+        names = tuple(_coupled_name(arguments, item, f"{path}[{k}]") for k, item in enumerate(items))
         for name in sorted({name for name in names if names.count(name) > 1 and name != "?"}):
             what = f"{name} is listed {names.count(name)} times"
             why = "a coordinate coupled to itself cannot move"
             arguments.add("model.coupled_twice", path, what, why, "name different coordinates")
-        return names if items else ("?",) * self.count
+        return names or ("?",) * self.count
 
     def formula_sites(self, owner: object, value: tuple[str, ...], path: str) -> Iterator[FormulaSite]:
         """Return where the names stand."""
-        for k, name in enumerate(value):
-            yield FormulaSite(f"{path}[{k}]", Formula.from_value(name), Scope.COORDINATE)
+        return component_sites(path, map(Formula.from_value, value), Scope.COORDINATE)
 
 
 def _coupled_name(arguments: Arguments, item: object, path: str) -> str:
@@ -136,29 +143,6 @@ def _coupled_name(arguments: Arguments, item: object, path: str) -> str:
         "model.not_coupled", path, "there is no coordinate", "an end of the coupling is not connected", cure
     )
     return "?"
-
-
-class Radii(Field[Iterable[Value], tuple[Formula, ...]]):
-    """The radii of two pulleys."""
-
-    role: ClassVar[str] = "radii"
-    takes: ClassVar[str] = "(2,) number or formula"
-    annotation: ClassVar[str] = "Iterable[Value]"
-
-    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Formula, ...]:
-        """Return two formulas."""
-        items = read_list(arguments, value, path, 2, "values", "there are two pulleys", "give one for each")
-        return tuple(arguments.formula(item, f"{path}[{k}]") for k, item in enumerate(items or (1, 1)))
-
-    def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[FormulaSite]:
-        """Return where the radii stand."""
-        return (FormulaSite(f"{path}[{k}]", radius, Scope.CONSTANT) for k, radius in enumerate(value))
-
-    def check_numbers(self, check: NumericChecks, owner: Any, value: tuple[Formula, ...], where: str) -> None:
-        """Refuse radii that are not above zero."""
-        fits = positive_length("the directions of rotation are given by the angles and by crossed")
-        for k, radius in enumerate(value):
-            fits(check, radius, f"{where}[{k}]")
 
 
 class CurvePoint(VectorQuantity):
@@ -176,7 +160,7 @@ class CurvePoint(VectorQuantity):
 @dataclass_transform(
     field_specifiers=(
         Field, ElementName, SymbolName, Quantity, AngleQuantity, VectorQuantity, Direction, Flag,
-        AttachedFrame, Directions, VanishingFormulas, Coupled, CurvePoint, Radii, SymbolElementName,
+        AttachedFrame, Directions, VanishingFormulas, Coupled, CurvePoint, SymbolElementName, list_of,
     )
 )  # fmt: skip
 def element(kind: type[E]) -> type[E]:
@@ -195,6 +179,6 @@ class Connection(Element):
     def directions(self) -> Mapping[str, Axis]:
         """Each direction by the place where it stands."""
         places: dict[str, Axis] = {}
-        for name, field in self.fields.items():
-            places |= field.directions(getattr(self, name), name)
+        for name, role in self.fields.items():
+            places |= role.directions(getattr(self, name), name)
         return places

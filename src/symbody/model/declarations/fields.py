@@ -3,70 +3,97 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, ClassVar, Generic, TypeVar, dataclass_transform
+from typing import Any, ClassVar, Final, Generic, TypeAlias, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments, Value
-from symbody.model.declarations.declaration import Declared, Field, declare
+from symbody.model.declarations.combinators import ListOf, OptionalField, list_of
+from symbody.model.declarations.declaration import Declared, declare
+from symbody.model.declarations.field import Field, FileTarget, Given, Kept, NewNames, Node, PlainField
 from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.declarations.misfits import (
+    FORMULA_SCHEMA,
+    Misfit,
+    Path,
+    Schema,
+    formula_misfits,
+    list_misfits,
+    text_misfits,
+    wrong_type,
+)
 from symbody.model.numeric_checks import NumericChecks, check_axis
-from symbody.model.simple_rotation import Axis, read_axis
+from symbody.model.simple_rotation import LETTERS, Axis, read_axis
 
 L = TypeVar("L", bound=str)
 D = TypeVar("D", bound=Declared)
 AxisLike = str | Iterable[Value]
 NumberCheck = Callable[[NumericChecks, Formula, str], None]
+# What elements hold of numbers or formulas that may be left out, and of lists of them.
+OptionalQuantity: TypeAlias = OptionalField[Value, Formula]
+Formulas: TypeAlias = ListOf[Iterable[Value], tuple[Formula, ...]]
+
+THREE_FORMULAS: Final = {"type": "array", "items": FORMULA_SCHEMA, "minItems": 3, "maxItems": 3}
+_AXIS: Final = '"x", "y", "z", or three components'
 
 
-class ElementName(Field[str, str]):
+class TextField(PlainField[Given, Kept]):
+    """A role whose values are texts."""
+
+    takes: ClassVar[str] = "str"
+    annotation: ClassVar[str] = "str"
+
+    def schema(self) -> Schema:
+        """Return a string."""
+        return {"type": "string"}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being a text."""
+        return text_misfits(entry, path)
+
+
+class ElementName(TextField[str, str]):
     """The name of an element."""
 
     role: ClassVar[str] = "name"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str"
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return the name in composed letters."""
         return arguments.element_name(value, path)
 
+    def rename(self, value: Any, names: NewNames) -> str:
+        """Return the new name of the element."""
+        return names.element_name(value)
 
-class SymbolName(Field[str, str]):
+
+class SymbolName(TextField[str, str]):
     """The name of a coordinate that an element brings with it."""
 
     role: ClassVar[str] = "symbol"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str"
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return the name as formulas contain it."""
         return arguments.symbol_name(value, path)
 
+    def rename(self, value: Any, names: NewNames) -> str:
+        """Return the new name of the symbol."""
+        return names.symbol(value)
 
-class SymbolElementName(ElementName):
+
+class SymbolElementName(SymbolName):
     """The name of an element that formulas contain."""
 
-    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
-        """Return the name as formulas contain it."""
-        return arguments.symbol_name(value, path)
+    role: ClassVar[str] = "name"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class OptionalText(Field[str | None, str | None]):
-    """A text that may be left out."""
+class OutputName(TextField[str, str | None]):
+    """The name of an output of the mechanism."""
 
     role: ClassVar[str] = "text"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str | None"
-
-    _: KW_ONLY
-    default: Any = None
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str | None:
-        """Return the text without blanks about it."""
-        if value is None:
-            return None
+        """Return the name without blanks about it."""
         if isinstance(value, str) and value.strip():
             return value.strip()
         why = "an output is named as in notation.md"
@@ -74,17 +101,28 @@ class OptionalText(Field[str | None, str | None]):
         arguments.add("model.not_a_text", path, f"{value!r} is not a name of an output", why, cure)
         return None
 
+    def rename(self, value: Any, names: NewNames) -> str:
+        """Return the output in the new names."""
+        return names.output(value)
 
-class Text(Field[str, str]):
+
+class Text(TextField[str, str]):
     """A text of any kind."""
 
     role: ClassVar[str] = "text"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str"
 
     def read(self, owner: object, arguments: Arguments, value: Any, path: str) -> str:
         """Return the text as it is."""
         return str(value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Folder(Text):
+    """The directory in which paths of the element begin; of a model file its own."""
+
+    _: KW_ONLY
+    default: Any = ""
+    is_content: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -102,6 +140,7 @@ class Quantity(Field[Value, Formula]):
     role: ClassVar[str] = "quantity"
     takes: ClassVar[str] = "number or formula"
     annotation: ClassVar[str] = "Value"
+    meaning: ClassVar[str] = "A number, or a formula in the names allowed there."
 
     _: KW_ONLY
     scope: Scope = Scope.CONSTANT
@@ -118,6 +157,23 @@ class Quantity(Field[Value, Formula]):
             )  # fmt: skip
         return formula
 
+    def schema(self) -> Schema:
+        """Return a string or number."""
+        return {**FORMULA_SCHEMA, "description": self.meaning}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being a formula."""
+        return formula_misfits(entry, path)
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return the formula."""
+        node: Formula = value
+        return node
+
+    def rename(self, value: Any, names: NewNames) -> Formula:
+        """Return the formula in the new names."""
+        return names.formula(value)
+
     def formula_sites(self, owner: object, value: Formula, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""
         yield FormulaSite(path, value, self.scope)
@@ -132,6 +188,7 @@ class AngleQuantity(Quantity):
     """A number or formula in radians; a text may be in degrees."""
 
     role: ClassVar[str] = "angle"
+    meaning: ClassVar[str] = 'An angle in rad, or a text such as "30 deg".'
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Formula:
         """Return the formula [rad]."""
@@ -139,35 +196,7 @@ class AngleQuantity(Quantity):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OptionalQuantity(Field[Value | None, Formula | None]):
-    """A number or formula that may be left out."""
-
-    role: ClassVar[str] = "quantity"
-    takes: ClassVar[str] = "number or formula"
-    annotation: ClassVar[str] = "Value | None"
-
-    _: KW_ONLY
-    default: Any = None
-    scope: Scope = Scope.CONSTANT
-    fits: NumberCheck | None = None
-
-    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Formula | None:
-        """Return the formula, or None for None."""
-        return arguments.optional_formula(value, path)
-
-    def check_numbers(self, check: NumericChecks, owner: object, value: Formula | None, where: str) -> None:
-        """Note a value that does not fit."""
-        if self.fits is not None and value is not None:
-            self.fits(check, value, where)
-
-    def formula_sites(self, owner: object, value: Formula | None, path: str) -> Iterator[FormulaSite]:
-        """Return where the formula stands."""
-        if value is not None:
-            yield FormulaSite(path, value, self.scope)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class VectorQuantity(Field[Iterable[Value], Triple]):
+class VectorQuantity(ListOf[Iterable[Value], Triple]):
     """Three numbers or formulas."""
 
     role: ClassVar[str] = "vector"
@@ -176,6 +205,8 @@ class VectorQuantity(Field[Iterable[Value], Triple]):
 
     _: KW_ONLY
     scope: Scope = Scope.CONSTANT
+    item: Any = field(default_factory=Quantity)
+    count: int | None = 3
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Triple:
         """Return three formulas."""
@@ -198,13 +229,36 @@ class Direction(Field[AxisLike, Axis]):
         """Return a letter or three formulas."""
         return read_axis(arguments, value, path)
 
-    def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[FormulaSite]:
+    def schema(self) -> Schema:
+        """Return a letter or an array of three."""
+        return {
+            "anyOf": [{"enum": [*LETTERS]}, THREE_FORMULAS],
+            "description": "A letter, or components of a vector of any length.",
+        }
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being a text or three formulas; which letters there are is seen later."""
+        if isinstance(entry, str):
+            return ()
+        if isinstance(entry, list) and len(entry) == 3:
+            return list_misfits(entry, path, formula_misfits)
+        return wrong_type(entry, path, _AXIS)
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return the letter or the components."""
+        node: Node = value if isinstance(value, str) else list(value)
+        return node
+
+    def rename(self, value: Any, names: NewNames) -> Axis:
+        """Return the components in the new names."""
+        if isinstance(value, str):
+            return value
+        x, y, z = map(names.formula, value)
+        return (x, y, z)
+
+    def formula_sites(self, owner: object, value: Axis, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
-        return (
-            iter(())
-            if value is None or isinstance(value, str)
-            else component_sites(path, value, Scope.CONSTANT)
-        )
+        return iter(()) if isinstance(value, str) else component_sites(path, value, Scope.CONSTANT)
 
     def directions(self, value: Axis, path: str) -> dict[str, Axis]:
         """Return the direction after its place."""
@@ -216,37 +270,7 @@ class Direction(Field[AxisLike, Axis]):
             check_axis(check, value, where)
 
 
-class OptionalDirection(Field[AxisLike | None, Axis | None]):
-    """A direction that may be left out."""
-
-    role: ClassVar[str] = "direction"
-    takes: ClassVar[str] = Direction.takes
-    annotation: ClassVar[str] = "str | Iterable[Value] | None"
-    explanation: ClassVar[str] = Direction.explanation
-
-    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Axis | None:
-        """Return a letter or three formulas, or None for None."""
-        return None if value is None else read_axis(arguments, value, path)
-
-    def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[FormulaSite]:
-        """Return where the components stand."""
-        return (
-            iter(())
-            if value is None or isinstance(value, str)
-            else component_sites(path, value, Scope.CONSTANT)
-        )
-
-    def directions(self, value: Axis | None, path: str) -> dict[str, Axis]:
-        """Return the direction, if there is one, after its place."""
-        return {} if value is None else {path: value}
-
-    def check_numbers(self, check: NumericChecks, owner: object, value: Axis | None, where: str) -> None:
-        """Refuse a direction of length zero."""
-        if not (value is None or isinstance(value, str)):
-            check_axis(check, value, where)
-
-
-class Flag(Field[bool, bool]):
+class Flag(PlainField[bool, bool]):
     """True or false."""
 
     role: ClassVar[str] = "flag"
@@ -262,9 +286,17 @@ class Flag(Field[bool, bool]):
         )
         return False
 
+    def schema(self) -> Schema:
+        """Return a boolean."""
+        return {"type": "boolean"}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being true or false."""
+        return () if isinstance(entry, bool) else wrong_type(entry, path, "true or false")
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class WordChoice(Field[L, L], Generic[L]):
+class WordChoice(TextField[L, L], Generic[L]):
     """One of some words.
 
     Attributes
@@ -274,8 +306,6 @@ class WordChoice(Field[L, L], Generic[L]):
     """
 
     role: ClassVar[str] = "choice"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str"
 
     _: KW_ONLY
     words: tuple[L, ...] = field(default=())
@@ -291,18 +321,25 @@ class WordChoice(Field[L, L], Generic[L]):
         )
         return self.words[0]
 
+    def schema(self) -> Schema:
+        """Return one of the words."""
+        return {"type": "string", "enum": [*self.words]}
 
-class Numbers(Field[Iterable[Value], tuple[Formula, ...]]):
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Numbers(ListOf[Iterable[Value], tuple[Formula, ...]]):
     """A list of numbers."""
 
     role: ClassVar[str] = "numbers"
     takes: ClassVar[str] = "(N,) numbers"
     annotation: ClassVar[str] = "Iterable[Value]"
 
+    _: KW_ONLY
+    item: Any = field(default_factory=Quantity)
+
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Formula, ...]:
         """Return the numbers as formulas."""
-        items = arguments.items(value, path)
-        formulas = tuple(arguments.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
+        formulas = ListOf.read(self, owner, arguments, value, path)
         for k, formula in enumerate(formulas):
             if formula.names:
                 arguments.add(
@@ -314,9 +351,16 @@ class Numbers(Field[Iterable[Value], tuple[Formula, ...]]):
                 )
         return formulas
 
+    def formula_sites(self, owner: object, value: object, path: str) -> Iterator[FormulaSite]:
+        """Return nothing: numbers contain no names."""
+        return iter(())
 
-class FilePath(Field[str | os.PathLike[str], str]):
-    """The path of a file; whether it is there is seen when it is read."""
+
+class FilePath(TextField[str | os.PathLike[str], str]):
+    """The path of a file of the owner, which leads to it from other folders by `path_from`.
+
+    Whether the file is there is seen when it is read.
+    """
 
     role: ClassVar[str] = "path"
     takes: ClassVar[str] = "str or path"
@@ -332,37 +376,18 @@ class FilePath(Field[str | os.PathLike[str], str]):
             )  # fmt: skip
         return text
 
-
-def read_list(
-    arguments: Arguments, value: object, path: str, count: int, nouns: str, why: str, fix: str
-) -> list[object] | None:
-    """Return a list of `count` entries; None if it is another, or none, with a fault noted."""
-    if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
-        arguments.items(value, path)  # notes that it is none
-        return None
-    items = arguments.items(value, path)
-    if len(items) == count:
-        return items
-    noun = nouns if len(items) != 1 else nouns.removesuffix("s")
-    arguments.add("model.wrong_number", path, f"{len(items)} {noun} instead of {count}", why, fix)
-    return None
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return the path from the folder of the file that is written."""
+        path: str = value if target.folder is None else owner.path_from(target.folder)
+        return path
 
 
 @dataclass_transform(
     field_specifiers=(
-        Field,
-        ElementName,
-        SymbolName,
-        Text,
-        FilePath,
-        Quantity,
-        AngleQuantity,
-        Numbers,
-        VectorQuantity,
-        Direction,
-        Flag,
+        Field, ElementName, SymbolName, Text, FilePath, Quantity, AngleQuantity, Numbers, VectorQuantity,
+        Direction, Flag, list_of,
     )
-)
+)  # fmt: skip
 def part(kind: type[D]) -> type[D]:
     """Return a class as one that declares its arguments by the roles above."""
     return declare(kind)

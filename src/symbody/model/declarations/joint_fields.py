@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass
-from typing import Any, ClassVar, Final, TypeVar
+from collections.abc import Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, ClassVar, Final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments, Value
-from symbody.model.declarations.declaration import Field, Given
+from symbody.model.declarations.combinators import NULL, AlongCoordinate, ByCoordinate, ListOf, OptionalField
 from symbody.model.declarations.element_fields import Directions
-from symbody.model.declarations.fields import Flag
-from symbody.model.declarations.formula_site import FormulaSite, Scope
+from symbody.model.declarations.field import FileTarget, Node, PlainField
+from symbody.model.declarations.fields import AngleQuantity, Flag, Quantity, SymbolName, TextField
+from symbody.model.declarations.formula_site import Scope
+from symbody.model.declarations.misfits import Misfit, Path, Schema, wrong_type
+from symbody.model.declarations.part_fields import DeclaredPart, Refusal
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
-from symbody.model.loads.forces import Drive, read_drive
-from symbody.model.loads.friction import Friction, check_friction, read_friction
+from symbody.model.loads.forces import Drive
+from symbody.model.loads.friction import Friction, check_friction
 from symbody.model.numbers import as_float, formula_value
-from symbody.model.numeric_checks import NumericChecks
-from symbody.model.simple_rotation import LETTERS, Axis, not_perpendicular, read_axis
+from symbody.model.numeric_checks import NumericChecks, need_value
+from symbody.model.simple_rotation import LETTERS, Axis, not_perpendicular
 
-T = TypeVar("T")
 TreeChoice = InTrees | bool | Mapping[str, bool] | None
+_TREES: Final = ("rotation", "translation")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TreeMembership(Field[TreeChoice, InTrees]):
+class TreeMembership(PlainField[TreeChoice, InTrees]):
     """The choice of trees."""
 
     role: ClassVar[str] = "tree"
@@ -43,9 +46,8 @@ class TreeMembership(Field[TreeChoice, InTrees]):
             return InTrees()
         if isinstance(value, bool):
             return InTrees(value, value)
-        if isinstance(value, Mapping) and set(value) <= {"rotation", "translation"}:
-            if all(isinstance(flag, bool) for flag in value.values()):
-                return InTrees(value.get("rotation"), value.get("translation"))
+        if isinstance(value, Mapping) and not _tree_misfits(value, ()):
+            return InTrees(value.get("rotation"), value.get("translation"))
         arguments.add(
             "model.bad_tree",
             path,
@@ -55,17 +57,43 @@ class TreeMembership(Field[TreeChoice, InTrees]):
         )
         return InTrees()
 
+    def schema(self) -> Schema:
+        """Return a boolean, or one for each tree."""
+        flags = {tree: {"type": "boolean"} for tree in _TREES}
+        table = {"type": "object", "properties": flags, "additionalProperties": False}
+        return {"anyOf": [{"type": "boolean"}, table]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being a choice of trees."""
+        return _tree_misfits(entry, path)
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return one flag for both trees where that says it."""
+        if value.rotation is not None and value.rotation == value.translation:
+            flag: bool = value.rotation
+            return flag
+        choices = {tree: getattr(value, tree) for tree in _TREES}
+        return {tree: flag for tree, flag in choices.items() if flag is not None}
+
+
+def _tree_misfits(entry: object, path: Path) -> Iterable[Misfit]:
+    if isinstance(entry, bool):
+        return ()
+    if isinstance(entry, Mapping) and set(entry) <= set(_TREES):
+        if all(isinstance(flag, bool) for flag in entry.values()):
+            return ()
+    return wrong_type(entry, path, "true, false, or { rotation = true, translation = false }")
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Coordinate(Field[str | None, str | None]):
+class Coordinate(OptionalField[str, str]):
     """The name of the only coordinate."""
 
-    role: ClassVar[str] = "coordinate"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str | None"
+    annotation: ClassVar[str]
 
     _: KW_ONLY
-    default: Any = None
+    inner: Any = field(default_factory=SymbolName)
+    is_nullable: bool = True
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> str | None:
         """Return the name, or None for that of the joint."""
@@ -73,7 +101,7 @@ class Coordinate(Field[str | None, str | None]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Coordinates(Field[Iterable[str] | None, tuple[str, ...]]):
+class Coordinates(ListOf[Iterable[str] | None, tuple[str, ...]]):
     """The names of several coordinates."""
 
     role: ClassVar[str] = "coordinates"
@@ -83,146 +111,158 @@ class Coordinates(Field[Iterable[str] | None, tuple[str, ...]]):
 
     _: KW_ONLY
     default: Any = None
+    item: Any = field(default_factory=SymbolName)
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return the names."""
         return read_names(arguments, value, path, owner.default_coordinates)
 
+    def schema(self) -> Schema:
+        """Return a list of names, or null."""
+        return {"anyOf": [ListOf.schema(self), NULL]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of a list."""
+        return () if entry is None else ListOf.misfits(self, entry, path)
+
+
+def _drive() -> DeclaredPart[Drive]:
+    refusal = Refusal(
+        "model.not_a_drive",
+        what="{value} is not a drive",
+        fix="write Drive(applied=.., stiffness=.., damping=.., free=..)",
+    )
+    return DeclaredPart(kind=Drive, refusal=refusal)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class _Drives(Field[Given, FrozenMapping[Drive]]):
-    """What both roles of drives do."""
-
-    _: KW_ONLY
-    default: Any = None
-
-    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> FrozenMapping[Drive]:
-        """Return the drives by coordinate."""
-        return _read_by_coordinate(
-            owner, arguments, value, path, lambda item, place: read_drive(arguments, item, place)
-        )
-
-    def formula_sites(self, owner: Joint, value: FrozenMapping[Drive], path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas of the drives stand."""
-        for coordinate, drive in value.items():
-            yield from drive.formula_sites(owner.coordinate_path(path, coordinate))
-
-    def check_numbers(
-        self, check: NumericChecks, owner: Joint, value: FrozenMapping[Drive], where: str
-    ) -> None:
-        """Note coefficients that look odd."""
-        for coordinate, drive in value.items():
-            drive.check_numbers(check, owner.coordinate_path(where, coordinate))
-
-
-class CoordinateDrive(_Drives[Drive | None]):
+class CoordinateDrive(AlongCoordinate[Drive | None, Drive]):
     """What acts along the only coordinate."""
 
     role: ClassVar[str] = "drive"
     takes: ClassVar[str] = "Drive"
     annotation: ClassVar[str] = "Drive | None"
 
+    _: KW_ONLY
+    default: Any = None
+    item: Any = field(default_factory=_drive)
 
-class CoordinateDrives(_Drives[Mapping[str, Drive] | None]):
+    def schema(self) -> Schema:
+        """Return a drive, or null."""
+        return {"anyOf": [self.item.schema(), NULL]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of a drive."""
+        if isinstance(entry, str):
+            return _applied_alone(entry, path)
+        return () if entry is None else self.item.misfits(entry, path)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CoordinateDrives(ByCoordinate[Mapping[str, Drive] | None, Drive]):
     """What acts along coordinates, by their names."""
 
     role: ClassVar[str] = "drives"
     takes: ClassVar[str] = "mapping of coordinate to Drive"
     annotation: ClassVar[str] = "Mapping[str, Drive] | None"
 
-
-@dataclass(frozen=True, eq=False, repr=False)
-class _Motions(Field[Given, FrozenMapping[Formula]]):
-    """What both roles of prescribed motions do."""
-
     _: KW_ONLY
     default: Any = None
+    item: Any = field(default_factory=_drive)
 
-    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
-        """Return the motions by coordinate."""
-        return _read_by_coordinate(owner, arguments, value, path, arguments.formula)
-
-    def formula_sites(self, owner: Joint, value: FrozenMapping[Formula], path: str) -> Iterator[FormulaSite]:
-        """Return where the motions stand."""
-        for coordinate, motion in value.items():
-            yield FormulaSite(owner.coordinate_path(path, coordinate), motion, Scope.PRESCRIBED)
-
-    def check_numbers(
-        self, check: NumericChecks, owner: Joint, value: FrozenMapping[Formula], where: str
-    ) -> None:
-        """Refuse motions whose value is not finite."""
-        for coordinate, motion in value.items():
-            check.value(motion, owner.coordinate_path(where, coordinate))
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of the drives; one that does not say which coordinate it drives is one."""
+        if isinstance(entry, str):
+            return _applied_alone(entry, path)
+        if isinstance(entry, dict) and _is_drive(entry):
+            return wrong_type(entry, path, "a table by coordinate, such as { theta = { stiffness = .. } }")
+        return ByCoordinate.misfits(self, entry, path)
 
 
-class PrescribedAngle(_Motions[Value | None]):
-    """The only coordinate as a formula, an angle."""
+def _applied_alone(entry: str, path: Path) -> Iterable[Misfit]:
+    return wrong_type(entry, path, "a table", f'write {path[-1]} = {{ applied = "{entry}" }}')
+
+
+def _is_drive(entry: Mapping[str, object]) -> bool:
+    return any(key in Drive.fields and not isinstance(item, dict) for key, item in entry.items())
+
+
+def _prescribed_formula() -> Quantity:
+    return AngleQuantity(scope=Scope.PRESCRIBED, fits=need_value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PrescribedCoordinate(AlongCoordinate[Value | None, Formula]):
+    """The only coordinate as a formula."""
 
     role: ClassVar[str] = "motion"
     takes: ClassVar[str] = "number or formula"
     annotation: ClassVar[str] = "Value | None"
 
+    _: KW_ONLY
+    default: Any = None
+    item: Any = field(default_factory=_prescribed_formula)
 
-class PrescribedDisplacement(PrescribedAngle):
-    """The only coordinate as a formula, a displacement."""
 
-
-class PrescribedMotions(_Motions[Mapping[str, Value] | None]):
+@dataclass(frozen=True, eq=False, repr=False)
+class PrescribedMotions(ByCoordinate[Mapping[str, Value] | None, Formula]):
     """Coordinates as formulas, by their names."""
 
     role: ClassVar[str] = "motions"
     takes: ClassVar[str] = "mapping of coordinate to number or formula"
     annotation: ClassVar[str] = "Mapping[str, Value] | None"
 
+    _: KW_ONLY
+    default: Any = None
+    item: Any = field(default_factory=_prescribed_formula)
 
-class Armature(Field[Value, FrozenMapping[Formula]]):
+
+def _refuse_negative_armature(check: NumericChecks, formula: Formula, where: str) -> None:
+    inertia = check.value(formula, where)
+    if inertia is not None and inertia < 0:
+        check.refuse(
+            "model.negative_armature",
+            where,
+            f"the inertia of the rotor is {inertia:g}",
+            "a sign is wrong",
+            "give a positive inertia, or leave armature out",
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Armature(AlongCoordinate[Value, Formula]):
     """The rotor inertia along the only coordinate."""
 
     role: ClassVar[str] = "quantity"
     takes: ClassVar[str] = "number or formula"
     annotation: ClassVar[str] = "Value"
 
+    _: KW_ONLY
+    item: Any = field(default_factory=lambda: Quantity(fits=_refuse_negative_armature))
+
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
         """Return the inertia by coordinate; none if it is 0."""
-        inertias = _read_by_coordinate(owner, arguments, value, path, arguments.formula)
+        inertias = ByCoordinate.read(self, owner, arguments, value, path)
         return FrozenMapping({name: inertia for name, inertia in inertias.items() if inertia.constant() != 0})
 
-    def formula_sites(self, owner: Joint, value: FrozenMapping[Formula], path: str) -> Iterator[FormulaSite]:
-        """Return where the inertia stands."""
-        for coordinate, inertia in value.items():
-            yield FormulaSite(owner.coordinate_path(path, coordinate), inertia, Scope.CONSTANT)
 
-    def check_numbers(
-        self, check: NumericChecks, owner: Joint, value: FrozenMapping[Formula], where: str
-    ) -> None:
-        """Refuse a negative inertia."""
-        for coordinate, formula in value.items():
-            place = owner.coordinate_path(where, coordinate)
-            inertia = check.value(formula, place)
-            if inertia is not None and inertia < 0:
-                check.refuse(
-                    "model.negative_armature",
-                    place,
-                    f"the inertia of the rotor is {inertia:g}",
-                    "a sign is wrong",
-                    "give a positive inertia, or leave armature out",
-                )
+def _friction() -> DeclaredPart[Friction]:
+    refusal = Refusal("model.not_friction", what="{value} is not friction",
+                      fix="write Friction(mu=.., v0=..), or Friction(force=.., v0=..)")  # fmt: skip
+    return DeclaredPart(kind=Friction, refusal=refusal)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DryFriction(Field[Friction | None, Friction | None]):
+class DryFriction(OptionalField[Friction, Friction]):
     """Dry friction along the only coordinate."""
 
-    role: ClassVar[str] = "friction"
-    takes: ClassVar[str] = "Friction"
-    annotation: ClassVar[str] = "Friction | None"
-
     _: KW_ONLY
-    default: Any = None
+    inner: Any = field(default_factory=_friction)
+    is_nullable: bool = True
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> Friction | None:
         """Return the friction; it is refused where there are several free directions."""
-        friction = read_friction(arguments, value, path)
+        friction = OptionalField.read(self, owner, arguments, value, path)
         if friction is None or len(owner.coordinates) == 1:
             return friction
         arguments.add(
@@ -234,22 +274,16 @@ class DryFriction(Field[Friction | None, Friction | None]):
         )
         return None
 
-    def formula_sites(self, owner: Joint, value: Friction | None, path: str) -> Iterator[FormulaSite]:
-        """Return where its formulas stand."""
-        return iter(()) if value is None else value.formula_sites(path)
-
-    def check_numbers(self, check: NumericChecks, owner: Joint, value: Friction | None, where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: Joint, value: Any, where: str) -> None:
         """Refuse impossible coefficients."""
         if value is not None:
             check_friction(check, value, where, bool(owner.rotation_coordinates))
 
 
-class Letter(Field[str, str]):
+class Letter(TextField[str, str]):
     """An axis that must be a letter, because others follow it in cyclic order."""
 
     role: ClassVar[str] = "letter"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str"
     explanation: ClassVar[str] = '"x", "y" or "z".'
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> str:
@@ -265,23 +299,23 @@ class Letter(Field[str, str]):
         )
         return "z"
 
+    def schema(self) -> Schema:
+        """Return one of the letters."""
+        return {"type": "string", "enum": [*LETTERS]}
 
+
+@dataclass(frozen=True, eq=False, repr=False)
 class PerpendicularAxes(Directions):
     """Two perpendicular directions."""
 
+    _: KW_ONLY
+    why: str = ""
+    fix: str = 'write two perpendicular axes, such as ["x", "y"]'
+    instead: tuple[object, ...] = ("x", "y")
+
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> tuple[Axis, Axis]:
         """Return two axes; those that are numbers are refused unless they are perpendicular."""
-        items = arguments.items(value, path)
-        if len(items) != 2:
-            arguments.add(
-                "model.wrong_number",
-                path,
-                f"{len(items)} axes instead of two",
-                "",
-                'write two perpendicular axes, such as ["x", "y"]',
-            )
-            return ("x", "y")
-        first, second = (read_axis(arguments, item, f"{path}[{k}]") for k, item in enumerate(items))
+        first, second = Directions.read(self, owner, arguments, value, path)
         values = _numbers(first), _numbers(second)
         if values[0] is not None and values[1] is not None:
             skew = not_perpendicular(values[0], values[1])
@@ -291,7 +325,7 @@ class PerpendicularAxes(Directions):
 
     def check_numbers(self, check: NumericChecks, owner: Any, value: tuple[Axis, Axis], where: str) -> None:
         """Refuse directions of length zero, and those that are not perpendicular."""
-        super().check_numbers(check, owner, value, where)
+        Directions.check_numbers(self, check, owner, value, where)
         vectors = [check.values(LETTERS[axis] if isinstance(axis, str) else axis, where) for axis in value]
         if vectors[0] is not None and vectors[1] is not None:
             skew = not_perpendicular(vectors[0], vectors[1])
@@ -334,30 +368,6 @@ def _numbers(axis: Axis) -> list[float] | None:
     values = [formula_value(component) for component in components]
     known = [as_float(value) for value in values if value is not None]
     return known if len(known) == 3 else None
-
-
-def _read_by_coordinate(
-    joint: Joint, arguments: Arguments, value: object, path: str, read: Callable[[object, str], T | None]
-) -> FrozenMapping[T]:
-    """Return what `read` makes of the value for each coordinate; a joint with one takes it without name."""
-    names = joint.coordinates
-    if len(names) == 1:
-        if isinstance(value, FrozenMapping):  # of a joint that is copied, perhaps with another coordinate
-            value = next(iter(value.values()), None)
-        value = {} if value is None else {names[0]: value}
-    if value is None:
-        return FrozenMapping()
-    if not isinstance(value, Mapping):
-        arguments.add(
-            "model.not_by_coordinate",
-            path,
-            f"{value!r} needs the coordinate that it belongs to",
-            f"the joint has {len(names)} coordinates: {', '.join(names)}",
-            f"write {{ {names[-1]} = .. }}, in Python {{{names[-1]!r}: ..}}",
-        )
-        return FrozenMapping()
-    found = {str(key): read(item, joint.coordinate_path(path, str(key))) for key, item in value.items()}
-    return FrozenMapping({key: item for key, item in found.items() if item is not None})
 
 
 def _symbol(arguments: Arguments, value: object, path: str, default: str) -> str:

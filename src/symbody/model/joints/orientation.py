@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.declaration import Field
+from symbody.model.declarations.combinators import NULL, OptionalField, list_of
+from symbody.model.declarations.fields import SymbolName, TextField
 from symbody.model.declarations.joint_fields import read_names
+from symbody.model.declarations.misfits import Misfit, Path, Schema, text_misfits
 from symbody.model.joint import RATES, Joint, QuasiSpeeds
 from symbody.model.naming import make_symbol
 from symbody.model.simple_rotation import LETTERS, SimpleRotation
@@ -21,12 +23,10 @@ _DIGITS: Final = MappingProxyType({"x": "1", "y": "2", "z": "3", "1": "1", "2": 
 _AXES: Final = MappingProxyType({"1": LETTERS["x"], "2": LETTERS["y"], "3": LETTERS["z"]})
 
 
-class AngleSequence(Field[str, str]):
+class AngleSequence(TextField[str, str]):
     """Three successive turns, or a quaternion."""
 
     role: ClassVar[str] = "angles"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str"
     pattern: ClassVar[str] = "^((space )?[1-3xyz]{3}|quaternion)$"
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
@@ -47,6 +47,10 @@ class AngleSequence(Field[str, str]):
             'write three axes such as "313" or "zxz", "space 313" for axes fixed in start, or "quaternion"',
         )
         return QUATERNION
+
+    def schema(self) -> Schema:
+        """Return a string of a pattern."""
+        return {"type": "string", "pattern": self.pattern}
 
 
 class ThreeAngles(AngleSequence):
@@ -70,7 +74,7 @@ class ThreeAngles(AngleSequence):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedChoice(Field[str | None, str]):
+class SpeedChoice(TextField[str | None, str]):
     """What the speeds are.
 
     Attributes
@@ -80,7 +84,6 @@ class SpeedChoice(Field[str | None, str]):
     """
 
     role: ClassVar[str] = "choice"
-    takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str | None"
 
     _: KW_ONLY
@@ -113,9 +116,17 @@ class SpeedChoice(Field[str | None, str]):
             return default
         return value
 
+    def schema(self) -> Schema:
+        """Return one of the words."""
+        return {"anyOf": [TextField.schema(self), NULL], "enum": [*self.words]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being a text."""
+        return () if entry is None else text_misfits(entry, path)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
+class SpeedNames(OptionalField[Iterable[str], tuple[str, ...]]):
     """Names of quasi-speeds, three for each kind.
 
     Attributes
@@ -124,12 +135,9 @@ class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
         ``"v"`` for the rate of the position, ``"w"`` for the angular velocity.
     """
 
-    role: ClassVar[str] = "coordinates"
-    takes: ClassVar[str] = "list of str"
-    annotation: ClassVar[str] = "Iterable[str] | None"
-
     _: KW_ONLY
-    default: Any = None
+    inner: Any = field(default_factory=lambda: list_of(SymbolName()))
+    is_nullable: bool = True
     kinds: str = "w"
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> tuple[str, ...] | None:

@@ -15,7 +15,7 @@ from symbody.model.declarations.joint_fields import (
     Coordinate,
     CoordinateDrive,
     DryFriction,
-    PrescribedDisplacement,
+    PrescribedCoordinate,
     TreeMembership,
 )
 from symbody.model.joint import Joint
@@ -40,7 +40,7 @@ class Prismatic(Joint):
     coordinate: Coordinate = Coordinate("Name of the displacement.", unit="m")
     tree: TreeMembership = TREE
     force: CoordinateDrive = CoordinateDrive("Drive along the axis.")
-    motion: PrescribedDisplacement = PrescribedDisplacement(
+    motion: PrescribedCoordinate = PrescribedCoordinate(
         "Prescribed displacement, a formula in parameters and t.", unit="m"
     )
     as_constraint: Flag = AS_CONSTRAINT

@@ -15,7 +15,7 @@ from symbody.model.declarations.joint_fields import (
     Coordinate,
     CoordinateDrive,
     DryFriction,
-    PrescribedAngle,
+    PrescribedCoordinate,
     TreeMembership,
 )
 from symbody.model.joint import Joint, SimpleRotation
@@ -34,7 +34,9 @@ class Revolute(Joint):
     coordinate: Coordinate = Coordinate("Name of the angle.", unit="rad")
     tree: TreeMembership = TREE
     torque: CoordinateDrive = CoordinateDrive("Drive about the axis.")
-    motion: PrescribedAngle = PrescribedAngle("Prescribed angle, a formula in parameters and t.", unit="rad")
+    motion: PrescribedCoordinate = PrescribedCoordinate(
+        "Prescribed angle, a formula in parameters and t.", unit="rad"
+    )
     as_constraint: Flag = AS_CONSTRAINT
     armature: Armature = Armature("Inertia of the drive's rotor.", unit="kg m^2", default=0)
     friction: DryFriction = FRICTION

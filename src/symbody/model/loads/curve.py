@@ -6,13 +6,15 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from itertools import pairwise
-from typing import ClassVar, Final, Literal, TypeAlias, cast, final
+from typing import Any, ClassVar, Final, Literal, TypeAlias, cast, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import ZERO, Arguments, Value
-from symbody.model.declarations.declaration import ElementPart, Field
+from symbody.model.declarations.declaration import ElementPart
+from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
 from symbody.model.declarations.fields import Numbers, WordChoice, part
 from symbody.model.declarations.formula_site import FormulaSite, Scope
+from symbody.model.declarations.misfits import FORMULA_SCHEMA, Misfit, Path, Schema, formula_misfits
 from symbody.model.numbers import as_float, formula_value
 
 KINDS: Final[tuple[Literal["linear", "pchip"], ...]] = ("linear", "pchip")
@@ -114,6 +116,35 @@ class SpringLaw(Field[LawValue, Law]):
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Law:
         """Return the formula or curve."""
         return read_law(arguments, value, path)
+
+    def schema(self) -> Schema:
+        """Return a formula or the table of a curve."""
+        numbers = {"type": "array", "items": FORMULA_SCHEMA, "minItems": 2}
+        curve = {
+            "type": "object",
+            "properties": {
+                "x": numbers,
+                "y": numbers,
+                "kind": {"enum": [*KINDS]},
+                "outside": {"enum": [*OUTSIDE]},
+            },
+            "required": ["x", "y"],
+            "additionalProperties": False,
+        }
+        return {"anyOf": [FORMULA_SCHEMA, curve], "description": "A formula, or a curve through points."}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being a formula or a table, which `read` explains."""
+        return () if isinstance(entry, dict) else formula_misfits(entry, path)
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return the formula, or the table of the curve."""
+        node: Node = value.to_entry(target) if isinstance(value, Curve) else value
+        return node
+
+    def rename(self, value: Any, names: NewNames) -> Law:
+        """Return the formula in the new names; a curve has none."""
+        return value if isinstance(value, Curve) else names.formula(value)
 
     def formula_sites(self, owner: object, value: Law, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands; a curve has none."""

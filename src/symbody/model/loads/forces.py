@@ -44,20 +44,6 @@ class Drive(ElementPart):
         return self.stiffness.constant() != 0 or isinstance(self.law, Curve)
 
 
-def read_drive(arguments: Arguments, value: object, path: str) -> Drive | None:
-    """Return a drive, or None where there is none."""
-    if value is None or isinstance(value, Drive):
-        return value
-    arguments.add(
-        "model.not_a_drive",
-        path,
-        f"{value!r} is not a drive",
-        "",
-        "write Drive(applied=.., stiffness=.., damping=.., free=..)",
-    )
-    return None
-
-
 @final
 @element
 class Force(Element):

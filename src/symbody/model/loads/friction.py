@@ -6,6 +6,7 @@ from typing import Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.combinators import optional
 from symbody.model.declarations.declaration import ElementPart
 from symbody.model.declarations.fields import OptionalQuantity, Quantity, part
 from symbody.model.declarations.formula_site import Scope
@@ -30,20 +31,22 @@ class Friction(ElementPart):
     mu: Quantity = Quantity(
         "Coefficient of the joint's reaction while it slides.", default=0, scope=Scope.LOAD
     )
-    mu_static: OptionalQuantity = OptionalQuantity(
-        "Coefficient up to which it sticks; default: mu.", scope=Scope.LOAD
+    mu_static: OptionalQuantity = optional(
+        Quantity("Coefficient up to which it sticks; default: mu.", scope=Scope.LOAD)
     )
-    radius: OptionalQuantity = OptionalQuantity(
-        "Radius of the bearing; required for a revolute joint.", unit="m"
+    radius: OptionalQuantity = optional(
+        Quantity("Radius of the bearing; required for a revolute joint.", unit="m")
     )
-    v0: OptionalQuantity = OptionalQuantity(
-        "Speed scale of a smooth law; without it the joint sticks and slips by events.", unit="m/s, rad/s"
+    v0: OptionalQuantity = optional(
+        Quantity(
+            "Speed scale of a smooth law; without it the joint sticks and slips by events.", unit="m/s, rad/s"
+        )
     )
-    force: OptionalQuantity = OptionalQuantity(
-        "Friction force or torque, independent of the reaction.", unit="N, N m", scope=Scope.LOAD
+    force: OptionalQuantity = optional(
+        Quantity("Friction force or torque, independent of the reaction.", unit="N, N m", scope=Scope.LOAD)
     )
-    static: OptionalQuantity = OptionalQuantity(
-        "Force or torque up to which it sticks.", unit="N, N m", scope=Scope.LOAD
+    static: OptionalQuantity = optional(
+        Quantity("Force or torque up to which it sticks.", unit="N, N m", scope=Scope.LOAD)
     )
 
     def check(self, arguments: Arguments) -> None:
@@ -64,20 +67,6 @@ class Friction(ElementPart):
     def is_none(self) -> bool:
         """Whether there is no friction at all."""
         return self.force is None and self.mu.constant() == 0 and self.mu_static is None
-
-
-def read_friction(arguments: Arguments, value: object, path: str) -> Friction | None:
-    """Return friction, or None where there is none."""
-    if value is None or isinstance(value, Friction):
-        return value
-    arguments.add(
-        "model.not_friction",
-        path,
-        f"{value!r} is not friction",
-        "",
-        "write Friction(mu=.., v0=..), or Friction(force=.., v0=..)",
-    )
-    return None
 
 
 def check_friction(check: NumericChecks, friction: Friction, where: str, turns: bool) -> None:

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import ClassVar, Final, TypeAlias, final
+from collections.abc import Iterable, Iterator
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, ClassVar, Final, TypeAlias, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import ZERO, Arguments, Value
-from symbody.model.declarations.declaration import Field
+from symbody.model.declarations.combinators import ListOf
 from symbody.model.declarations.element_fields import Connection, element
+from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
 from symbody.model.declarations.fields import AngleQuantity, Direction, Quantity
-from symbody.model.declarations.formula_site import FormulaSite, Scope, component_sites
+from symbody.model.declarations.formula_site import FormulaSite, Scope
+from symbody.model.declarations.misfits import (
+    FORMULA_SCHEMA,
+    Misfit,
+    Path,
+    Schema,
+    formula_misfits,
+    list_misfits,
+    wrong_type,
+)
 from symbody.model.loads.curve import SpringLaw
 from symbody.model.loads.forces import SpringDamper
 from symbody.model.numeric_checks import NumericChecks, note_negative
@@ -26,6 +37,62 @@ Coefficients: TypeAlias = tuple[Formula | Row, ...]
 _NONE: Final = (0, 0, 0, 0, 0, 0)
 
 
+_ROW: Final = {"type": "array", "items": FORMULA_SCHEMA, "minItems": 6, "maxItems": 6}
+_SIX_OR_MATRIX: Final[Schema] = {"anyOf": [_ROW, {**_ROW, "items": _ROW}]}
+
+
+def _six(arguments: Arguments, value: object, path: str) -> Iterable[object]:
+    """Return six entries; zeros stand for another number."""
+    items = arguments.items(value, path)
+    if len(items) == len(_NONE):
+        return items
+    arguments.add(
+        "model.not_six",
+        path,
+        f"{len(items)} entries instead of six",
+        "a bushing is elastic along x, y, z and about x, y, z",
+        "give six entries, or a 6 x 6 matrix",
+    )
+    return _NONE
+
+
+def _six_misfits(entry: object, path: Path) -> Iterable[Misfit]:
+    if not isinstance(entry, list) or len(entry) != len(_NONE):
+        return wrong_type(entry, path, "six numbers or expressions, or six rows of six")
+    rows = [item for item in entry if isinstance(item, list)]
+    if any(len(row) != len(_NONE) for row in rows):
+        return wrong_type(entry, path, "rows of six numbers or expressions")
+    return list_misfits(entry, path, _row_misfits if rows else formula_misfits)
+
+
+def _row_misfits(entry: object, path: Path) -> Iterable[Misfit]:
+    return list_misfits(entry, path, formula_misfits)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Six(ListOf[Iterable[Value], Row]):
+    """Three lengths and three angles, or one row of a matrix."""
+
+    role: ClassVar[str] = "six"
+    takes: ClassVar[str] = "(6,) number or formula"
+    annotation: ClassVar[str] = "Iterable[Value]"
+
+    _: KW_ONLY
+    item: Any = field(default_factory=lambda: Quantity(scope=Scope.LOAD))
+
+    def items(self, arguments: Arguments, value: object, path: str) -> Iterable[object]:
+        """Return six values."""
+        return _six(arguments, value, path)
+
+    def schema(self) -> Schema:
+        """Return what a file may have: `read` takes six values of it."""
+        return _SIX_OR_MATRIX
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of six values, or of six rows."""
+        return _six_misfits(entry, path)
+
+
 class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficients]):
     """Six coefficients, or six rows of six."""
 
@@ -36,36 +103,39 @@ class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficient
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Coefficients:
         """Return six formulas, or rows of them."""
-        items = arguments.items(value, path)
-        if not any(isinstance(item, Iterable) and not isinstance(item, str) for item in items):
-            return _row(arguments, items, path, arguments.formula)
-        if len(items) != len(BUSHING_COORDINATES):
-            _refuse_length(arguments, path, len(items))
-        return tuple(_row(arguments, item, f"{path}[{k}]", arguments.formula) for k, item in enumerate(items))
+        items = list(_six(arguments, value, path))
+        has_rows = any(isinstance(item, Iterable) and not isinstance(item, str) for item in items)
+        role: Field[Any, Any] = _LINE if has_rows else _VALUE
+        return tuple(role.read(owner, arguments, item, f"{path}[{k}]") for k, item in enumerate(items))
 
-    def formula_sites(self, owner: object, value: Coefficients, path: str) -> Iterator[FormulaSite]:
+    def schema(self) -> Schema:
+        """Return six formulas, or six rows of six."""
+        return _LINE.schema()
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of six values, or of six rows."""
+        return _LINE.misfits(entry, path)
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return six formulas, or rows of them."""
+        return [list(item) if isinstance(item, tuple) else item for item in value]
+
+    def rename(self, value: Any, names: NewNames) -> Coefficients:
+        """Return the formulas in the new names."""
+        return tuple(_role_of(item).rename(item, names) for item in value)
+
+    def formula_sites(self, owner: object, value: Any, path: str) -> Iterator[FormulaSite]:
         """Return where the coefficients stand."""
         for k, item in enumerate(value):
-            if isinstance(item, Formula):
-                yield FormulaSite(f"{path}[{k}]", item, Scope.LOAD)
-            else:
-                yield from component_sites(f"{path}[{k}]", item, Scope.LOAD)
+            yield from _role_of(item).formula_sites(owner, item, f"{path}[{k}]")
 
 
-class Six(Field[Iterable[Value], Row]):
-    """Three lengths and three angles."""
+_VALUE: Final = Quantity(scope=Scope.LOAD)
+_LINE: Final = Six()
 
-    role: ClassVar[str] = "six"
-    takes: ClassVar[str] = "(6,) number or formula"
-    annotation: ClassVar[str] = "Iterable[Value]"
 
-    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Row:
-        """Return six formulas."""
-        return _row(arguments, value, path, arguments.formula)
-
-    def formula_sites(self, owner: object, value: Row, path: str) -> Iterator[FormulaSite]:
-        """Return where the values stand."""
-        return component_sites(path, value, Scope.LOAD)
+def _role_of(item: Formula | Row) -> Field[Any, Any]:
+    return _LINE if isinstance(item, tuple) else _VALUE
 
 
 @final
@@ -156,24 +226,6 @@ class Bushing(Connection):
 
 # What gives way between two frames.
 Spring: TypeAlias = SpringDamper | TorsionSpring | Bushing
-
-
-def _row(arguments: Arguments, values: object, path: str, read: Callable[[object, str], Formula]) -> Row:
-    items = arguments.items(values, path)
-    if len(items) != len(BUSHING_COORDINATES):
-        _refuse_length(arguments, path, len(items))
-        return (ZERO,) * len(BUSHING_COORDINATES)
-    return tuple(read(item, f"{path}[{k}]") for k, item in enumerate(items))
-
-
-def _refuse_length(arguments: Arguments, path: str, length: int) -> None:
-    arguments.add(
-        "model.not_six",
-        path,
-        f"{length} entries instead of six",
-        "a bushing is elastic along x, y, z and about x, y, z",
-        "give six entries, or a 6 x 6 matrix",
-    )
 
 
 def _matrix(values: Coefficients) -> tuple[Row, ...]:

@@ -21,7 +21,7 @@ from symbody.model.naming import GROUND
 from symbody.model.output_arguments import name_beginnings
 from symbody.model.parts.include import Include
 from symbody.model.parts.placing import place_frame, place_shape
-from symbody.model.parts.renaming import Renaming, rename_element, rename_part
+from symbody.model.parts.renaming import Renaming
 from symbody.model.shapes.shape import BodyShape
 from symbody.model.signals.signal import Signal
 
@@ -125,7 +125,7 @@ def part_content(
         return None
     renaming = _make_renaming(include, at, frozenset(taken))
     base = _frame_of(at, bodies, ground)
-    elements = [rename_element(element, renaming) for element in part.elements]
+    elements = [element.rename(renaming) for element in part.elements]
     new = {renaming.symbol(name): formula for name, formula in part.parameters.items()}
     parameters = {name: None if value is None else renaming.formula(value) for name, value in new.items()}
     parameters |= {renaming.symbol(name): value for name, value in include.parameters.items()}
@@ -133,8 +133,8 @@ def part_content(
     frames: dict[str, Frame] = {}
     try:
         for name, frame in part.ground.items():
-            frames[renaming.element_name(name)] = place_frame(base, rename_part(frame, renaming))
-        shapes = [place_shape(base, rename_part(shape, renaming)) for shape in part.ground_shapes]
+            frames[renaming.element_name(name)] = place_frame(base, frame.rename(renaming))
+        shapes = [place_shape(base, shape.rename(renaming)) for shape in part.ground_shapes]
     except NotImplementedError as error:
         what = f"the ground of the part is at {at.full_name}, which is rotated by {error}"
         fix = "rotate this frame about x, y and z, one after the other"

@@ -3,27 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from dataclasses import dataclass
 
 from symbody.errors import ExpressionError
 from symbody.expr.language.formula import Formula
-from symbody.model.body import Frames
-from symbody.model.declarations.declaration import Declared, Field
-from symbody.model.declarations.element_fields import Coupled
-from symbody.model.declarations.fields import ElementName, OptionalText, SymbolElementName, SymbolName
-from symbody.model.declarations.joint_fields import (
-    Armature,
-    Coordinate,
-    CoordinateDrive,
-    CoordinateDrives,
-    Coordinates,
-    PrescribedAngle,
-    PrescribedMotions,
-)
 from symbody.model.element import Element, FrameRef, make_frame_ref
-from symbody.model.frozen_mapping import FrozenMapping
-from symbody.model.joints.orientation import SpeedNames
 from symbody.model.naming import GROUND, RESERVED_SYMBOLS
 from symbody.model.output_arguments import OutputScope, join_words
 from symbody.model.output_names import (
@@ -35,11 +19,6 @@ from symbody.model.output_names import (
     read_output,
     rename_output,
 )
-
-E = TypeVar("E", bound=Declared)
-
-# Mappings whose keys are coordinates.
-_BY_COORDINATE = (Armature, CoordinateDrive, CoordinateDrives, PrescribedAngle, PrescribedMotions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,54 +112,3 @@ class Renaming:
         if is_multiplier(name, self.scope.elements):
             return f"lambda_{self.element_name(name.removeprefix('lambda_'))}"
         return self.element_name(name)
-
-
-def rename_element(element: Element, renaming: Renaming) -> Element:
-    """Return an element of a part under its new name."""
-    return _rename_declared(element, renaming)
-
-
-def rename_part(part: E, renaming: Renaming) -> E:
-    """Return a frame, shape or other part of an element with its formulas in the new names."""
-    return _rename_declared(part, renaming)
-
-
-def _rename_declared(declared: E, renaming: Renaming) -> E:
-    changes: dict[str, Any] = {}
-    for name, field in declared.fields.items():
-        value = getattr(declared, name)
-        changed = _rename_argument(field, value, renaming)
-        if changed is not value:
-            changes[name] = changed
-    return replace(declared, **changes) if changes else declared
-
-
-def _rename_argument(field: Field[Any, Any], value: Any, renaming: Renaming) -> Any:
-    if isinstance(field, SymbolElementName | SymbolName | Coordinate):
-        return None if value is None else renaming.symbol(value)
-    if isinstance(field, ElementName):
-        return renaming.element_name(value)
-    if isinstance(field, Coordinates | SpeedNames | Coupled):
-        return None if value is None else tuple(renaming.symbol(name) for name in value)
-    if isinstance(field, OptionalText):
-        return None if value is None else renaming.output(value)
-    if isinstance(field, Frames):
-        return FrozenMapping({name: rename_part(frame, renaming) for name, frame in value.items()})
-    if isinstance(field, _BY_COORDINATE):
-        return FrozenMapping({renaming.symbol(k): _rename_value(v, renaming) for k, v in value.items()})
-    return _rename_value(value, renaming)
-
-
-def _rename_value(value: Any, renaming: Renaming) -> Any:
-    """Return a value whose formulas and addresses are renamed."""
-    if isinstance(value, Formula):
-        return renaming.formula(value)
-    if isinstance(value, FrameRef):
-        return renaming.frame(value)
-    if isinstance(value, FrozenMapping):
-        return FrozenMapping({k: _rename_value(v, renaming) for k, v in value.items()})
-    if isinstance(value, Declared):
-        return _rename_declared(value, renaming)
-    if type(value) is tuple and not all(isinstance(item, str | int | float) for item in value):
-        return tuple(_rename_value(item, renaming) for item in value)
-    return value

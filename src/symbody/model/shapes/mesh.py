@@ -3,20 +3,35 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
-from pathlib import Path
-from typing import ClassVar, final
+from collections.abc import Iterable
+from pathlib import Path as FilePlace
+from typing import Any, ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.declarations.arguments import Arguments, Value
-from symbody.model.declarations.declaration import Field
-from symbody.model.declarations.fields import FilePath, Quantity, Text, VectorQuantity, part
-from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.field import FileTarget, Node
+from symbody.model.declarations.fields import (
+    THREE_FORMULAS,
+    FilePath,
+    Folder,
+    Quantity,
+    VectorQuantity,
+    part,
+)
+from symbody.model.declarations.formula_site import Triple
+from symbody.model.declarations.misfits import (
+    FORMULA_SCHEMA,
+    Misfit,
+    Path,
+    Schema,
+    formula_misfits,
+    wrong_type,
+)
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.shapes.shape import COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
 
 
-class ScaleFactors(Field[Value | Iterable[Value], Triple]):
+class ScaleFactors(VectorQuantity):
     """A factor for all directions, or three."""
 
     role: ClassVar[str] = "factors"
@@ -25,11 +40,29 @@ class ScaleFactors(Field[Value | Iterable[Value], Triple]):
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Triple:
         """Return three formulas."""
-        return _scale(arguments, value, path)
+        if isinstance(value, Iterable) and not isinstance(value, str):
+            return arguments.triple(value, path)
+        factor = arguments.formula(value, path)
+        return (factor, factor, factor)
 
-    def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[FormulaSite]:
-        """Return where the factors stand."""
-        return component_sites(path, value, Scope.CONSTANT)
+    def schema(self) -> Schema:
+        """Return one formula or three."""
+        return {"anyOf": [FORMULA_SCHEMA, THREE_FORMULAS]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of one formula or three."""
+        if isinstance(entry, dict) or (isinstance(entry, list) and len(entry) != 3):
+            return wrong_type(entry, path, "a number, or three")
+        return (
+            VectorQuantity.misfits(self, entry, path)
+            if isinstance(entry, list)
+            else formula_misfits(entry, path)
+        )
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return one factor where all are the same."""
+        factors: list[Node] = list(value)
+        return factors[0] if len(set(value)) == 1 else factors
 
 
 @final
@@ -50,10 +83,8 @@ class Mesh(BodyShape):
     matrix: RotationMatrix = MATRIX
     color: Color = COLOR
     opacity: Quantity = OPACITY
-    folder: Text = Text(
-        'Directory that the path is relative to: that of the model file; "" is the working directory.',
-        default="",
-        is_content=False,
+    folder: Folder = Folder(
+        'Directory that the path is relative to: that of the model file; "" is the working directory.'
     )
 
     @property
@@ -72,14 +103,6 @@ class Mesh(BodyShape):
         if is_same or os.path.isabs(self.path) or "://" in self.path:
             return self.path
         try:
-            return Path(os.path.relpath(self.place, folder)).as_posix()
+            return FilePlace(os.path.relpath(self.place, folder)).as_posix()
         except ValueError:  # on another drive
             return os.path.abspath(self.place)
-
-
-def _scale(arguments: Arguments, value: object, path: str) -> Triple:
-    """Return three factors from three, or from one for all directions."""
-    if isinstance(value, Iterable) and not isinstance(value, str):
-        return arguments.triple(value, path)
-    factor = arguments.formula(value, path)
-    return (factor, factor, factor)

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable
-from typing import ClassVar, Final
+from collections.abc import Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import Any, ClassVar, Final
 
 from symbody.expr.language.formula import Formula
+from symbody.model.class_folders import definition_name, final_classes, snake_case
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.declaration import ElementPart, Field
-from symbody.model.declarations.fields import Quantity, VectorQuantity
+from symbody.model.declarations.declaration import ElementPart, file_table
+from symbody.model.declarations.field import Field, FileTable, FileTarget, NewNames, Node
+from symbody.model.declarations.fields import Quantity, TextField, VectorQuantity
+from symbody.model.declarations.misfits import Misfit, Path, Schema, list_misfits
+from symbody.model.declarations.part_fields import read_part
+from symbody.model.declarations.typed_tables import typed_list_schema, typed_misfits
 from symbody.model.frame import Frame, RotationMatrix, Turns, check_rotation
 from symbody.model.shapes.colors import read_color
 
 
-class Color(Field[str, str]):
+class Color(TextField[str, str]):
     """A colour."""
 
     role: ClassVar[str] = "color"
-    takes: ClassVar[str] = "str"
-    annotation: ClassVar[str] = "str"
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return the colour in lower case."""
@@ -65,18 +71,20 @@ class BodyShape(ElementPart):
         check_rotation(arguments, self.rotate, self.matrix)
 
 
-def read_shapes(arguments: Arguments, values: object, path: str) -> tuple[BodyShape, ...]:
-    """Return the shapes of a list."""
-    items = [values] if isinstance(values, BodyShape) else arguments.items(values, path)
-    for k, item in enumerate(items):
-        if not isinstance(item, BodyShape):
-            arguments.add(
-                "model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "",
-                "give Box, Cylinder, Sphere, Capsule, Cone or Mesh",
-            )  # fmt: skip
-    return tuple(item for item in items if isinstance(item, BodyShape))
+@cache
+def shape_types() -> Mapping[str, type[BodyShape]]:
+    """Return the shapes by their words in model files."""
+    kinds = [each for each in final_classes(__package__) if issubclass(each, BodyShape)]
+    return MappingProxyType(dict(sorted((snake_case(each.__name__), each) for each in kinds)))
 
 
+@cache
+def _shape_tables() -> Mapping[str, FileTable]:
+    types = shape_types().items()
+    return MappingProxyType({word: file_table(each, definition_name(word), word) for word, each in types})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
     """A list of shapes."""
 
@@ -84,6 +92,52 @@ class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
     takes: ClassVar[str] = "iterable of Box, Cylinder, Sphere, Capsule, Cone or Mesh"
     annotation: ClassVar[str] = "Iterable[BodyShape]"
 
+    _: KW_ONLY
+    default: Any = ()
+
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[BodyShape, ...]:
         """Return the shapes."""
-        return read_shapes(arguments, value, path)
+        items = [value] if isinstance(value, BodyShape) else arguments.items(value, path)
+        for k, item in enumerate(items):
+            if not isinstance(item, BodyShape):
+                arguments.add(
+                    "model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "",
+                    "give Box, Cylinder, Sphere, Capsule, Cone or Mesh",
+                )  # fmt: skip
+        return tuple(item for item in items if isinstance(item, BodyShape))
+
+    def schema(self) -> Schema:
+        """Return a list of tables of several types."""
+        return typed_list_schema(_shape_tables())
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of each table by its type."""
+        return list_misfits(entry, path, self._shape_misfits)
+
+    def tables(self) -> Iterable[FileTable]:
+        """Return the tables of all shapes."""
+        return _shape_tables().values()
+
+    def from_file(self, entry: object, arguments: Arguments, path: str, folder: str) -> object:
+        """Return the shapes of a list of tables."""
+        pairs = enumerate(entry if isinstance(entry, list) else ())
+        shapes = [
+            read_part(shape_types()[item["type"]], item, arguments, f"{path}[{k}]", folder)
+            for k, item in pairs
+        ]
+        return [shape for shape in shapes if shape is not None]
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return a list of tables."""
+        return [{"type": snake_case(type(shape).__name__), **shape.to_entry(target)} for shape in value]
+
+    def rename(self, value: Any, names: NewNames) -> tuple[BodyShape, ...]:
+        """Return the shapes in the new names."""
+        return tuple(shape.rename(names) for shape in value)
+
+    def _shape_misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        return typed_misfits(entry, path, "shape", _shape_tables())
+
+
+# The shapes of the ground, which has no declaration of its own.
+GROUND_SHAPES: Final = Shapes("Shapes to draw.")

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import ClassVar, final
 
 from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.element_fields import element
-from symbody.model.declarations.fields import OptionalQuantity, OptionalText, Quantity, SymbolElementName
+from symbody.model.declarations.fields import OptionalQuantity, OutputName, Quantity, SymbolElementName
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.element import Element
 from symbody.model.numeric_checks import NumericChecks
@@ -32,18 +33,20 @@ class Signal(Element):
     kind: ClassVar[str] = "signal"
 
     name: SymbolElementName = SymbolElementName("Unique among the symbols of the model.")
-    value: OptionalQuantity = OptionalQuantity("Formula that defines the signal.", scope=Scope.LOAD)
-    output: OptionalText = OptionalText("Output of the mechanism that defines the signal.")
-    rate: OptionalQuantity = OptionalQuantity(
-        "Time derivative; it makes the signal a state.", scope=Scope.LOAD
+    value: OptionalQuantity = optional(Quantity("Formula that defines the signal.", scope=Scope.LOAD))
+    output: OptionalField[str, str | None] = optional(
+        OutputName("Output of the mechanism that defines the signal."), is_nullable=True
+    )
+    rate: OptionalQuantity = optional(
+        Quantity("Time derivative; it makes the signal a state.", scope=Scope.LOAD)
     )
     initial: Quantity = Quantity(
         "Initial value of a state, or of a sampled value before the first sample.", default=0
     )
-    sample: OptionalQuantity = OptionalQuantity(
+    sample: OptionalQuantity = optional(Quantity(
         "Time between samples; the value or output is held constant from one sample to the next.", unit="s",
         fits=SAMPLE_TIME,
-    )  # fmt: skip
+    ))  # fmt: skip
 
     @property
     def is_state(self) -> bool:

@@ -5,22 +5,27 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, field, replace
 from numbers import Integral
-from pathlib import Path
-from typing import ClassVar, Literal, dataclass_transform, final
+from pathlib import Path as FilePlace
+from typing import Any, ClassVar, Final, Literal, dataclass_transform, final
 
-from symbody.errors import ModelError
+from symbody.errors import FormatError, ModelError, Problem
+from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.declaration import Field, declare
-from symbody.model.declarations.fields import ElementName, Quantity, SymbolElementName, Text, WordChoice
+from symbody.model.declarations.combinators import NULL, ListOf, list_of
+from symbody.model.declarations.declaration import declare
+from symbody.model.declarations.field import Field, FileTarget, Node, PlainField
+from symbody.model.declarations.fields import Folder, Quantity, SymbolElementName, Text, WordChoice
 from symbody.model.declarations.formula_site import Scope
+from symbody.model.declarations.misfits import Misfit, Path, Schema, list_misfits, wrong_type
 from symbody.model.element import Element
 from symbody.model.loads.curve import KINDS, OUTSIDE, segment_pieces
 from symbody.model.tables.csv_columns import Column, Point, order_problems, read_points
 from symbody.model.tables.inner_path import inner_path
 
 
-class ColumnChoice(Field[Iterable[str | int], tuple[Column, ...]]):
+class ColumnChoice(PlainField[Iterable[str | int], tuple[Column, ...]]):
     """Two columns of a file, by name or number."""
 
     role: ClassVar[str] = "columns"
@@ -41,13 +46,37 @@ class ColumnChoice(Field[Iterable[str | int], tuple[Column, ...]]):
                       'write for instance columns = ["t", "z"], or columns = [1, 3]')  # fmt: skip
         return (1, 2)
 
+    def schema(self) -> Schema:
+        """Return two texts or integers."""
+        column = {"anyOf": [{"type": "integer"}, {"type": "string"}]}
+        return {"type": "array", "items": column, "minItems": 2, "maxItems": 2}
 
-class UnitPair(Field[Iterable[str], tuple[str, ...]]):
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return what keeps it from being two texts or integers."""
+        return list_misfits(entry, path, _column_misfits, 2)
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return a list of both."""
+        return list(value)
+
+
+def _column_misfits(entry: object, path: Path) -> Iterable[Misfit]:
+    if isinstance(entry, str) or (isinstance(entry, int) and not isinstance(entry, bool)):
+        return ()
+    return wrong_type(entry, path, "the name or the number of a column")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class UnitPair(ListOf[Iterable[str], tuple[str, ...]]):
     """Units of two columns."""
 
     role: ClassVar[str] = "units"
     takes: ClassVar[str] = "(2,) str"
     annotation: ClassVar[str] = "Iterable[str]"
+
+    _: KW_ONLY
+    item: Any = field(default_factory=Text)
+    count: int | None = 2
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return two units; whether they are known is seen where the file is read."""
@@ -60,7 +89,32 @@ class UnitPair(Field[Iterable[str], tuple[str, ...]]):
         return ("", "")
 
 
-class TablePoints(Field[Iterable[Iterable[float]] | None, tuple[Point, ...]]):
+@dataclass(frozen=True, eq=False, repr=False)
+class TableFile(Text):
+    """The CSV file of a table, in the folder of the model file or below it."""
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return the path from the folder of the file that is written.
+
+        Raises
+        ------
+        FormatError
+            If it lies outside of that folder.
+        """
+        if target.folder is None:
+            return Text.to_file(self, owner, value, target)
+        place: str = owner.path_from(target.folder)
+        if place.startswith(".."):
+            raise FormatError(
+                Problem("file.outside", f"table {owner.name}, file",
+                        f"{value!r} is outside the folder in which the model is saved",
+                        "a model file may only refer to files in its own folder",
+                        "copy the file into the folder first, or save the model next to the file")
+            )  # fmt: skip
+        return place
+
+
+class TablePoints(PlainField[Iterable[Iterable[float]] | None, tuple[Point, ...]]):
     """Points, given or read from the file of the owner."""
 
     role: ClassVar[str] = "points"
@@ -89,17 +143,27 @@ class TablePoints(Field[Iterable[Iterable[float]] | None, tuple[Point, ...]]):
         )
         return tuple(points)
 
+    def schema(self) -> Schema:
+        """Return a list of pairs, or null."""
+        return {"anyOf": [_PAIRS.schema(), NULL]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of a list of pairs."""
+        return () if entry is None else _PAIRS.misfits(entry, path)
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return a list of pairs."""
+        return [[Formula.from_value(x) for x in point] for point in value]
+
     def default_value(self, owner: object, name: str) -> object:
         """Return what the file has, so that points of a file are not shown as an argument."""
         return getattr(owner, name) if getattr(owner, "file", "") else None
 
 
-@dataclass_transform(
-    field_specifiers=(
-        Field, ElementName, SymbolElementName, Text, Quantity, WordChoice, ColumnChoice, UnitPair,
-        TablePoints,
-    )
-)  # fmt: skip
+_PAIRS: Final = list_of(list_of(Quantity(), 2))
+
+
+@dataclass_transform(field_specifiers=(Field, SymbolElementName))
 def _lookup(kind: type[Lookup]) -> type[Lookup]:
     return declare(kind)
 
@@ -121,7 +185,7 @@ class Lookup(Element):
     kind: ClassVar[str] = "table"
 
     name: SymbolElementName = SymbolElementName("Unique among the symbols of the model.")
-    file: Text = Text(
+    file: TableFile = TableFile(
         "CSV file in the folder of the model file or below it, by its relative path.", default=""
     )
     columns: ColumnChoice = ColumnChoice(
@@ -140,11 +204,9 @@ class Lookup(Element):
     argument: Quantity = Quantity(
         "Argument of the function, in SI units: the time, or a formula.", default="t", scope=Scope.ARGUMENT
     )
-    folder: Text = Text(
-        'Directory that the path is relative to: that of the model file; "" is the working '
-        'directory.', default="",
-        is_content=False,
-    )  # fmt: skip
+    folder: Folder = Folder(
+        'Directory that the path is relative to: that of the model file; "" is the working directory.'
+    )
     points: TablePoints = TablePoints("Arguments and values [[x, y], ..], instead of a file.", default=None)
 
     def check(self, arguments: Arguments) -> None:
@@ -153,6 +215,13 @@ class Lookup(Element):
             why = "a table is a function defined by points"
             arguments.add("table.one_of", "", "neither file nor points are given", why,
                           'write file = "road.csv", or points = [[0, 0], [1, 0.1]]')  # fmt: skip
+
+    def to_entry(self, target: FileTarget) -> dict[str, Node]:
+        """Return the entry of a model file; one that is read alone has the points of the file."""
+        if target.is_alone and self.file:
+            plain = replace(self, file="", columns=(1, 2), units=("", ""))
+            return plain.to_entry(target)
+        return Element.to_entry(self, target)
 
     @property
     def is_of_time(self) -> bool:
@@ -168,7 +237,7 @@ class Lookup(Element):
         """Return the path of the file from another folder, with slashes."""
         place = os.path.join(self.folder, self.file)
         is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
-        return self.file if is_same else Path(os.path.relpath(place, folder)).as_posix()
+        return self.file if is_same else FilePlace(os.path.relpath(place, folder)).as_posix()
 
 
 def _points_of_file(owner: Lookup, arguments: Arguments) -> tuple[Point, ...]:

@@ -9,17 +9,17 @@ from typing import Any, Final
 
 from symbody.errors import FormatError, ModelError, Problem, nearest
 from symbody.expr.graph import Constant
-from symbody.formats.entries import ground_frames, read_element
+from symbody.formats.checking import check_structure
+from symbody.formats.entries import read_element
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, line_locator, relocate
 from symbody.formats.reading import read_text
-from symbody.formats.schema_fit import check_structure
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.urdf.building.bodies import BodyPlan, rotation
 from symbody.formats.urdf.building.conversion import Parts
 from symbody.formats.urdf.file.placement import FramePlacement, numeral
-from symbody.model.body import Body
-from symbody.model.declarations.arguments import Value
+from symbody.model.body import GROUND_FRAMES, Body
+from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
@@ -93,9 +93,10 @@ def read_loops(path: str | os.PathLike[str], parts: Parts) -> Loops:
     ]  # fmt: skip
     points = _LoopPoints(parts, locate, problems)
     points.read_bodies(content.get("body", []))
-    faults: list[Problem] = []
-    ground = ground_frames(content.get("ground", {}).get("frames", {}), faults)
-    problems += relocate(faults, {"model": ()}, locate)
+    arguments = Arguments("model")
+    frames = content.get("ground", {}).get("frames", {})
+    ground: Any = GROUND_FRAMES.from_file(frames, arguments, "ground.frames", "")
+    problems += relocate(arguments.problems, {"model": ()}, locate)
     points.frames.setdefault(GROUND, {}).update(ground)
     elements: list[Element] = []
     paths: list[Path] = []

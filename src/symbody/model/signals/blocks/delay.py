@@ -8,6 +8,7 @@ from math import factorial, sqrt
 from typing import ClassVar, Final, final
 
 from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.combinators import optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
@@ -34,11 +35,11 @@ class Delay(SignalBlock):
     input: Quantity = Quantity("The signal to delay.", scope=Scope.LOAD)
     time: Quantity = Quantity("Length of the delay.", unit="s")
     order: Quantity = Quantity("Order of the approximation, 1 to 10.", default=3)
-    sample: OptionalQuantity = OptionalQuantity(
+    sample: OptionalQuantity = optional(Quantity(
         "Time between samples, of which the delay is a multiple; without it the block is "
         "continuous.", unit="s",
         fits=SAMPLE_TIME,
-    )  # fmt: skip
+    ))  # fmt: skip
 
     def check(self, arguments: Arguments) -> None:
         """Note an order that is not valid, and a delay that is not a whole number of samples."""

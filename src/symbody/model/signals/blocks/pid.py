@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.arguments import Arguments, Value
+from symbody.model.declarations.combinators import OptionalField, list_of, optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
-from symbody.model.signals.block_fields import NamedGains, OutputLimits, block
+from symbody.model.signals.block_fields import NamedGains, block
 from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand, Domain, difference
 from symbody.model.signals.signal import Signal
 
@@ -54,17 +55,26 @@ class PID(SignalBlock):
     gains: NamedGains = NamedGains(
         "p, i, d, and filter, the time constant [s] of the derivative.", words=("p", "i", "d", "filter")
     )
-    limits: OutputLimits = OutputLimits("Lower and upper limit of the output.", default=None)
-    tracking: OptionalQuantity = OptionalQuantity(
+    limits: OptionalField[Iterable[Value], tuple[Formula, ...]] = optional(
+        list_of(
+            Quantity("Lower and upper limit of the output.", scope=Scope.LOAD), 2, nouns="limits",
+            why="the first is the lower limit, the second the upper", fix='write limits = ["-Tmax", "Tmax"]',
+            instead=(0, 0),
+        ),
+        is_nullable=True,
+    )  # fmt: skip
+    tracking: OptionalQuantity = optional(Quantity(
         "Time constant with which the integral is reset at limits (anti-windup); by default "
         "p/i.", unit="s", scope=Scope.LOAD,
         fits=TIME,
-    )  # fmt: skip
+    ))  # fmt: skip
     initial: Quantity = Quantity("Initial integral part.", default=0)
-    sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples of a digital controller; without it the controller is continuous.",
-        unit="s",
-        fits=SAMPLE_TIME,
+    sample: OptionalQuantity = optional(
+        Quantity(
+            "Time between samples of a digital controller; without it the controller is continuous.",
+            unit="s",
+            fits=SAMPLE_TIME,
+        )
     )
 
     def check(self, arguments: Arguments) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.combinators import optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
@@ -26,16 +27,18 @@ class RateLimit(SignalBlock):
 
     input: Quantity = Quantity("The signal it follows.", scope=Scope.LOAD)
     rise: Quantity = Quantity("Fastest rise per second.", scope=Scope.LOAD, fits=NOT_NEGATIVE)
-    time: OptionalQuantity = OptionalQuantity(
-        "Time constant of the lag, short; not used when sampled.", unit="s", scope=Scope.LOAD, fits=TIME
+    time: OptionalQuantity = optional(
+        Quantity(
+            "Time constant of the lag, short; not used when sampled.", unit="s", scope=Scope.LOAD, fits=TIME
+        )
     )
-    fall: OptionalQuantity = OptionalQuantity(
+    fall: OptionalQuantity = optional(Quantity(
         "Fastest fall per second, positive; by default equal to rise.", scope=Scope.LOAD,
         fits=NOT_NEGATIVE,
-    )  # fmt: skip
+    ))  # fmt: skip
     initial: Quantity = Quantity("Initial output.", default=0)
-    sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; without it the block is continuous.", unit="s", fits=SAMPLE_TIME
+    sample: OptionalQuantity = optional(
+        Quantity("Time between samples; without it the block is continuous.", unit="s", fits=SAMPLE_TIME)
     )
 
     def check(self, arguments: Arguments) -> None:

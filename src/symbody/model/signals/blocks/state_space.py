@@ -7,10 +7,11 @@ from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.fields import OptionalQuantity
+from symbody.model.declarations.combinators import list_of, optional
+from symbody.model.declarations.fields import Formulas, OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
-from symbody.model.signals.block_fields import Coefficients, MatrixRows, Rows, block
+from symbody.model.signals.block_fields import FormulaRows, Rows, block
 from symbody.model.signals.domains import SAMPLE_TIME
 from symbody.model.signals.signal import Signal
 
@@ -27,14 +28,18 @@ class StateSpace(SignalBlock):
     equation: ClassVar[str] = "x' = A x + B u, y = C x + D u; if sampled, A x + B u is the next x"
     states: ClassVar[str] = "`y_x1`, `y_x2`, .."
 
-    inputs: Coefficients = Coefficients("The inputs u.", scope=Scope.LOAD)
-    A: MatrixRows = MatrixRows("(n, n), row by row.")
-    B: MatrixRows = MatrixRows("(n, inputs), row by row.")
-    C: MatrixRows = MatrixRows("(outputs, n), row by row.")
-    D: MatrixRows = MatrixRows("(outputs, inputs), row by row; by default 0.", default=())
-    initial: Coefficients = Coefficients("Initial states, by default 0.", default=())
-    sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; x' is then the next x, without it the rate of x.", unit="s", fits=SAMPLE_TIME
+    inputs: Formulas = list_of(Quantity("The inputs u.", scope=Scope.LOAD))
+    A: FormulaRows = list_of(list_of(Quantity("(n, n), row by row.")))
+    B: FormulaRows = list_of(list_of(Quantity("(n, inputs), row by row.")))
+    C: FormulaRows = list_of(list_of(Quantity("(outputs, n), row by row.")))
+    D: FormulaRows = list_of(list_of(Quantity("(outputs, inputs), row by row; by default 0.")), default=())
+    initial: Formulas = list_of(Quantity("Initial states, by default 0."), default=())
+    sample: OptionalQuantity = optional(
+        Quantity(
+            "Time between samples; x' is then the next x, without it the rate of x.",
+            unit="s",
+            fits=SAMPLE_TIME,
+        )
     )
 
     def check(self, arguments: Arguments) -> None:

@@ -9,10 +9,11 @@ from typing import ClassVar, Final, final
 from symbody.errors import ModelError
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.fields import OptionalQuantity, Quantity
+from symbody.model.declarations.combinators import list_of, optional
+from symbody.model.declarations.fields import Formulas, OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.signals.block import SignalBlock, in_brackets
-from symbody.model.signals.block_fields import Coefficients, block
+from symbody.model.signals.block_fields import block
 from symbody.model.signals.domains import SAMPLE_TIME, Demand, Domain
 from symbody.model.signals.signal import Signal
 
@@ -41,10 +42,14 @@ class TransferFunction(SignalBlock):
     states: ClassVar[str] = "`y_1`, `y_2`, ..: as many as the denominator's degree"
 
     input: Quantity = Quantity("The input signal.", scope=Scope.LOAD)
-    numerator: Coefficients = Coefficients("Its coefficients, highest power first.")
-    denominator: Coefficients = Coefficients("Its coefficients, highest power first; the first is not 0.")
-    sample: OptionalQuantity = OptionalQuantity(
-        "Time between samples; the polynomials are then in z, without it in s.", unit="s", fits=SAMPLE_TIME
+    numerator: Formulas = list_of(Quantity("Its coefficients, highest power first."))
+    denominator: Formulas = list_of(Quantity("Its coefficients, highest power first; the first is not 0."))
+    sample: OptionalQuantity = optional(
+        Quantity(
+            "Time between samples; the polynomials are then in z, without it in s.",
+            unit="s",
+            fits=SAMPLE_TIME,
+        )
     )
 
     def check(self, arguments: Arguments) -> None:
