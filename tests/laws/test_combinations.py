@@ -66,9 +66,7 @@ ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
     (FMUS, JUMP, "fmu.motion"),
 )
 # The same of two fragments.
-TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = (
-    *((FMUS, (switching, BOUNCE), "fmu.motion") for switching in (DRY, ROPE)),
-)  # fmt: skip
+TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = ()
 
 
 class NotYetError(Exception):

@@ -56,7 +56,6 @@ TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (TEXTS, SAMPLED, "signal.sampled"),
     (PROGRAMS, SWITCHING, "simulation.program"),
     (("live page",), SWITCHING, "animation.live_switching"),
-    (FMUS, STRUCK, "fmu.motion"),
     (PROGRAMS, JUMPS, "simulation.program"),
     (("live page",), JUMPS[:1], "animation.live_switching"),
     (("live page",), JUMPS[1:], "animation.live_jumps"),

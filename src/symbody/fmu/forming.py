@@ -23,7 +23,6 @@ from symbody.fmu.program import FUNCTION, SPAN, FmuProgram, Method
 from symbody.fmu.samples import FmuSamples, fmu_samples
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
@@ -51,7 +50,7 @@ def make_program(
         If the motion needs Python.
     """
     samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
-    _check_motion(eqs, integrator, constraints, events, samples)
+    _check_motion(eqs, integrator, constraints, samples)
     request = MotionRequest(
         initial={name: value for name, value in initial.items() if name not in samples.names},
         parameters=parameters.given, tunable=parameters.arguments, free_inputs=eqs.input_names,
@@ -179,9 +178,7 @@ class _Functions:
         return Branches(tuple(points), values, are_floors, len(p))
 
 
-def _check_motion(
-    eqs: EquationSet, integrator: object, constraints: object, events: tuple[Event, ...], samples: FmuSamples
-) -> None:
+def _check_motion(eqs: EquationSet, integrator: object, constraints: object, samples: FmuSamples) -> None:
     reasons = {
         f"{type(integrator).__name__} runs in Python": not isinstance(integrator, Method | None),
         f"{type(integrator).__name__} does not sample {', '.join(samples.names)}": bool(samples.values)
@@ -193,8 +190,6 @@ def _check_motion(
         "pivots of dependent speeds are monitored": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),
-        "an event sets new values where joints stick and slip, or ropes slacken": switches(eqs.formed)
-        and any(event.mapping for event in events),
     }
     reason = "; ".join(reason for reason, holds in reasons.items() if holds)
     if reason:

@@ -273,14 +273,21 @@ static void log_events(Instance *instance)
     m->happened_count = 0;
 }
 
-#define UNMET "the constraints do not admit what the action of an event sets"
+/* Why the motion ends at an event, unless its action turned nothing. */
+static const char *reason(const Motion *m, const char *otherwise)
+{
+    return m->unmet == OPEN_LOOP ? "the constraints do not admit what the action of an event sets"
+        : m->unmet == LONG_ROPE
+        ? "the action of an event moves the ends of a rope farther apart than it is long; set coordinates within its length"
+        : otherwise;
+}
 
-/* Fail because of what an event did: its action turned nothing, or `otherwise`. */
+/* Fail because of what an event did: its action turned nothing, cannot be met, or `otherwise`. */
 static int fail_at_event(Instance *instance, const char *function, const char *otherwise)
 {
     Motion *m = &instance->motion;
     char text[512];
-    if (!m->unturned) return fail(instance, STATUS_ERROR, function, otherwise);
+    if (!m->unturned) return fail(instance, STATUS_ERROR, function, reason(m, otherwise));
     snprintf(text, sizeof text, "%s happens at t = %.17g where its value is zero, and after its action the value "
         "is zero again and goes the same way; let the action turn the value back or move it off zero",
         sb_names[AT_INDICATORS + m->unturned - 1], m->time);
@@ -308,7 +315,7 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     acted = act(m, must_stop);
     log_events(instance);
     if (acted < 0)
-        return fail_at_event(instance, function, m->is_unmet ? UNMET : "the state after an event has no solution");
+        return fail_at_event(instance, function, "the state after an event has no solution");
     *has_changed |= acted;
     if (look_for_jump(m)) { /* values may jump through zero, and modes end, as at a sample */
         m->valid = 0;
@@ -316,7 +323,7 @@ static int update(Instance *instance, const char *function, int *has_changed, in
         acted = act(m, &jumps_end);
         log_events(instance);
         if (acted < 0)
-            return fail_at_event(instance, function, m->is_unmet ? UNMET : "the state behind a jump has no solution");
+            return fail_at_event(instance, function, "the state behind a jump has no solution");
         *has_changed |= acted;
         *must_stop |= jumps_end;
     }
@@ -374,10 +381,9 @@ static int do_step(Instance *instance, const char *function, double start, doubl
     if (code == SB_RUNNING) return STATUS_OK;
     if (m->unturned) return fail_at_event(instance, function, "");
     snprintf(text, sizeof text, "the motion cannot go on from t = %.17g: %s", m->time,
-        m->is_unmet ? UNMET
-        : code == SB_SINGULAR ? "the accelerations have no solution"
+        code == SB_SINGULAR ? "the accelerations have no solution"
         : code == SB_TOO_MANY ? "too many events or steps"
-        : code == SB_COLLAPSED ? "steps become too short" : "values are not finite");
+        : code == SB_COLLAPSED ? "steps become too short" : reason(m, "values are not finite"));
     return fail(instance, STATUS_DISCARD, function, text);
 }
 
