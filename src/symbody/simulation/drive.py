@@ -19,16 +19,13 @@ from symbody.simulation.co_simulation.held_inputs import HeldInputs
 from symbody.simulation.events.event_watch import chattering_note
 from symbody.simulation.events.events import EventSide
 from symbody.simulation.execution import MotionPiece, execute
-from symbody.simulation.hybrid.impact import change_speeds
-from symbody.simulation.hybrid.modes import evaluate_outputs
 from symbody.simulation.hybrid.rate_jumps import (
-    check_positions,
     jump_notes,
     jump_times,
-    momentum_jump,
     neglect_note,
     no_speeds,
     strikes,
+    torn_constraint,
 )
 from symbody.simulation.hybrid.switching import (
     DeadEndError,
@@ -41,6 +38,7 @@ from symbody.simulation.hybrid.switching import (
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
 from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.native.strikes import Strike
 from symbody.simulation.pieces import MotionInstant, Pieces
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -239,27 +237,29 @@ class _MotionByPieces:
 
     def _jump(self, x: Floats, until: MotionInstant) -> Floats:
         """Return the state behind a jump of prescribed rates."""
-        problem, before, behind = self._held.problem, until.before, until.behind
-        check_positions(problem, x, (before, behind))
-        energy, moved = _energy(problem, before, x), x
+        problem, behind, strike = self._held.problem, until.behind, Strike(self._held.problem)
+        momenta = strike.find_momenta(until.before, behind, x)
+        if momenta is None:
+            raise torn_constraint(problem.eqs, strike.block.torn - 1, behind)
+        moved = x
         if problem.eqs.speed_names:
-            found = self._strike(behind, x, momentum_jump(problem, x, before, behind))
+            found = self._speeds_behind(strike, behind, x, momenta)
             if found is None:
                 raise no_speeds(behind)
             moved = found
-        gained = _energy(problem, behind, moved) - energy
+        gained = strike.energy_gained(behind, moved)
         self._pieces.add_energy(gained)
         if strikes(problem, moved - x):
             self._jumped.append((until.at, gained))
         return moved
 
-    def _strike(self, t: float, x: Floats, momenta: Floats) -> Floats | None:
+    def _speeds_behind(self, strike: Strike, t: float, x: Floats, momenta: Floats) -> Floats | None:
         """Return the state behind a jump of the momenta that prescribed rates give; None if there is none."""
-        if self._modes is None:
-            changed = change_speeds(self._held.problem, t, x, momenta)
-            return None if changed is None else changed[0]
-        found = self._modes.strike(t, x, momenta)
-        return None if found is None else found.x
+        if self._modes is not None:
+            found = self._modes.strike(t, x, momenta)
+            return None if found is None else found.x
+        moved = x.copy()
+        return moved if strike.change_speeds(moved) else None
 
     def _report(self, t: float) -> None:
         """Report how far the motion is at a sample: pieces are too short for reports of their own.
@@ -294,7 +294,3 @@ class _MotionByPieces:
         impacts = () if self._modes is None else self._modes.notes
         jumps = (*jump_notes(self._jumped), *neglect_note(problem.eqs.formed)) if self._jumped else ()
         return replace(run, notes=(*notes, *jumps, *impacts))
-
-
-def _energy(problem: SimulationProblem, t: float, x: Floats) -> float:
-    return float(evaluate_outputs(problem, ("energy",), t, x)[0])

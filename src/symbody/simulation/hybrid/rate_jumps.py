@@ -18,7 +18,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.derivatives import partial_derivatives, with_outputs
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import Problem, SimulationError, UsageError
@@ -43,7 +42,6 @@ _ELSEWHERE: Final = 0.137  # of coordinates and speeds, by which they are others
 _SAMPLES: Final = 33  # of a motion, for the size of what is prescribed
 _BESIDE: Final = 1e-9  # of times, in which jumps at its ends are looked for
 _MOST_NOTES: Final = 20
-_MOMENTA: Final = "momenta of the speeds"
 _WITH_CORNERS: Final = frozenset(
     {op.LT, op.LE, op.EQ, op.MIN, op.MAX, op.ABS, op.SIGN, op.FLOOR, op.ATAN2, op.SELECT}
 )
@@ -146,21 +144,9 @@ def _row_name(eqs: EquationSet, names: tuple[str, ...], row: int) -> str:
     return [*names, *(each.coordinate or each.name for each in eqs.formed.rows)][row]
 
 
-def check_positions(problem: SimulationProblem, x: Floats, times: tuple[float, float]) -> None:
-    """Refuse a constraint that the state before a jump does not fulfil behind it.
-
-    Raises
-    ------
-    UsageError
-        See above.
-    """
-    eqs = problem.eqs
-    if not eqs.multiplier_names or not x.size:
-        return
-    before, behind = (np.ravel(evaluate_outputs(problem, ("constraints",), t, x)[0]) for t in times)
-    torn = np.abs(behind - before) > _TORN * problem.scales.constraints(eqs)[: len(behind)]
-    if torn.any():
-        raise UsageError(_jump_problem(_row_name(eqs, (), int(np.flatnonzero(torn)[0])), times[1]))
+def torn_constraint(eqs: EquationSet, place: int, t: float) -> UsageError:
+    """Return what to say about a constraint that the state before a jump does not fulfil behind it."""
+    return UsageError(_jump_problem(_row_name(eqs, (), place), t))
 
 
 def _sizes(problem: SimulationProblem, names: tuple[str, ...]) -> Floats:
@@ -257,15 +243,6 @@ def struck_friction(formed: EquationsOfMotion, *, switches: bool) -> list[str]:
 def _links(formed: EquationsOfMotion) -> list[Joint | FrameConstraint]:
     """Return all that connects two frames."""
     return [*formed.topology.joints, *formed.topology.contacts.values()]
-
-
-def momentum_jump(problem: SimulationProblem, x: Floats, before: float, behind: float) -> Floats:
-    """Return by how much prescribed rates change the momenta of the speeds between two times, (n_u,)."""
-    formed = problem.eqs.formed
-    momenta = partial_derivatives(problem.eqs, _MOMENTA, [formed.kinetic_energy.index], formed.u)
-    with_momenta = replace(problem, eqs=with_outputs(problem.eqs, [momenta]))
-    given = [np.ravel(evaluate_outputs(with_momenta, (_MOMENTA,), t, x)[0]) for t in (before, behind)]
-    return given[1] - given[0]
 
 
 def neglect_note(formed: EquationsOfMotion) -> Iterator[str]:
