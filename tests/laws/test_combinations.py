@@ -63,7 +63,6 @@ ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
     (("live page",), DRY, "animation.live_switching"),
     (("live page",), ROPE, "animation.live_switching"),
     (("live page",), JUMP, "animation.live_jumps"),
-    (FMUS, JUMP, "fmu.motion"),
 )
 # The same of two fragments.
 TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = ()

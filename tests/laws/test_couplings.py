@@ -20,7 +20,6 @@ from tests.laws.motion_couplings import COUPLINGS
 from tests.laws.motion_fragments import save_controller, slide
 from tests.laws.test_combinations import (
     ALWAYS,
-    FMUS,
     PROGRAMS,
     NotYetError,
 )
@@ -59,7 +58,6 @@ TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (PROGRAMS, JUMPS, "simulation.program"),
     (("live page",), JUMPS[:1], "animation.live_switching"),
     (("live page",), JUMPS[1:], "animation.live_jumps"),
-    (FMUS, JUMPS, "fmu.motion"),
 )
 
 

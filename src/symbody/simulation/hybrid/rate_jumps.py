@@ -49,16 +49,22 @@ _WITH_CORNERS: Final = frozenset(
 
 def may_jump(eqs: EquationSet) -> bool:
     """Return whether prescribed rates may jump: conditions, or the like, in time alone stand in them."""
+    return bool(corners_in_time(eqs))
+
+
+def corners_in_time(eqs: EquationSet) -> list[int]:
+    """Return the nodes in prescribed motions at which formulas of time alone may have corners."""
     graph, names = eqs.formed.graph, eqs.formed.names
     nodes = [names.value(f"{name}{end}").index for name in _prescribed_names(eqs) for end in ("", "_dot")]
     nodes += [expression.index for row in eqs.formed.rows for expression in (row.value, row.drift)]
     cornered = [node for node in graph.reachable(nodes) if graph.ops[node] in _WITH_CORNERS]
     moving = {SymbolKind.COORDINATE, SymbolKind.SPEED}
+    found = []
     for node in cornered:
         symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
         if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
-            return True
-    return False
+            found.append(node)
+    return found
 
 
 def jump_notes(jumps: Sequence[tuple[float, float]]) -> Iterator[str]:
