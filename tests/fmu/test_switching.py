@@ -14,7 +14,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 import symbody as sb
-from tests.fmu.importer import EXAMPLES, KINDS, VERSIONS, example, instance, simulate, states
+from tests.fmu.importer import EXAMPLES, KINDS, VERSIONS, example, instance, pendulum, simulate, states
 from tests.laws.test_cradles import first_values, hits, in_rounds, names_of, rail
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -254,11 +254,48 @@ def test_each_mode_has_an_indicator(tmp_path: Path) -> None:
     assert [v.name for v in made.variables[-2:]] == ["mode.below", "mode.above"]
 
 
-def test_events_that_set_values_are_refused_where_joints_stick(tmp_path: Path) -> None:
-    event = sb.Event("x - 2", action={"x_dot": "-x_dot"})
-    with pytest.raises(sb.UsageError) as caught:
-        sb.save_fmu(block(), tmp_path / "block.fmu", events=[event])
-    assert caught.value.problems[0].code == "fmu.motion"
+@pytest.mark.parametrize(
+    ("make", "event"),
+    [
+        (block, sb.Event("t - 0.2", action={"x_dot": "-2*x_dot + 1"})),
+        (block, sb.Event("t - 4.9", action={"x_dot": "0.5"})),  # it sticks before
+        (lambda: swing("L"), sb.Event("y + 0.7", -1, {"x_dot": "0.3*x_dot"})),
+        (lambda: swing("L"), sb.Event("t - 1.5", action={"x": "0.6*x"})),  # slack, whatever it was
+        (lambda: swing("L", "1.1*L"), sb.Event("t - 2", action={"x_dot": "3 - x_dot"})),  # a shock at once
+    ],
+    ids=["slips", "sticks", "rope", "slack", "shock"],
+)
+def test_actions_beside_dry_friction_and_ropes(make: object, event: sb.Event, tmp_path: Path) -> None:
+    eqs = make()  # type: ignore[operator]
+    run = sb.simulate(eqs, 5.0, times=np.linspace(0.0, 5.0, 21), rtol=1e-11, events=event)
+    assert run.success and event.label in {each.name for each in run.events}
+    made = sb.save_fmu(eqs, tmp_path / "acting.fmu", events=event, sources=False)
+    for kind, error in zip(KINDS, (1e-4, 1e-6), strict=True):
+        assert np.abs(simulate(made.path, kind, 5.0, eqs.state_names, 1e-9) - states(run)).max() < error, kind
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_action_that_leaves_a_rope_too_long_ends_the_motion(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    eqs, event = swing("L"), sb.Event("t - 0.1", action={"y": "2"})
+    assert sb.simulate(eqs, 1.0, events=event).status is sb.Status.UNMET_ACTION
+    made = sb.save_fmu(eqs, tmp_path / "torn.fmu", events=event, sources=False)
+    with pytest.raises(Exception, match="rror|ailed|iscard"):
+        simulate(made.path, kind, 1.0, ["y"], 1e-9)
+    assert "moves the ends of a rope farther apart than it is long" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_actions_at_one_instant_follow_each_other(kind: str, tmp_path: Path) -> None:
+    events = [
+        sb.Event("t - 0.1", action={"theta_dot": "2"}, name="first"),
+        sb.Event("2*t - 0.2", action={"theta_dot": "3*theta_dot"}, name="second"),
+    ]
+    run = sb.simulate(pendulum(), 0.5, events=events, rtol=1e-11)
+    made = sb.save_fmu(pendulum(), tmp_path / "twice.fmu", events=events, sources=False)
+    seen = simulate(made.path, kind, 0.5, ["theta_dot", "theta"], 1e-9)
+    assert np.abs(seen[:, -1] - states(run)[:, -1]).max() < 1e-5
 
 
 def log_of(path: Path, kind: str, end: float, capsys: pytest.CaptureFixture[str]) -> list[str]:

@@ -58,12 +58,9 @@ ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
     (PROGRAMS, ROPE, "simulation.program"),
     (("live page",), DRY, "animation.live_switching"),
     (("live page",), ROPE, "animation.live_switching"),
-    (FMUS, JUMP, "fmu.motion"),
 )
 # The same of two fragments.
-TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = (
-    *((FMUS, (switching, BOUNCE), "fmu.motion") for switching in (DRY, ROPE)),
-)  # fmt: skip
+TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = ()
 
 
 class NotYetError(Exception):

@@ -20,7 +20,6 @@ from tests.laws.motion_couplings import COUPLINGS
 from tests.laws.motion_fragments import save_controller, slide
 from tests.laws.test_combinations import (
     ALWAYS,
-    FMUS,
     PROGRAMS,
     NotYetError,
 )
@@ -44,8 +43,6 @@ JUMPS = (
 TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (PROGRAMS, SWITCHING, "simulation.program"),
     (("live page",), SWITCHING, "animation.live_switching"),
-    (FMUS, STRUCK, "fmu.motion"),
-    (FMUS, JUMPS, "fmu.motion"),
 )
 
 

@@ -162,7 +162,7 @@ def _write(
         )  # fmt: skip
     content = _content(described, text if sources else {}, libraries, version)
     write_content(file, _archive(content), keep=False)
-    notes += ((_ADVICE,) if len(program.x0) else ()) + _notes_of_inputs(program)
+    notes += ((_ADVICE,) if len(program.x0) else ()) + program.jumps.notes + _notes_of_inputs(program)
     return Fmu(file, version, tuple(each.name for each in libraries), variables, notes)
 
 

@@ -17,19 +17,19 @@ from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.fmu.conditions import OUTPUT, Condition, condition_output, find_conditions
 from symbody.fmu.freezing import Branches
 from symbody.fmu.functions import ModelFunction, make_function
+from symbody.fmu.jumps import find_jumps
 from symbody.fmu.modes import ModalEquations, modal_equations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram, Method
 from symbody.fmu.samples import FmuSamples, fmu_samples
 from symbody.simulation.events.events import Event
-from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.native.closing import closing_of
+from symbody.simulation.native.strikes import strike_equations, strike_outputs
 from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
@@ -51,7 +51,7 @@ def make_program(
         If the motion needs Python.
     """
     samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
-    _check_motion(eqs, integrator, constraints, events, samples)
+    _check_motion(eqs, integrator, constraints, samples)
     request = MotionRequest(
         initial={name: value for name, value in initial.items() if name not in samples.names},
         parameters=parameters.given, tunable=parameters.arguments, free_inputs=eqs.input_names,
@@ -60,6 +60,8 @@ def make_program(
         constraints=constraints if isinstance(constraints, Projection) else None,
     )  # fmt: skip
     motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
+    jumps = find_jumps(motion, parameters)
+    parameters = parameters.without(jumps.decisive)
     modal = modal_equations(eqs)
     eqs = modal.eqs
     stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
@@ -87,6 +89,8 @@ def make_program(
         made["sensitivities"] = functions.make(eqs, "sensitivities", slopes, branches)
     if conditions:
         made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
+    if jumps.times and eqs.speed_names:
+        made["strike"] = functions.make(strike_equations(eqs), "strike", strike_outputs(eqs))
     made |= _functions_of_modes(functions, modal) | _functions_of_events(functions, modal, events)
     if samples.values:
         made |= _functions_of_samples(functions, modal, samples)
@@ -95,7 +99,7 @@ def make_program(
         calculated = [f"({name})" for name in parameters.calculated]
         made["parameters"] = functions.make(eqs, "parameters", calculated)
     return FmuProgram(
-        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples,
+        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps,
         integrator or Explicit(),
     )  # fmt: skip
 
@@ -179,9 +183,7 @@ class _Functions:
         return Branches(tuple(points), values, are_floors, len(p))
 
 
-def _check_motion(
-    eqs: EquationSet, integrator: object, constraints: object, events: tuple[Event, ...], samples: FmuSamples
-) -> None:
+def _check_motion(eqs: EquationSet, integrator: object, constraints: object, samples: FmuSamples) -> None:
     reasons = {
         f"{type(integrator).__name__} runs in Python": not isinstance(integrator, Method | None),
         f"{type(integrator).__name__} does not sample {', '.join(samples.names)}": bool(samples.values)
@@ -189,18 +191,15 @@ def _check_motion(
         f"{type(constraints).__name__} runs in Python": not isinstance(
             constraints, Projection | Baumgarte | None
         ),
-        "prescribed rates may jump": may_jump(eqs),
         "pivots of dependent speeds are monitored": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),
-        "an event sets new values where joints stick and slip, or ropes slacken": switches(eqs.formed)
-        and any(event.mapping for event in events),
     }
     reason = "; ".join(reason for reason, holds in reasons.items() if holds)
     if reason:
         raise UsageError(
             Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
                     "an FMU computes without Python",
-                    "prescribe motions without corners; use sb.Explicit(), sb.FixedStep(..), or without "
+                    "use sb.Explicit(), sb.FixedStep(..), or without "
                     "sampled signals sb.GeneralizedAlpha(..); and sb.Projection() or sb.Baumgarte()")
         )  # fmt: skip

@@ -18,6 +18,8 @@ from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import block
 from symbody.kernels.block import Breakpoint, FunctionNumbers, Run, StateProjection
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
+from symbody.kernels.configurations.strike import STRUCK, TORN
+from symbody.kernels.configurations.strike_problem import StrikeProblem
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
 from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.record_layout import RecordLayout
@@ -37,6 +39,7 @@ _KERNELS: Final = (
     ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
 )
 _ACTING_KERNELS: Final = (("acting_events", ("starting_event", "end_action")),)
+_STRIKE_KERNELS: Final = (("strike", ("strike",)),)
 _IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
 _CODES: Final = ("RUNNING", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY")
 # What the names of the places of a record begin with.
@@ -54,7 +57,8 @@ _PURPOSES: Final = {
     "sensitivities": "SB_SENSITIVITIES", "indicators": "SB_INDICATORS", "action": "SB_ACTION",
     "parameters": "SB_PARAMETERS", "sides": "SB_SIDES",
     "samples": "SB_SAMPLING", "periods": "SB_PERIODS",
-    "measures": "SB_MEASURES", "mass": "SB_MASS", "projection": "SB_PROJECTING", "assembly": "SB_ASSEMBLING",
+    "measures": "SB_MEASURES", "strike": "SB_STRIKING", "mass": "SB_MASS", "projection": "SB_PROJECTING",
+    "assembly": "SB_ASSEMBLING",
 }  # fmt: skip
 _FUNCTION: Final = """
 typedef struct {
@@ -70,6 +74,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
     rare = [
         *(_ACTING_KERNELS if program.actions else ()),
         *(_IMPLICIT_KERNELS if program.is_implicit else ()),
+        *(_STRIKE_KERNELS if "strike" in program.functions else ()),
     ]
     for file, roots in (*_KERNELS, *rare):
         kernels |= read_kernels(file, *roots)
@@ -92,6 +97,8 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _flags("sb_is_floor", [condition.is_floor for condition in program.conditions]),
         _flags("sb_is_rope", [element.is_rope for element in program.modal.elements]),
         _numbers("sb_rate_scales", program.rate_scales),
+        _numbers("sb_jumps", (t for t, _ in program.jumps.times)),
+        _numbers("sb_jump_margins", (margin for _, margin in program.jumps.times)),
         _flags("sb_stops", [event.action == "stop" for event in program.events]),
         _table("int", "sb_action_events", (str(event) for event, _ in program.actions)),
         _table("int", "sb_action_states", (str(state) for _, state in program.actions)),
@@ -109,19 +116,22 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     """Return the numbers of an instance at first, and where those of each function begin."""
     motion, assembly = program.block(), program.assembly()
     sampler = program.samples.block(len(program.eqs.speed_names))
-    implicit, watch = program.implicit(), program.watch()
-    parts = [motion, assembly, sampler, implicit, watch]
+    implicit, watch, strike = program.implicit(), program.watch(), program.strike()
+    parts = [motion, assembly, sampler, implicit, watch, strike]
     places = {"motion": int(motion[Run.layout["numbers"]])}
     places["sampler"] = motion.size + assembly.size
     places["implicit"] = places["sampler"] + sampler.size
     places["watch"] = places["implicit"] + implicit.size
-    size = places["watch"] + watch.size
+    places["struck"] = places["watch"] + watch.size
+    size = places["struck"] + strike.size
     for name, function in program.functions.items():
         if name == "projection":
             begin = int(motion[Run.layout["projection"]])
             places[name] = begin + int(motion[begin + StateProjection.layout["numbers"]])
         elif name == "assembly":
             places[name] = motion.size + int(assembly[AssemblyProblem.fields["numbers"].place])
+        elif name == "strike":
+            places[name] = places["struck"] + int(strike[StrikeProblem.fields["numbers"].place])
         elif name in _IMPLICIT_FUNCTIONS:
             places[name] = places["implicit"] + int(implicit[_IMPLICIT_FUNCTIONS[name]])
         elif name != "motion":
@@ -156,7 +166,9 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_HELD": AssemblyProblem.fields["asked"].place, "SB_IS_CLOSED": int("assembly" in functions),
         "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
         "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
-        "SB_WATCH": places["watch"],
+        "SB_WATCH": places["watch"], "SB_STRIKE": places["struck"],
+        "SB_IS_STRUCK": int("strike" in functions),
+        "SB_JUMPS": len(program.jumps.times), "SB_ARE_MORE_JUMPS": int(program.jumps.are_more),
         "SB_DENSE_ROWS": dense, "SB_PIECES": dense * n, "SB_LOOKS": _LOOKS, "SB_MOST_EVENTS": _MOST_EVENTS,
     }  # fmt: skip
     indices = {
@@ -164,6 +176,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     }
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _CODES}
+    numbers |= {"SB_STRUCK": STRUCK, "SB_TORN": TORN}
     for prefix, record in _RECORDS.items():
         numbers |= {
             f"SB_{prefix}_{name.replace('.', '_').upper()}": place for name, place in record.layout.items()

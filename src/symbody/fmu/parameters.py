@@ -53,6 +53,16 @@ class FmuParameters:
         more = {name for place, name in enumerate(self.arguments) if ("p", place) in read}
         return replace(self, fixed=self.fixed | more)
 
+    def without(self, names: tuple[str, ...]) -> FmuParameters:
+        """Return the same where some are numbers, not arguments."""
+        stays = [name not in names for name in self.arguments]
+        arguments = tuple(name for name in self.arguments if name not in names)
+        numbers = {name: self.given[name] for name in names if name in self.given}
+        return replace(
+            self, arguments=arguments, fixed=self.fixed.difference(names), values=self.values[stays],
+            fixed_formulas={**self.fixed_formulas, **numbers},
+        )  # fmt: skip
+
 
 def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable[str]) -> FmuParameters:
     """Return the parameters of an FMU.

@@ -14,6 +14,7 @@ from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.sequence import Output
 from symbody.fmu.conditions import Condition
 from symbody.fmu.functions import Floats, ModelFunction
+from symbody.fmu.jumps import FmuJumps
 from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
@@ -30,6 +31,7 @@ from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
 from symbody.simulation.native.description import Projector
 from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
+from symbody.simulation.native.strikes import strike_block
 from symbody.simulation.programs.motion_request import PosedMotion
 
 MOST_TRIALS: Final = 2**52
@@ -56,13 +58,15 @@ class FmuProgram:
         What is watched.
     functions : mapping of str to ModelFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
-        sensitivities, indicators, action, parameters, sides, measures, mass, samples, periods.
+        sensitivities, indicators, action, parameters, sides, measures, mass, samples, periods, strike.
     conditions : tuple of Condition
         What decides the branches that are frozen between events of model exchange.
     modal : ModalEquations
         The same equations with the modes of joints and ropes as arguments.
     samples : FmuSamples
         What is held between samples.
+    jumps : FmuJumps
+        Of prescribed rates.
     method : Explicit, FixedStep or GeneralizedAlpha
         The integrator of co-simulation.
     """
@@ -76,6 +80,7 @@ class FmuProgram:
     conditions: tuple[Condition, ...]
     modal: ModalEquations
     samples: FmuSamples
+    jumps: FmuJumps
     method: Method
 
     @property
@@ -219,6 +224,13 @@ class FmuProgram:
         close, function = closing_of(self.motion.eqs, holds=True), self.functions["assembly"]
         own = metric(close.eqs, self.motion.integration.problem.scales)
         return closing_block(close.shape, own, function.sizes, function.numbers, self.closing_share)
+
+    def strike(self) -> Floats:
+        """Return the array of a `StrikeProblem`; empty where no rates jump."""
+        if "strike" not in self.functions:
+            return np.zeros(0)
+        function, scales = self.functions["strike"], self.motion.integration.problem.scales
+        return strike_block(self.eqs, scales, function.sizes, function.numbers)
 
     @property
     def closing_parameters(self) -> tuple[bool, ...]:

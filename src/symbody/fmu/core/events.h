@@ -53,10 +53,8 @@ static void look_at_sides(Motion *m)
 {
     int k;
     if (!(SB_EVENTS + SB_ELEMENTS) || need(m, HAS_INDICATORS) != SOLVED) return;
-    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++)
         m->side[k] = has_left(m, k, m->indicators[k]) ? side_of_watched(m, k, m->indicators[k]) : 0;
-        m->pending[k] = 0;
-    }
 }
 
 /* What an importer watches of a mode: not zero where the mode begins. */
@@ -65,34 +63,52 @@ static double shown_indicator(const Motion *m, int k)
     return m->indicators[SB_EVENTS + k] + (m->side[SB_EVENTS + k] == 0 ? 2.0 * m->slight[k] : 0.0);
 }
 
-/* Set what the events noted set. Returns whether values changed, -1 for a fault. */
-static int set_states(Motion *m, int *must_stop)
+/* Whether an event has been noted that sets values. */
+static int is_acting(const Motion *m, int k)
 {
-    int k, j, changed = 0, is_set[SB_X + 1] = {0};
-    double actions[SB_ACTIONS + 1];
-    *must_stop = 0;
-    for (k = 0; k < SB_EVENTS; k++) *must_stop |= m->pending[k] && sb_stops[k];
-    if (SB_ACTIONS && compute(m, &sb_functions[SB_ACTION], m->x, actions)) return -1;
-    note_before(m);
+    int j;
     for (j = 0; j < SB_ACTIONS; j++)
-        if (m->pending[sb_action_events[j]]) {
-            m->x[sb_action_states[j]] = actions[j];
-            changed = is_set[sb_action_states[j]] = 1;
-        }
-    if (!changed) return 0;
-    m->valid = 0;
-    m->is_fresh = 1;
-    m->is_unmet = close_held(m, is_set) != SOLVED;
-    if (m->is_unmet) return -1;
-    /* A map leaves what it acts on where it is, up to rounding: only a side that is clear counts. */
-    if (need(m, HAS_INDICATORS) == SOLVED)
-        for (k = 0; k < SB_EVENTS; k++)
-            m->side[k] = has_left(m, k, m->indicators[k]) ? side_of(m->indicators[k]) : 0;
-#if SB_ACTIONS
+        if (m->pending[k] && sb_action_events[j] == k) return 1;
+    return 0;
+}
+
+/* Set what the events noted set, one after the other. What they set holds; joints that stick and ropes hold nothing
+   meanwhile. Returns whether values changed, -1 for a fault. */
+static int set_states(Motion *m)
+{
+    int k, j, changed = 0;
+    m->unmet = NOTHING_UNMET;
     for (k = 0; k < SB_EVENTS; k++) {
-        int acts = 0;
-        for (j = 0; j < SB_ACTIONS; j++) acts |= m->pending[k] && sb_action_events[j] == k;
-        if (!acts) continue;
+        int is_set[SB_X + 1] = {0};
+        double actions[SB_ACTIONS + 1];
+        if (!is_acting(m, k)) continue;
+        if (!changed) {
+            project_state(m); /* what drifts stays as it is where it cannot be closed */
+            release(m);
+        }
+        if (compute(m, &sb_functions[SB_ACTION], m->x, actions)) return -1;
+        note_before(m);
+        for (j = 0; j < SB_ACTIONS; j++)
+            if (sb_action_events[j] == k) {
+                m->x[sb_action_states[j]] = actions[j];
+                is_set[sb_action_states[j]] = 1;
+            }
+        m->valid = 0;
+        m->is_fresh = changed = 1;
+        if (close_held(m, is_set) != SOLVED) m->unmet = OPEN_LOOP;
+        if (m->unmet) return -1;
+    }
+    if (changed && has_long_rope(m)) m->unmet = LONG_ROPE;
+    return m->unmet ? -1 : changed;
+}
+
+/* Judge what actions did; returns -1 where one turned nothing that it could have turned. */
+static int judge_actions(Motion *m)
+{
+#if SB_ACTIONS
+    int k;
+    for (k = 0; k < SB_EVENTS; k++) {
+        if (!is_acting(m, k)) continue;
         if (m->largest[k] > start_of(m, k)[SB_E_LARGEST]) start_of(m, k)[SB_E_LARGEST] = m->largest[k];
         renew_arguments(m);
         if (symbody_end_action(SB_WATCHED_FUNCTION, mechanism_motion, m->pool + SB_WATCH, k, clock_of(m), m->x,
@@ -101,6 +117,8 @@ static int set_states(Motion *m, int *must_stop)
             return -1;
         }
     }
+#else
+    (void)m;
 #endif
     return 1;
 }
@@ -110,15 +128,20 @@ static int set_states(Motion *m, int *must_stop)
 static int act(Motion *m, int *must_stop)
 {
     int k, ended[SB_ELEMENTS + 1], changed;
-    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++)
-        if (m->pending[k] && m->happened_count < SB_KEPT) {
+    *must_stop = 0;
+    for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
+        if (!m->pending[k]) continue;
+        if (k < SB_EVENTS && sb_stops[k]) *must_stop = 1;
+        if (m->happened_count < SB_KEPT) {
             m->happened[m->happened_count] = k;
             m->happened_at[m->happened_count++] = m->time;
         }
-    changed = set_states(m, must_stop);
-    if (changed >= 0 && have_ended(m, ended)) {
-        changed = switch_modes(m, ended) == SOLVED ? 1 : -1;
-        look_at_sides(m);
+    }
+    changed = set_states(m);
+    if (changed >= 0 && have_ended(m, ended)) changed = switch_modes(m, ended) == SOLVED ? 1 : -1;
+    if (changed > 0) {
+        look_at_sides(m); /* a map leaves what it acts on where it is, up to rounding */
+        changed = judge_actions(m);
     }
     memset(m->pending, 0, sizeof m->pending);
     return changed;

@@ -152,7 +152,8 @@ static int exit_initialization(Instance *instance, const char *function)
     if (status != STATUS_OK) return status;
     look_at_sides(m);
     m->is_fresh = 1;
-    if (instance->kind == MODEL_EXCHANGE) look_for_jump(m);
+    m->is_alone = instance->kind == CO_SIMULATION;
+    look_for_jump(m);
     m->mode = instance->kind == MODEL_EXCHANGE ? EVENT : STEP;
     return STATUS_OK;
 }
@@ -273,14 +274,24 @@ static void log_events(Instance *instance)
     m->happened_count = 0;
 }
 
-#define UNMET "the constraints do not admit what the action of an event sets"
+/* Why the motion ends at an event, unless its action turned nothing. */
+static const char *reason(const Motion *m, const char *otherwise)
+{
+    return m->unmet == OPEN_LOOP ? "the constraints do not admit what the action of an event sets"
+        : m->unmet == TORN_MOTION ? "a prescribed position jumps"
+        : m->unmet == NO_SPEEDS ? "no speeds satisfy the prescribed rates behind a jump"
+        : m->unmet == UNKNOWN_RATES ? "prescribed rates jump further on, which is not known to this FMU"
+        : m->unmet == LONG_ROPE
+        ? "the action of an event moves the ends of a rope farther apart than it is long; set coordinates within its length"
+        : otherwise;
+}
 
-/* Fail because of what an event did: its action turned nothing, or `otherwise`. */
+/* Fail because of what an event did: its action turned nothing, cannot be met, or `otherwise`. */
 static int fail_at_event(Instance *instance, const char *function, const char *otherwise)
 {
     Motion *m = &instance->motion;
     char text[512];
-    if (!m->unturned) return fail(instance, STATUS_ERROR, function, otherwise);
+    if (!m->unturned) return fail(instance, STATUS_ERROR, function, reason(m, otherwise));
     snprintf(text, sizeof text, "%s happens at t = %.17g where its value is zero, and after its action the value "
         "is zero again and goes the same way; let the action turn the value back or move it off zero",
         sb_names[AT_INDICATORS + m->unturned - 1], m->time);
@@ -292,7 +303,7 @@ static int fail_at_event(Instance *instance, const char *function, const char *o
 static int update(Instance *instance, const char *function, int *has_changed, int *must_stop, double *next)
 {
     Motion *m = &instance->motion;
-    int acted, stops = 0, jumps_end = 0;
+    int acted, stops = 0, stops_at_jump = 0;
     *has_changed = *must_stop = 0;
     if (!m->is_settled) {
         if (settle_anew(m) != SOLVED)
@@ -308,18 +319,12 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     acted = act(m, must_stop);
     log_events(instance);
     if (acted < 0)
-        return fail_at_event(instance, function, m->is_unmet ? UNMET : "the state after an event has no solution");
+        return fail_at_event(instance, function, "the state after an event has no solution");
     *has_changed |= acted;
-    if (look_for_jump(m)) { /* values may jump through zero, and modes end, as at a sample */
-        m->valid = 0;
-        note_events(m);
-        acted = act(m, &jumps_end);
-        log_events(instance);
-        if (acted < 0)
-            return fail_at_event(instance, function, m->is_unmet ? UNMET : "the state behind a jump has no solution");
-        *has_changed |= acted;
-        *must_stop |= jumps_end;
-    }
+    acted = pass_jump(m, &stops_at_jump);
+    log_events(instance);
+    if (acted < 0) return fail_at_event(instance, function, "the state behind a jump has no solution");
+    *has_changed |= acted;
     acted = sample(m, &stops);
     log_events(instance);
     if (acted < 0) return fail_at_event(instance, function, "a sampled value, or the state behind it, is not finite");
@@ -328,7 +333,7 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     log_events(instance);
     if (acted < 0) return fail_at_event(instance, function, "the state after an event has no solution");
     *has_changed |= acted;
-    *must_stop |= stops;
+    *must_stop |= stops | stops_at_jump;
     *next = m->jump < next_sample(m) ? m->jump : next_sample(m);
     m->valid = 0; /* branches are decided anew, behind a jump in time */
     if (SB_CONDITIONS) need(m, HAS_INDICATORS);
@@ -374,10 +379,9 @@ static int do_step(Instance *instance, const char *function, double start, doubl
     if (code == SB_RUNNING) return STATUS_OK;
     if (m->unturned) return fail_at_event(instance, function, "");
     snprintf(text, sizeof text, "the motion cannot go on from t = %.17g: %s", m->time,
-        m->is_unmet ? UNMET
-        : code == SB_SINGULAR ? "the accelerations have no solution"
+        code == SB_SINGULAR ? "the accelerations have no solution"
         : code == SB_TOO_MANY ? "too many events or steps"
-        : code == SB_COLLAPSED ? "steps become too short" : "values are not finite");
+        : code == SB_COLLAPSED ? "steps become too short" : reason(m, "values are not finite"));
     return fail(instance, STATUS_DISCARD, function, text);
 }
 

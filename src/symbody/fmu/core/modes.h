@@ -77,6 +77,16 @@ static void note_rates(Motion *m)
     }
 }
 
+static int has_long_rope(Motion *m)
+{
+    double e[MEASURES * SB_ELEMENTS + 1];
+    int k;
+    measure(m, m->x, e);
+    for (k = 0; k < SB_ELEMENTS; k++)
+        if (sb_is_rope[k] && e[MEASURES * k + SLACKNESS] < -AT_LENGTH * e[MEASURES * k + LENGTH]) return 1;
+    return 0;
+}
+
 static double slow_rate(const Motion *m, int k) { return AT_REST * m->fastest * sb_rate_scales[k]; }
 
 /* Give a state speeds that fit the rows that hold. */
@@ -314,12 +324,14 @@ static int switch_modes(Motion *m, const int *ended)
     return SOLVED;
 }
 
-/* Mark the modes that have ended: by an event, or since inputs or parameters jumped. */
+/* Mark the modes that have ended: by an event, or since inputs or parameters jumped. Returns whether modes are to be
+   decided. */
 static int have_ended(Motion *m, int *ended)
 {
     double e[MEASURES * SB_ELEMENTS + 1];
     int k, any = 0;
     if (!SB_ELEMENTS) return 0;
+    any = !m->has_modes;
     measure(m, m->x, e);
     for (k = 0; k < SB_ELEMENTS; k++) {
         ended[k] = m->pending[SB_EVENTS + k] || !(mode_indicator(m, k, e + MEASURES * k) >= -m->slight[k]);

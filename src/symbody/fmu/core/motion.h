@@ -10,17 +10,20 @@
 enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, STEP = 16, TERMINATED = 32 };
 enum { HAS_SLOPE = 1, HAS_OUTPUTS = 2, HAS_INDICATORS = 4, HAS_CALCULATED = 8, HAS_SLOPES = 16, HAS_SIDES = 32 };
 enum { SOLVED, UNSOLVED, NOT_CLOSED };
+enum { NOTHING_UNMET, OPEN_LOOP, LONG_ROPE, TORN_MOTION, NO_SPEEDS, UNKNOWN_RATES };
 #define SB_KEPT 64
 #define SB_STRAIGHT 1e-3  /* of the mechanism's time: in which rates decide where values go */
 #define SB_MOST_ROUNDS 100 /* of events at one instant */
 
 typedef struct {
     int mode, valid, code;
+    int is_alone;         /* in co-simulation */
     int is_settled;       /* the state fulfils the constraints with the values that were set */
     int has_arguments;    /* parameters and inputs stand in the numbers of all functions */
     int is_fresh;         /* the integrator has to begin at x */
     int has_stopped;      /* an event ended the motion */
-    int is_unmet;         /* the constraints do not admit what an action sets */
+    int unmet;            /* what does not admit what an action sets, or what rates do at a jump */
+    int strikes, ends_jumps; /* whether prescribed rates jump at the next jump; whether they are known up to there */
     int unturned;         /* the event, from 1, that goes on as before its action at a start */
     int must_project;     /* the state is to be brought back onto the constraints in event mode */
     int has_modes, mode_of[SB_ELEMENTS + 1]; /* see modes.h */

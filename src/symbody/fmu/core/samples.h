@@ -19,7 +19,7 @@ static int begin_samples(Motion *m)
     return 1;
 }
 
-static int is_sample_due(Motion *m) { return SB_SAMPLED && symbody_is_due(sampler_of(m), m->time); }
+static int is_sample_due(Motion *m) { return SB_SAMPLED && symbody_is_due(sampler_of(m), clock_of(m)); }
 
 /* When the next sample is due. */
 static double next_sample(Motion *m) { return SB_SAMPLED ? sampler_of(m)[SB_Z_NEXT] : HUGE_VAL; }
@@ -34,7 +34,7 @@ static int take_due(Motion *m)
         renew_arguments(m);
         memcpy(values, m->r + SB_R - SB_SAMPLED, SB_SAMPLED * sizeof(double));
         Z[SB_Z_RECORDED] = 0.0;
-        if (symbody_take_samples(SB_SAMPLE_FUNCTION, numbers, Z, row, m->time, m->x) != 0) return -1;
+        if (symbody_take_samples(SB_SAMPLE_FUNCTION, numbers, Z, row, clock_of(m), m->x) != 0) return -1;
         if (!are_finite(values, SB_SAMPLED)) return -1;
         memcpy(m->r + SB_R - SB_SAMPLED, values, SB_SAMPLED * sizeof(double));
         m->has_arguments = m->valid = 0;

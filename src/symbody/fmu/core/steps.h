@@ -2,22 +2,65 @@
 
 /* Jumps of what depends on time alone. */
 
-/* Return whether the motion is now behind a jump to which it has come. */
-static int look_for_jump(Motion *m)
+/* Look for the next jump: in co-simulation of prescribed rates alone, since steps end at the others. */
+static void look_for_jump(Motion *m)
 {
     const double *B = m->pool + SB_BLOCK;
-    int place = SB_RUN_BREAKS + (int)B[SB_RUN_BREAKS_POINTS];
-    int has_passed = m->time >= m->jump - m->jump_margin;
-    if (has_passed) m->past_jump = m->jump + m->jump_margin;
-    m->jump = HUGE_VAL;
-    m->jump_margin = 0.0;
-    for (; isfinite(B[place + SB_BREAK_TIME]); place += SB_BREAK_SIZE)
-        if (B[place + SB_BREAK_JUMPS] != 0.0 && B[place + SB_BREAK_TIME] > m->time + B[place + SB_BREAK_MARGIN]) {
-            m->jump = B[place + SB_BREAK_TIME];
-            m->jump_margin = B[place + SB_BREAK_MARGIN];
+    int k = 0, place = SB_RUN_BREAKS + (int)B[SB_RUN_BREAKS_POINTS];
+    while (k < SB_JUMPS - SB_ARE_MORE_JUMPS && !(sb_jumps[k] > clock_of(m) + sb_jump_margins[k])) k++;
+    m->strikes = k < SB_JUMPS;
+    m->jump = m->strikes ? sb_jumps[k] : HUGE_VAL;
+    m->jump_margin = m->strikes ? sb_jump_margins[k] : 0.0;
+    m->ends_jumps = SB_ARE_MORE_JUMPS && k == SB_JUMPS - 1;
+    for (; !m->is_alone && isfinite(B[place + SB_BREAK_TIME]); place += SB_BREAK_SIZE) {
+        const double *P = B + place;
+        double margin = P[SB_BREAK_MARGIN];
+        if (P[SB_BREAK_TIME] >= m->jump - m->jump_margin - margin) break;
+        if (P[SB_BREAK_JUMPS] != 0.0 && P[SB_BREAK_TIME] > clock_of(m) + margin) {
+            m->jump = P[SB_BREAK_TIME];
+            m->jump_margin = margin;
+            m->strikes = m->ends_jumps = 0;
             break;
         }
-    return has_passed;
+    }
+}
+
+static int has_come_to_jump(const Motion *m) { return m->time >= m->jump - m->jump_margin; }
+
+/* Let prescribed rates that jump strike the mechanism. Joints that stick and ropes hold nothing meanwhile. */
+static int strike_rates(Motion *m, double before, double behind)
+{
+    int code = 0;
+    m->unmet = m->ends_jumps ? UNKNOWN_RATES : NOTHING_UNMET;
+    if (m->unmet) return UNSOLVED;
+    project_state(m); /* what drifts stays as it is where it cannot be closed */
+    release(m);
+    renew_arguments(m);
+#if SB_IS_STRUCK
+    code = symbody_strike(mechanism_strike, m->pool + SB_STRIKE, before, behind, m->x);
+#else
+    (void)before, (void)behind;
+#endif
+    m->valid = 0;
+    m->is_fresh = 1;
+    if (code != SB_STRUCK) m->unmet = code == SB_TORN ? TORN_MOTION : NO_SPEEDS;
+    return m->unmet ? UNSOLVED : SOLVED;
+}
+
+/* Go behind a jump to which the motion has come, and do what follows: values jump through zero, modes end. Returns
+   whether values of states changed, -1 for a fault. */
+static int pass_jump(Motion *m, int *must_stop)
+{
+    double before = m->jump - m->jump_margin, behind = m->jump + m->jump_margin;
+    int strikes = m->strikes, acted;
+    if (!has_come_to_jump(m)) return 0;
+    if (strikes && strike_rates(m, before, behind) != SOLVED) return -1;
+    m->past_jump = behind;
+    look_for_jump(m);
+    m->valid = 0;
+    note_events(m);
+    acted = act(m, must_stop);
+    return acted < 0 ? -1 : acted | strikes;
 }
 
 /* Steps of our own, for co-simulation. */
@@ -26,7 +69,7 @@ static void begin_steps(Motion *m)
 {
     double *B = m->pool + SB_BLOCK, nothing[1] = {0.0};
     renew_arguments(m); /* events and samples may have changed them */
-    B[SB_RUN_TIME] = m->time;
+    B[SB_RUN_TIME] = clock_of(m);
     memcpy(B + (int)B[SB_RUN_STATE_OLD], m->x, SB_X * sizeof(double));
     B[SB_RUN_COUNTS_FAILED_KERNEL] = B[SB_RUN_COUNTS_STEPS] = B[SB_RUN_COUNTS_SAMPLES] = 0.0;
     B[SB_RUN_AFTER_REJECTION] = B[SB_RUN_STIFF_VOTES] = B[SB_RUN_OTHER_VOTES] = B[SB_RUN_UNJUDGED] = 0.0;
@@ -46,6 +89,7 @@ static void take_step(Motion *m)
 {
     double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_RUN_TIME];
     double end = B[SB_RUN_T_END], planned = B[SB_RUN_STEP], stop = SB_SAMPLED ? symbody_piece_end(B, sampler_of(m), end) : end;
+    if (stop > m->jump - m->jump_margin) stop = m->jump - m->jump_margin;
     B[SB_RUN_T_END] = stop;
 #if SB_IS_IMPLICIT
     m->code = symbody_advance_implicit(mechanism_motion, mechanism_turn, mechanism_jacobian, SB_PROJECTION, B,
@@ -55,7 +99,7 @@ static void take_step(Motion *m)
         mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
 #endif
     B[SB_RUN_T_END] = end;
-    /* a step that only the sample cut short says nothing of the next */
+    /* a step that only a sample or a jump cut short says nothing of the next */
     if (stop != end && B[SB_RUN_TIME] == stop && fabs(B[SB_RUN_LENGTH]) < fabs(planned) && fabs(B[SB_RUN_STEP]) < fabs(planned))
         B[SB_RUN_STEP] = planned;
     if (B[SB_RUN_COUNTS_STEPS] != 0.0) {
@@ -159,7 +203,8 @@ static int go_to(Motion *m, double target, int *must_stop)
             if (++events > SB_MOST_EVENTS) return SB_TOO_MANY;
         } else if (show_state(m, end) != SOLVED)
             return SB_SINGULAR;
-        if (sample(m, must_stop) < 0) return SB_NOT_FINITE;
+        if (!*must_stop && pass_jump(m, must_stop) < 0) return SB_NOT_FINITE;
+        if (!*must_stop && sample(m, must_stop) < 0) return SB_NOT_FINITE;
         if (*must_stop) return SB_RUNNING;
     }
     if (m->time < target) m->time = target; /* the same instant */

@@ -50,26 +50,29 @@ _TIMED: Final = _WITH_CORNERS - {op.SELECT}  # whose arguments say when; a choic
 
 def may_jump(eqs: EquationSet) -> bool:
     """Return whether prescribed rates may jump: conditions, or the like, in time alone stand in them."""
-    return any(True for _ in _cornered_symbols(eqs))
+    return bool(corners_in_time(eqs))
 
 
 def jump_parameters(eqs: EquationSet) -> frozenset[str]:
     """Return the parameters that say when prescribed rates jump."""
-    symbols = [symbol for symbols in _cornered_symbols(eqs, _TIMED) for symbol in symbols]
+    graph = eqs.formed.graph
+    corners = corners_in_time(eqs, _TIMED)
+    symbols = [graph.symbols[graph.left[place]] for place in symbols_of(graph, corners)]
     return frozenset(symbol.name for symbol in symbols if symbol.kind is SymbolKind.PARAMETER)
 
 
-def _cornered_symbols(eqs: EquationSet, kinds: Container[int] = _WITH_CORNERS) -> Iterator[set[Symbol]]:
-    """Yield the symbols of the conditions, or the like, in time alone that stand in prescribed rates."""
+def corners_in_time(eqs: EquationSet, kinds: Container[int] = _WITH_CORNERS) -> list[int]:
+    """Return the nodes in prescribed motions at which formulas of time alone may have corners."""
     graph, names = eqs.formed.graph, eqs.formed.names
     nodes = [names.value(f"{name}{end}").index for name in _prescribed_names(eqs) for end in ("", "_dot")]
     nodes += [expression.index for row in eqs.formed.rows for expression in (row.value, row.drift)]
     moving = {SymbolKind.COORDINATE, SymbolKind.SPEED}
-    for node in graph.reachable(nodes):
-        if graph.ops[node] in kinds:
-            symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
-            if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
-                yield symbols
+    found = []
+    for node in (node for node in graph.reachable(nodes) if graph.ops[node] in kinds):
+        symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
+        if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
+            found.append(node)
+    return found
 
 
 def jump_notes(jumps: Sequence[tuple[float, float]]) -> Iterator[str]:
