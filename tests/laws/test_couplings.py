@@ -33,12 +33,6 @@ SWITCHING = (
     "lag on a joint that sticks", "sampled force on a joint that sticks", "sampled force through a rope",
     "action on a joint that sticks", "action on a ball on a rope", "rate that jumps under a joint that sticks",
 )  # fmt: skip
-STRUCK = ("action on a joint that sticks", "action on a ball on a rope")
-JUMPS = (
-    "rate that jumps under a joint that sticks",
-    "rate that jumps at a spring",
-    "action in a rate that jumps",
-)
 # Consumers and mechanisms -> what they make of them: a code, or the values that are wrong. The first row counts.
 TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
     (PROGRAMS, SWITCHING, "simulation.program"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from symbody.errors import ExpressionError
 from symbody.expr.language.formula import Formula
-from symbody.model.element import Element, FrameRef, make_frame_ref
+from symbody.model.element import FrameRef, make_frame_ref
 from symbody.model.naming import GROUND, RESERVED_SYMBOLS
 from symbody.model.output_arguments import OutputScope, join_words
 from symbody.model.output_names import (

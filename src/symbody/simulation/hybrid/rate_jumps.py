@@ -22,7 +22,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.expr import opcodes as op
-from symbody.expr.graph import TIME, Symbol, SymbolKind
+from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.graph.linear_graph import Edge, breadth_first
 from symbody.model.constraint import FrameConstraint

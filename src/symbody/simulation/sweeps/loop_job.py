@@ -128,7 +128,7 @@ def case_watch(
     outputs = action_outputs(events)
     actions = bound_function(eqs, outputs, parameters, free, inputs) if outputs else None
     check_value_shapes(events, values.outputs)
-    check_action_shapes(events, actions)
+    check_action_shapes(events, actions.outputs[1:-1] if actions else ())
     labels = tuple(event.label for event in events)
     closing, close = None, closing_of(eqs, holds=bool(outputs))
     if close.is_needed and any(event.action != "record" for event in events):
