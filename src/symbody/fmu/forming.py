@@ -61,7 +61,7 @@ def make_program(
     )  # fmt: skip
     motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
     jumps = find_jumps(motion, parameters)
-    parameters = parameters.without(jumps.decisive)
+    parameters = parameters.fix_values(jumps.decisive)
     modal = modal_equations(eqs)
     eqs = modal.eqs
     stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
@@ -83,10 +83,7 @@ def make_program(
         made["turn"] = functions.make(eqs, "turn", ["qdot"])
         made["jacobian"] = functions.make(with_state_jacobian(eqs, {}), "jacobian", [STATE_JACOBIAN])
     if eqs.state_names:
-        by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
-        made["derivatives"] = functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches)
-        slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *shown)]
-        made["sensitivities"] = functions.make(eqs, "sensitivities", slopes, branches)
+        made |= _functions_of_slopes(functions, modal, stabilized, branches, shown)
     if conditions:
         made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
     if jumps.times and eqs.speed_names:
@@ -96,12 +93,28 @@ def make_program(
         made |= _functions_of_samples(functions, modal, samples)
         parameters = parameters.with_fixed(made["periods"].sequence)
     if parameters.calculated:
-        calculated = [f"({name})" for name in parameters.calculated]
-        made["parameters"] = functions.make(eqs, "parameters", calculated)
+        made["parameters"] = functions.make(eqs, "parameters", [f"({x})" for x in parameters.calculated])
     return FmuProgram(
         eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps,
         integrator or Explicit(),
     )  # fmt: skip
+
+
+def _functions_of_slopes(
+    functions: _Functions,
+    modal: ModalEquations,
+    stabilized: EquationSet,
+    branches: Branches | None,
+    shown: Sequence[str],
+) -> dict[str, ModelFunction]:
+    """Return the partial derivatives that importers ask for."""
+    eqs = modal.eqs
+    by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
+    slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *shown)]
+    return {
+        "derivatives": functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches),
+        "sensitivities": functions.make(eqs, "sensitivities", slopes, branches),
+    }
 
 
 def _functions_of_closing(

@@ -53,7 +53,7 @@ class FmuParameters:
         more = {name for place, name in enumerate(self.arguments) if ("p", place) in read}
         return replace(self, fixed=self.fixed | more)
 
-    def without(self, names: tuple[str, ...]) -> FmuParameters:
+    def fix_values(self, names: tuple[str, ...]) -> FmuParameters:
         """Return the same where some are numbers, not arguments."""
         stays = [name not in names for name in self.arguments]
         arguments = tuple(name for name in self.arguments if name not in names)

@@ -60,7 +60,7 @@ class OutputScope:
         return not point and not is_entry and any(word in names for names in known.values())
 
 
-class NewNames(Protocol):
+class OutputRenaming(Protocol):
     """The names that elements and symbols of a part get in a model."""
 
     @property
@@ -102,7 +102,7 @@ class OutputArgument(ABC):
         """Return whether a word may stand here."""
         return word in self.choices(scope, before)
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
         """Return the word as it reads in a model that the part is put into."""
         return word
 
@@ -129,7 +129,7 @@ class ElementWord(OutputArgument):
         element = scope.elements.get(word)
         return bool(self.following(element)) if element is not None else not (word or self.is_needed)
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
         """Return the new name of the element."""
         return names.element_name(word) if word else ""
 
@@ -147,7 +147,7 @@ class CoordinateWord(OutputArgument):
         owner = scope.elements.get(before[0]) if before else None
         return () if owner is None else self.following(owner)
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
         """Return the new name of a coordinate; directions of springs are no symbols."""
         return names.symbol(word) if word and isinstance(scope.elements.get(before[0]), Joint) else word
 
@@ -181,7 +181,7 @@ class FrameWord(OutputArgument):
             return not self.is_needed
         return scope.is_frame(word, may_be_entry=not self.is_needed) and self.fits(before)
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
         """Return the new address; a frame that is left out is the ground of the part."""
         return names.address(word) if word else names.ground if self.fits(before) else ""
 

@@ -25,8 +25,8 @@ from symbody.model.output_arguments import (
     EntryWord,
     Following,
     FrameWord,
-    NewNames,
     OutputArgument,
+    OutputRenaming,
     OutputScope,
     Words,
     join_words,
@@ -388,7 +388,7 @@ def _word_lists(
         yield from _word_lists(arguments, scope, (*before, word))
 
 
-def rename_output(asked: OutputName, scope: OutputScope, names: NewNames) -> tuple[str, ...]:
+def rename_output(asked: OutputName, scope: OutputScope, names: OutputRenaming) -> tuple[str, ...]:
     """Return the words of an output of a part, the first among them, as they read in a model.
 
     Words that do not fit are renamed as far as they may be elements, lest they name others in the model.

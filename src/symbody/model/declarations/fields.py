@@ -87,7 +87,7 @@ class SymbolElementName(SymbolName):
     role: ClassVar[str] = "name"
 
 
-class OutputName(TextField[str, str | None]):
+class OutputText(TextField[str, str | None]):
     """The name of an output of the mechanism."""
 
     role: ClassVar[str] = "text"

@@ -8,7 +8,7 @@ from typing import ClassVar, final
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.element_fields import element
-from symbody.model.declarations.fields import OptionalQuantity, OutputName, Quantity, SymbolElementName
+from symbody.model.declarations.fields import OptionalQuantity, OutputText, Quantity, SymbolElementName
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.element import Element
 from symbody.model.numeric_checks import NumericChecks
@@ -35,7 +35,7 @@ class Signal(Element):
     name: SymbolElementName = SymbolElementName("Unique among the symbols of the model.")
     value: OptionalQuantity = optional(Quantity("Formula that defines the signal.", scope=Scope.LOAD))
     output: OptionalField[str, str | None] = optional(
-        OutputName("Output of the mechanism that defines the signal."), is_nullable=True
+        OutputText("Output of the mechanism that defines the signal."), is_nullable=True
     )
     rate: OptionalQuantity = optional(
         Quantity("Time derivative; it makes the signal a state.", scope=Scope.LOAD)

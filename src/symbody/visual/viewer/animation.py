@@ -179,11 +179,9 @@ def animate(
     """
     target = None if path is None else _page_path(path)
     options = {"view": view, "theme": theme, "speed": speed}
-    watched = check_events(events, run) if isinstance(run, EquationSet) else ()
-    request = MotionRequest(
-        initial or {}, parameters or {}, inputs or {}, (), (), integrator, constraints, rtol, events=watched
-    )  # fmt: skip
     if isinstance(run, EquationSet):
+        motion = (initial or {}, parameters or {}, inputs or {}, (), (), integrator, constraints, rtol)
+        request = MotionRequest(*motion, events=check_events(events, run))
         return live_mechanism(run, sliders, title, target, options, request)
     animation = make_animation(run, curves, vectors, traces, times, title, model, options)
     return LiveAnimation(new_widget(animation.data)) if live else _present(animation, target)
