@@ -206,8 +206,6 @@ ATTEMPTS = [
     (lambda eqs, path: sb.linearize(eqs, inputs={"servo": 0}), SAMPLED),
     (lambda eqs, path: sb.find_equilibrium(eqs), SAMPLED),
     (lambda eqs, path: sb.inverse_dynamics(eqs, {"x": "sin(t)"}, "F", np.linspace(0, 1, 5)), SAMPLED),
-    (lambda eqs, path: sb.generate_simulation(eqs, 1.0, "python"), SAMPLED),
-    (lambda eqs, path: sb.animate(eqs, path / "cart.html"), SAMPLED),
     (lambda eqs, path: sb.simulate(eqs, (1.0, 0.0)), "signal.backwards"),
     (lambda eqs, path: sb.simulate(eqs, 1.0, inputs={"servo": 1}), "signal.held_input"),
     (lambda eqs, path: sb.simulate(eqs, 1.0, parameters={"dt": 0}), "signal.sample"),

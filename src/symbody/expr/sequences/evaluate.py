@@ -20,6 +20,9 @@ from symbody.expr.sequences.sequence import Operation, Sequence
 
 Number = Any  # float or mpmath.mpf; mpmath has no types
 
+# Operations that are more than a function of numbers; an arithmetic's functions do not decide about them.
+_APART: Final = frozenset({op.RATIONAL, op.FLOAT, op.PI, op.POW, op.PICK, op.SADDLE, op.MAP, op.CALL})
+
 
 @dataclass(frozen=True, slots=True)
 class Arithmetic:
@@ -61,10 +64,10 @@ def evaluate_sequence(
         if code == op.SYMBOL:
             symbol = symbols[datum]
             values.append(inputs[symbol.group][symbol.position])
-        elif code != op.POW and code in functions:
-            values.append(functions[code](*[values[k] for k in operands]))
-        else:
+        elif code in _APART:
             values.append(_value(sequence, operation, values, rules))
+        else:
+            values.append(functions[code](*[values[k] for k in operands]))
     return [[values[k] for k in output.values] for output in sequence.outputs]
 
 
@@ -74,7 +77,7 @@ def _value(
     values: list[Number],
     rules: Arithmetic,
 ) -> Number:
-    """Return the value of a number, a power, a kernel or what it leaves, a program, or a user's function."""
+    """Return the value of an operation of `_APART`."""
     code, operands, datum = operation
     if code in (op.RATIONAL, op.FLOAT):
         return rules.constant(sequence.constants[datum])
