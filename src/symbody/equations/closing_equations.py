@@ -9,6 +9,7 @@ from __future__ import annotations
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.form import form_equations
+from symbody.equations.solving.modal_equations import modal_equations
 from symbody.equations.solving.ropes import slacken
 from symbody.equations.solving.sticking import STICKS, set_modes
 from symbody.expr.calculus import gradient
@@ -28,6 +29,8 @@ def closing_equations(eqs: EquationSet) -> EquationSet:
     ):
         return eqs
     whole: EquationSet = coupled.unsubstituted.get(None, lambda: _form_unsubstituted(eqs))
+    if any(law.may_stick for law in formed.friction) or _has_modes(formed):
+        return modal_equations(whole).eqs
     slack = {row.element for row in formed.slack}
     stuck = tuple(law.joint.name for law in formed.friction if law.sticks)
     if not (slack or stuck):
@@ -41,6 +44,11 @@ def closing_equations(eqs: EquationSet) -> EquationSet:
         ),
     )
     return in_modes
+
+
+def _has_modes(formed: EquationsOfMotion) -> bool:
+    """Return whether ropes are rows in some of their modes."""
+    return not {row.element for row in formed.slack}.isdisjoint(row.element for row in formed.rows)
 
 
 def follower_outputs(eqs: EquationSet) -> tuple[str, ...]:

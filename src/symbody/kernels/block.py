@@ -29,6 +29,14 @@ UNMET: Final = 15
 # What motions return besides along which prescribed rates jump: positions jump, too; no speeds fit the rates.
 TORN_MOTION: Final = 16
 NO_IMPULSE: Final = 17
+# What motions return besides along which joints stick and slip or ropes go taut.
+NO_MODE_ROOM: Final = 18
+MODE_FAULT: Final = 19
+UNDECIDED: Final = 20  # no modes fit all laws, or more than one
+UNMOVABLE: Final = 21  # no speeds keep the ropes taut
+TOO_LONG: Final = 22  # an action leaves a rope longer than it can be
+# Within a step: the motion is cut, and not begun again yet.
+CUT: Final = 23
 
 # The code in a verdict that has not been reached.
 NOT_ENDED: Final = -1

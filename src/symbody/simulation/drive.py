@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.simulation.co_simulation.held_inputs import HeldInputs
-from symbody.simulation.events.event_watch import chattering_note
 from symbody.simulation.events.events import EventSide
 from symbody.simulation.execution import MotionPiece, execute
 from symbody.simulation.hybrid.rate_jumps import (
@@ -29,17 +28,16 @@ from symbody.simulation.hybrid.rate_jumps import (
 )
 from symbody.simulation.hybrid.switching import (
     DeadEndError,
-    PieceStart,
-    SwitchingModes,
     check_backwards,
+    SwitchingModes,
     check_strike,
-    switches,
+    switching_modes,
 )
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.strikes import Strike
-from symbody.simulation.pieces import MotionInstant, Pieces
+from symbody.simulation.pieces import MotionInstant, Pieces, one_state
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -50,6 +48,20 @@ Floats = NDArray[np.float64]
 # So many changes of modes, or actions, at one instant are one too many.
 _MOST_CHANGES: Final = 50
 _MOST_NOTES: Final = 8  # of a motion with FMUs: each piece may have some
+
+
+class PieceStart(NamedTuple):
+    """A time [s] and state (u, q, s) between two pieces of a motion.
+
+    Attributes
+    ----------
+    is_changed : bool
+        Whether the state was changed there, so that modes before it do not matter.
+    """
+
+    t: float
+    x: Floats
+    is_changed: bool = False
 
 
 class Driven(NamedTuple):
@@ -107,8 +119,8 @@ class _MotionByPieces:
         self._step = self._way * margin
         self._jumped: list[tuple[float, float]] = []  # jumps that changed a speed: when, and the energy
         self._passed = 0  # of the jumps
-        self._modes = SwitchingModes(held.problem, self._pieces) if switches(problem.eqs.formed) else None
-        self._acts = any(event.mapping for event in motion.events)
+        self._modes = switching_modes(held.problem)
+        self._stiff = False  # whether stability limited the steps of the piece before
         self._changes: list[float] = []
         if self._modes is not None:
             check_backwards(span)
@@ -135,7 +147,7 @@ class _MotionByPieces:
     def _march(self) -> Trajectory:
         """Go from instant to instant until the motion ends."""
         motion = self._motion
-        stage: PieceStart | None = PieceStart(motion.span[0], motion.state, {})
+        stage: PieceStart | None = PieceStart(motion.span[0], motion.state, is_changed=True)
         try:
             while stage is not None:
                 x = self._settle(stage)
@@ -151,7 +163,16 @@ class _MotionByPieces:
             self._held.sample(stage.t, stage.x)
             if self._modes is not None:
                 self._modes.use(self._held.problem)
-        return stage.x if self._modes is None else self._modes.settle(stage)
+        if self._modes is None:
+            return stage.x
+        if stage.is_changed:
+            self._modes.forget()
+        t, modes = stage.t, self._modes
+        x, work, is_struck = modes.settle(t, stage.x)
+        if is_struck:
+            self._pieces.begin_behind(t, self._pieces.plan(modes.problem, stage.x, t, one_state(t)))
+        self._pieces.add_energy(work)
+        return x
 
     def _next_instant(self, t: float) -> MotionInstant:
         """Return when more happens than events."""
@@ -173,30 +194,22 @@ class _MotionByPieces:
     def _move(self, x: Floats, t: float, until: MotionInstant) -> MotionPiece:
         """Add the piece from a state to an instant, or to what ends it before."""
         modes = self._modes
-        if modes is None:
-            piece = execute(self._pieces.plan(self._held.problem, x, t, until))
-            self._pieces.add(piece, until)
-            return piece
-        free = modes.free if self._acts else None
-        piece = execute(self._pieces.plan(modes.problem, x, t, until, modes.ends, free))
-        labels = {event.label for event in modes.ends}
-        events = tuple(event for event in piece.run.events if event.name not in labels)
-        modes.note_speeds(piece.run)
-        self._pieces.add(piece._replace(run=replace(piece.run, events=events)), until, modes.modes)
+        problem = self._held.problem if modes is None else modes.problem
+        motion = self._pieces.plan(problem, x, t, until)
+        piece = execute(replace(motion, modes=modes))
+        self._pieces.add(piece, until)
         return piece
 
     def _end_piece(self, piece: MotionPiece, until: MotionInstant) -> PieceStart | None:
         """Let happen what ends a piece; return the state with which the motion goes on, if it does."""
-        run, modes = piece.run, self._modes
-        stops = {event.label for event in self._motion.events if event.action == "stop"}
-        if modes is not None and run.status is Status.STOPPED and piece.happened[-1].name not in stops:
-            stage = modes.state_behind(piece)
+        run = piece.run
+        if piece.goes_on is not None:
+            t = piece.goes_on
+            self._check_chatter(t)
             if piece.after is not None:
-                stage = self._act(piece, piece.after)
-            else:
-                self._pieces.leave_out(piece.happened[-1].t)
-            self._check_chatter(piece)
-            return stage
+                return self._act(t, piece, piece.after)
+            self._pieces.leave_out(t)
+            return PieceStart(t, run.dense_output.at_end())
         if run.status is not Status.SUCCESS:
             return None
         x = np.zeros(0) if run.dense_output is None else run.dense_output.at_end()
@@ -205,20 +218,19 @@ class _MotionByPieces:
             return None
         if until.happens == "jump":
             self._passed += 1
-            return PieceStart(until.behind, self._jump(x, until), {})
+            return PieceStart(until.behind, self._jump(x, until), is_changed=True)
         self._report(until.at)
         return PieceStart(until.behind, x)
 
-    def _act(self, piece: MotionPiece, after: Floats) -> PieceStart:
+    def _act(self, t: float, piece: MotionPiece, after: Floats) -> PieceStart:
         """Go on from a state that actions set."""
-        t = piece.happened[-1].t
         self._pieces.add_energy(float(after[-1] - piece.run.stored["work"][-1]))
         self._pieces.leave_out(t, is_replaced=True)
         if self._modes is not None:
-            self._modes.check_ropes(t, after[:-1], piece.happened[-1].name)
-        return PieceStart(t, after[:-1], {})
+            self._modes.check_ropes(t, after[:-1])
+        return PieceStart(t, after[:-1], is_changed=True)
 
-    def _check_chatter(self, piece: MotionPiece) -> None:
+    def _check_chatter(self, t: float) -> None:
         """End a motion in which modes change, or events act, again and again within an instant.
 
         Raises
@@ -227,37 +239,31 @@ class _MotionByPieces:
             See above.
         """
         start, end = self._motion.span
-        last = piece.happened[-1]
-        self._changes.append(last.t)
+        self._changes.append(t)
         recent = self._changes[-_MOST_CHANGES:]
-        if len(self._changes) > _MOST_CHANGES and last.t - recent[0] < INSTANT * (end - start):
-            raise DeadEndError(last.t, Status.CHATTERING, chattering_note(last.name, goes_on=False))
+        if len(self._changes) > _MOST_CHANGES and t - recent[0] < INSTANT * (end - start):
+            raise DeadEndError(t, Status.CHATTERING, "modes change again and again")
 
     def _jump(self, x: Floats, until: MotionInstant) -> Floats:
         """Return the state behind a jump of prescribed rates."""
-        problem, behind, strike = self._held.problem, until.behind, Strike(self._held.problem)
+        problem, behind = self._held.problem, until.behind
+        if self._modes is not None:
+            self._modes.release()
+            problem = self._modes.problem
+        strike = Strike(problem)
         momenta = strike.find_momenta(until.before, behind, x)
         if momenta is None:
             raise torn_constraint(problem.eqs, strike.block.torn - 1, behind)
         moved = x
         if problem.eqs.speed_names:
-            found = self._speeds_behind(strike, behind, x, momenta)
-            if found is None:
+            moved = x.copy()
+            if not strike.change_speeds(moved):
                 raise no_speeds(behind)
-            moved = found
         gained = strike.energy_gained(behind, moved)
         self._pieces.add_energy(gained)
         if strikes(problem, moved - x):
             self._jumped.append((until.at, gained))
         return moved
-
-    def _speeds_behind(self, strike: Strike, t: float, x: Floats, momenta: Floats) -> Floats | None:
-        """Return the state behind a jump of the momenta that prescribed rates give; None if there is none."""
-        if self._modes is not None:
-            found = self._modes.strike(t, x, momenta)
-            return None if found is None else found.x
-        moved = x.copy()
-        return moved if strike.change_speeds(moved) else None
 
     def _report(self, t: float) -> None:
         """Report how far the motion is at a sample: pieces are too short for reports of their own.
@@ -277,7 +283,8 @@ class _MotionByPieces:
         if not self._pieces.runs:
             motion = self._motion
             t, problem = motion.span[0], self._held.problem
-            start = MotionInstant("start", t, t, t)
+            start = one_state(t)
+            problem = problem if self._modes is None else self._modes.problem
             self._pieces.add(execute(self._pieces.plan(problem, motion.state, t, start)), start)
         run = self._whole()
         return replace(run, status=end.status, notes=(*run.notes, f"at t = {end.t:.9g} s {end.why}"))
@@ -289,6 +296,12 @@ class _MotionByPieces:
         notes = run.notes
         if np.isfinite(self._held.due) and len(notes) > _MOST_NOTES:
             notes = (*notes[:_MOST_NOTES], f"{len(notes) - _MOST_NOTES} more notes on values between samples")
-        impacts = () if self._modes is None else self._modes.notes
         jumps = (*jump_notes(self._jumped), *neglect_note(problem.eqs.formed)) if self._jumped else ()
-        return replace(run, notes=(*notes, *jumps, *impacts))
+        run = replace(run, notes=(*notes, *jumps))
+        return run if self._modes is None else self._with_modes(run, self._modes)
+
+    def _with_modes(self, run: Trajectory, modes: SwitchingModes) -> Trajectory:
+        """Return a motion with the changes of modes among its events."""
+        record, way = modes.record, self._way
+        events = sorted((*run.events, *record.occurrences), key=lambda event: way * event.t)
+        return replace(run, events=tuple(events), notes=(*run.notes, *record.notes), modes=record.changes)

@@ -17,6 +17,7 @@ from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.results.checks import singular_passages, stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
+from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
 
@@ -32,12 +33,15 @@ class MotionPiece(NamedTuple):
         Where the values of all events stand at its end.
     after : (n + 1,) array or None
         The state (u, q, s, work) that actions set at its end, if they are to be followed outside.
+    goes_on : float or None
+        When modes are to be decided outside for the motion to go on [s].
     """
 
     run: Trajectory
     happened: tuple[Occurrence, ...] = ()
     sides: tuple[EventSide, ...] = ()
     after: Floats | None = None
+    goes_on: float | None = None
 
 
 def execute(motion: Motion) -> MotionPiece:
@@ -53,7 +57,10 @@ def execute(motion: Motion) -> MotionPiece:
     watch, trajectory = run.watch, _trajectory(problem, run)
     if watch is None:
         return MotionPiece(trajectory)
-    return MotionPiece(trajectory, watch.occurrences, watch.sides_at(run.raw.reached), watch.acted_state)
+    after = watch.acted_state
+    goes_on = watch.last_time if after is not None or watch.has_ended_mode else None
+    goes_on = goes_on if run.raw.status is Status.STOPPED else None
+    return MotionPiece(trajectory, watch.occurrences, watch.sides_at(run.raw.reached), after, goes_on)
 
 
 def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:

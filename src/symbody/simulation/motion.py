@@ -39,6 +39,7 @@ from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import SingleFlight
 
 if TYPE_CHECKING:
+    from symbody.simulation.hybrid.switching import SwitchingModes
     from symbody.simulation.methods.integration import Constraints, Integrator
 
 Floats = NDArray[np.float64]
@@ -66,8 +67,8 @@ class Motion:
         A run that was broken off where this one starts.
     sides : tuple of EventSide
         Where the values of events stood at the end of the motion that goes on here; empty where it begins.
-    free : SimulationProblem, optional
-        The equations without what holds in some modes only: actions close states in these and end the motion.
+    modes : SwitchingModes, optional
+        Decides which joints stick and which ropes are taut on the way.
 
     Raises
     ------
@@ -88,7 +89,7 @@ class Motion:
     constraints: Constraints | None = None
     before: RawRun | None = None
     sides: tuple[EventSide, ...] = ()
-    free: SimulationProblem | None = None
+    modes: SwitchingModes | None = None
     _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -101,6 +102,11 @@ class Motion:
     def eqs(self) -> EquationSet:
         """The equations."""
         return self.problem.eqs
+
+    @property
+    def permanent_problem(self) -> SimulationProblem:
+        """The problem with those constraints alone that hold in all modes."""
+        return self.problem.permanent or self.problem
 
     @property
     def tolerances(self) -> Floats:
@@ -126,7 +132,7 @@ class Motion:
 
     def part(
         self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int,
-        problem: SimulationProblem | None = None, events: tuple[Event, ...] | None = None,
+        problem: SimulationProblem | None = None,
     ) -> Motion:  # fmt: skip
         """Return the problem of a part of this motion, from a state x = (u, q).
 
@@ -136,8 +142,8 @@ class Motion:
             The samples of this part.
         steps_before : int
             How many steps were tried before it.
-        problem, events : optional
-            Other equations, and what is watched there.
+        problem : optional
+            Other equations.
         """
         (start, end), progress = self.span, self.progress
         first, length = (span[0] - start) / (end - start or 1.0), (span[1] - span[0]) / (end - start or 1.0)
@@ -146,7 +152,7 @@ class Motion:
             return None if progress is None else progress(first + share * length)
 
         return replace(
-            self, problem=problem or self.problem, events=self.events if events is None else events,
+            self, problem=problem or self.problem,
             x0=np.append(x, 0.0), span=span, times=times, max_steps=self.max_steps - steps_before,
             progress=None if progress is None else scale, sides=self.sides if span[0] == start else (),
         )  # fmt: skip
@@ -175,21 +181,32 @@ class Motion:
             return make_projector(function, self.eqs, self.problem.scales, method, self.atol)
 
         projector = self.problem.keep(("projector", method, self.atol), make)
+        projector = projector._replace(inputs=self.problem.laws.held_now())
         return StateProjector(function, projector, self.rtol, self.tolerances, method)
 
-    def event_watch(self, projection: Projection) -> EventWatch | None:
-        """Return what looks for events, if there are any; states after actions are closed as by a method."""
-        if not self.events:
+    def event_watch(self, projection: Projection, *, hands_over: bool = False) -> EventWatch | None:
+        """Return what looks for events, if there are any; states after actions are closed as by a method.
+
+        Parameters
+        ----------
+        hands_over : bool
+            Whether the motion ends where a mode does, or where an event acts beside modes.
+        """
+        modes = self.modes
+        watched = self.events if modes is None else (*self.events, *modes.ends)
+        if not watched:
             return None
+        if modes is not None:  # a motion may be computed again, by another method
+            modes.resume(self._kept.get("modes", modes.snapshot))
 
         def make() -> EventFunctions:
-            return EventFunctions(self.problem, self.events, share, self.free)
+            return EventFunctions(self.problem, watched, share, hands_over=hands_over and modes is not None)
 
         share = residual_share(projection, self.atol)
-        key = ("events", self.events, share)
-        is_plain = not self.problem.laws.need_python and not any(event.mapping for event in self.events)
+        key = ("events", watched, share, hands_over)
+        is_plain = not self.problem.laws.need_python and not any(event.mapping for event in watched)
         functions = self.problem.keep(key, make).with_problem(self.problem) if is_plain else make()
-        return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides)
+        return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides, modes)
 
     def course(
         self, watch: StepWatch | None, closed: Callable[[Floats, Floats], Floats] | None = None

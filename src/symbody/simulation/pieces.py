@@ -45,6 +45,11 @@ class MotionInstant(NamedTuple):
     width: float = 0.0
 
 
+def one_state(t: float) -> MotionInstant:
+    """Return the end of a piece that is one state."""
+    return MotionInstant("start", t, t, t)
+
+
 class Pieces:
     """The pieces of a motion so far.
 
@@ -68,7 +73,6 @@ class Pieces:
         self.occurrences: list[Occurrence] = []
         self.sides: tuple[EventSide, ...] = motion.sides
         self._motion = motion
-        self._modes: list[tuple[int, ...]] = []
         self._changes: dict[int, float] = {}
         self._stored = 0  # of the samples asked for
         self._steps = 0
@@ -76,25 +80,14 @@ class Pieces:
         self._edge: float | None = None  # of the last piece, where it ends at a jump
 
     def plan(
-        self, problem: SimulationProblem, x: Floats, t: float, end: MotionInstant, more: Sequence[Event] = (),
-        free: SimulationProblem | None = None,
+        self, problem: SimulationProblem, x: Floats, t: float, end: MotionInstant
     ) -> Motion:  # fmt: skip
-        """Return the motion of the next piece.
-
-        Parameters
-        ----------
-        problem : SimulationProblem
-            The equations of the piece.
-        more : sequence of Event
-            What is watched besides the events of the motion.
-        free : SimulationProblem, optional
-            The equations in which actions close states; see `Motion`.
-        """
+        """Return the motion of the next piece, with its equations."""
         whole = self._motion
         span = t, end.before
         self._width = max(self._width, end.width, abs(end.behind - end.before))
-        part = whole.part(x, span, self._times(span, end), self._steps, problem, (*whole.events, *more))
-        return replace(part, sides=self.sides, free=free)
+        part = whole.part(x, span, self._times(span, end), self._steps, problem)
+        return replace(part, sides=self.sides)
 
     def _times(self, span: tuple[float, float], end: MotionInstant) -> Floats | None:
         """Return the samples of a piece; one at an instant belongs to the piece at later times."""
@@ -109,7 +102,7 @@ class Pieces:
         clipped: Floats = np.clip(times[self._stored : last], min(span), max(span))
         return clipped
 
-    def add(self, piece: MotionPiece, until: MotionInstant, modes: tuple[int, ...] = ()) -> None:
+    def add(self, piece: MotionPiece, until: MotionInstant) -> None:
         """Add a piece that was to end at an instant.
 
         Where rates jump, pieces are computed beside the jump, and meet in it.
@@ -121,7 +114,6 @@ class Pieces:
             edge = until.at if is_forward else math.nextafter(until.at, -math.inf)
         self.runs.append(_stretch(run, self._edge, edge))
         self._edge = edge
-        self._modes.append(modes)
         self.occurrences.extend(run.events)
         self._stored += run.t.size
         self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
@@ -153,7 +145,7 @@ class Pieces:
         if self.runs:
             self.leave_out(t, is_replaced=True)
         elif self._motion.times is None:
-            self.add(execute(first), MotionInstant("start", t, t, t))
+            self.add(execute(first), one_state(t))
 
     def add_energy(self, change: float) -> None:
         """Count what the energy jumps by before the next piece [J] as work."""
@@ -166,7 +158,7 @@ class Pieces:
 
     def trajectory(self) -> Trajectory:
         """Return the whole motion, with the verdict of its last piece."""
-        run = concatenate(self.runs, self.occurrences, self._changes, self._modes)
+        run = concatenate(self.runs, self.occurrences, self._changes)
         if self._motion.times is not None:
             run = at_times_asked(run, np.asarray(self._motion.times), self._width)
         return run
@@ -198,7 +190,6 @@ def concatenate(
     parts: Sequence[Trajectory],
     events: Sequence[Occurrence],
     jumps: Mapping[int, float],
-    modes: Sequence[tuple[int, ...]] = (),
 ) -> Trajectory:
     """Return parts of one motion, each starting where the one before ends, with the verdict of the last.
 
@@ -206,8 +197,6 @@ def concatenate(
     ----------
     jumps : mapping of place to float
         By how much the energy jumps before a part [J]: that counts as work.
-    modes : sequence of modes
-        Of each part.
     """
     last = parts[-1]
     done = [jumps.get(0, 0.0)]
@@ -223,7 +212,7 @@ def concatenate(
         s=np.concatenate([part.s for part in parts], axis=1),
         u=np.concatenate([part.u for part in parts], axis=1),
         statistics=_total([part.statistics for part in parts]),
-        evaluate=Piecewise(starts, tuple(evaluate), np.array(done), tuple(modes)),
+        evaluate=Piecewise(starts, tuple(evaluate), np.array(done)),
         dense_output=_dense([part.dense_output for part in parts]),
         stored={"work": np.concatenate(works)},
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),

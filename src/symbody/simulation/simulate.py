@@ -22,7 +22,7 @@ from symbody.errors import Problem, UsageError
 from symbody.model.first_values import FirstValue, by_priority
 from symbody.simulation.drive import drive
 from symbody.simulation.events.events import Event, check_events
-from symbody.simulation.hybrid.switching import switches
+from symbody.equations.solving.modal_equations import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator

@@ -50,6 +50,8 @@ class SimulationProblem:
         Where a motion starts, whose numbers need not be computed again.
     sampler : Sampler, optional
         Takes the samples of held values that the motion reads.
+    permanent : SimulationProblem, optional
+        The same without constraints that hold in some modes only; None where all hold.
     """
 
     eqs: EquationSet
@@ -58,6 +60,7 @@ class SimulationProblem:
     scales: Scales
     first: State | None = None
     sampler: Sampler | None = None
+    permanent: SimulationProblem | None = None
     # Functions already compiled; they follow from the fields above.
     _functions: SingleFlight[tuple[EquationSet, tuple[OutputName, ...], bool, bool], CompiledFunction] = (
         field(default_factory=SingleFlight, repr=False, compare=False)
@@ -134,6 +137,13 @@ class SimulationProblem:
     def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
         return function.at_states(t, q.T, u.T, self.laws.values(t, q, u))
+
+    def values_at(self, names: Sequence[OutputName], t: float, x: Floats) -> tuple[Any, ...]:
+        """Return outputs at one time and state x = (u, q); those of a tuple of names as one array."""
+        n_u = len(self.eqs.speed_names)
+        q, u = x[n_u:], x[:n_u]
+        values = self.compile_outputs(names)(t, q, u, self.laws.evaluate(t, q, u))
+        return tuple(values) if len(names) > 1 else (values,)
 
     def value(self, output: str, t: float, q: Floats, u: Floats) -> float:
         """Return a number at one state."""

@@ -69,6 +69,9 @@ def _content(syntax: ast.Module, file: str) -> _Content:
     for node in syntax.body:
         if isinstance(node, ast.ImportFrom):
             imported = _import(source, node)
+            twice = [name for name, tree in imported.kernels.items() if kernels.get(name, tree) is not tree]
+            if twice:
+                source.refuse(node, f"two kernels are called {', '.join(twice)}", "give one another name")
             kernels |= imported.kernels
             calls |= imported.calls
         elif isinstance(node, ast.AnnAssign):

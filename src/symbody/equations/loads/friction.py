@@ -41,6 +41,8 @@ class FrictionLaw:
         Whether it sticks and slips by events.
     sticks : bool
         Whether a constraint holds the joint instead; the effort of the law is 0 then.
+    may_stick : bool
+        Whether a row that holds the joint in one of its modes is among the equations.
     """
 
     joint: Joint
@@ -52,6 +54,7 @@ class FrictionLaw:
     reads_reaction: bool
     switches: bool
     sticks: bool = False
+    may_stick: bool = False
 
     @property
     def coordinate(self) -> str:

@@ -65,11 +65,10 @@ def friction_names(formed: EquationsOfMotion) -> tuple[str, ...]:
 
 
 def _effort(law: FrictionLaw) -> Expr:
-    return (
-        symbol(law.rate.graph, Symbol(law.holding_effort, SymbolKind.MULTIPLIER))
-        if law.sticks
-        else law.effort
-    )
+    if not (law.sticks or law.may_stick):
+        return law.effort
+    held = symbol(law.rate.graph, Symbol(law.holding_effort, SymbolKind.MULTIPLIER))
+    return held if law.sticks else law.effort + held
 
 
 def _find_law(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[int, FrictionLaw]:

@@ -18,7 +18,7 @@ Output = tuple[tuple[int, ...], list[Expr]]
 def rope_tension(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_tension R": the force with which it pulls; 0 where it is slack."""
     row = _find_row(formed, words)
-    if any(row is other for other in formed.slack):
+    if all(row.name != other.name for other in formed.rows):
         return (), [number(formed.graph, 0)]
     return (), [-symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))]
 

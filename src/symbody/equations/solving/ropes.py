@@ -21,7 +21,7 @@ def ropes(formed: EquationsOfMotion) -> tuple[str, ...]:
 
 def rope_row(formed: EquationsOfMotion, name: str) -> ConstraintEquation:
     """Return the row that holds while a rope is taut, whether it is or not."""
-    return next(row for row in (*formed.rows, *formed.slack) if row.element == name)
+    return next(row for row in (*formed.slack, *formed.rows) if row.element == name)
 
 
 def length_of(formed: EquationsOfMotion, row: ConstraintEquation) -> Expr:

@@ -34,6 +34,7 @@ NO_SIDE: Final = 2.0  # it has no direction, and its value has not been on a sid
 RECORDS: Final = 0.0
 STOPS: Final = 1.0
 SETS: Final = 2.0
+SWITCHES: Final = 3.0  # ends a mode
 
 
 class MonitoredEvent(RecordLayout):
@@ -152,3 +153,6 @@ class EventMonitor(RecordLayout):
     unturned: float  # whether the culprit's value goes on as before its action at a start
     hands_over: float  # whether a motion ends at an action, and goes on outside from the state `after`
     has_acted: float  # whether it ended so
+    ended: int  # the event that has ended a mode, from 1
+    mode_count: int  # modes among the inputs of the functions, and the place of the first one
+    first_mode: int

@@ -23,6 +23,7 @@ from symbody.kernels.events.event_monitor import (
     SETS,
     SPOILS,
     STOPS,
+    SWITCHES,
     ZEROS_PER_EVENT,
     EventMonitor,
 )
@@ -233,7 +234,9 @@ def let_happen(
         return CHATTERS
     if event.action == STOPS:
         return ENDS
-    if event.action != RECORDS:
+    if event.action == SWITCHES:
+        monitor.ended = place + 1
+    elif event.action != RECORDS:
         act(a, c, monitor, place, monitor.cut)
         if monitor.bad_place != 0:
             monitor.culprit = place + 1
@@ -291,6 +294,7 @@ def act(a: Function, c: Function, monitor: EventMonitor, place: int, t: float) -
     event = monitor.events[place]
     x = monitor.after
     values = monitor.acted
+    release_closing(monitor)
     note_before(c, monitor, t, x)
     compute_action(a, monitor, t, x, values)
     energy = values[0]
@@ -305,6 +309,14 @@ def act(a: Function, c: Function, monitor: EventMonitor, place: int, t: float) -
     close_held(c, monitor, t, x, event.set_count, part(monitor.targets, first, 1))
     compute_action(a, monitor, t, x, values)
     x[n - 1] = x[n - 1] + (values[0] - energy)
+
+
+def release_closing(monitor: EventMonitor) -> None:
+    """Let no joint stick and no rope be taut where states are closed after an action."""
+    if exists(monitor.closing):
+        numbers = monitor.closing.numbers
+        for k in range(monitor.mode_count):
+            numbers.inputs[monitor.first_mode + k] = 1.0
 
 
 def note_before(c: Function, monitor: EventMonitor, t: float, x: Reals) -> None:

@@ -28,7 +28,7 @@ from symbody.kernels.modes.mode_problem import (
     ModeElement,
     ModeProblem,
 )
-from symbody.kernels.modes.mode_trial import gather, is_held, row_count, solve_modes
+from symbody.kernels.modes.mode_trial import list_held, is_held, row_count, solve_modes
 
 # What `find_modes` returns.
 ONE: Final = 0
@@ -66,7 +66,7 @@ def friction_gain(problem: ModeProblem) -> float:
     bounds that follow from the efforts change for a change of the bounds assumed.
     """
     rows = problem.rows
-    gather(problem)
+    list_held(problem)
     problem.held_count = rows
     for i in range(rows):
         problem.held[i] = float(i)
@@ -237,7 +237,7 @@ def try_all(problem: ModeProblem, was_found: int) -> int:
     if was_found == 1:
         keep(problem)
     doubts = 0
-    begin(problem)
+    hold_all(problem)
     going = 1
     while going == 1:
         problem.root = 0
@@ -274,7 +274,7 @@ def compare(problem: ModeProblem, was_found: int) -> None:
         keep(problem)
 
 
-def begin(problem: ModeProblem) -> None:
+def hold_all(problem: ModeProblem) -> None:
     """Let all undecided elements hold."""
     for k in range(problem.count):
         element = problem.elements[k]

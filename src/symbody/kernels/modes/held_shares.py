@@ -50,7 +50,7 @@ def share_efforts(problem: ModeProblem) -> int:
     return MOVED
 
 
-def place_of(problem: ModeProblem, row: int) -> int:
+def held_place(problem: ModeProblem, row: int) -> int:
     """Return the place of a row among those that hold."""
     found = 0
     for i in range(problem.held_count):
@@ -65,14 +65,14 @@ def overload(problem: ModeProblem, x: Reals, projected: Reals) -> float:
     for k in range(problem.count):
         element = problem.elements[k]
         if element.mode == HOLDS and element.moves == 0.0:
-            i = place_of(problem, element.row)
+            i = held_place(problem, element.row)
             bound = element.static * element.normal_load * element.scale
             if element.law == UNILATERAL:
                 projected[i] = max(x[i], 0.0)
                 if x[i] < 0.0:
                     outside = 1.0
             elif element.law == CONE:
-                j = place_of(problem, element.row + 1)
+                j = held_place(problem, element.row + 1)
                 size = sqrt(x[i] * x[i] + x[j] * x[j])
                 projected[i] = x[i]
                 projected[j] = x[j]
@@ -132,10 +132,10 @@ def put_curvature(problem: ModeProblem, z: Reals) -> None:
     for k in range(problem.count):
         element = problem.elements[k]
         if element.mode == HOLDS and element.moves == 0.0:
-            i = place_of(problem, element.row)
+            i = held_place(problem, element.row)
             bound = element.static * element.normal_load * element.scale
             if element.law == CONE:
-                add_disc(problem, i, place_of(problem, element.row + 1), bound, z, H)
+                add_disc(problem, i, held_place(problem, element.row + 1), bound, z, H)
             elif element.law == UNILATERAL:
                 if z[i] >= 0.0:
                     add_square(n, rank, L, H, i, i, 1.0)
@@ -208,11 +208,11 @@ def height(problem: ModeProblem, y: Reals, z: Reals, fixed: Reals) -> float:
     for k in range(problem.count):
         element = problem.elements[k]
         if element.mode == HOLDS and element.moves == 0.0:
-            i = place_of(problem, element.row)
+            i = held_place(problem, element.row)
             bound = element.static * element.normal_load * element.scale
             square = z[i] * z[i]
             if element.law == CONE:
-                j = place_of(problem, element.row + 1)
+                j = held_place(problem, element.row + 1)
                 square = square + z[j] * z[j]
             if element.law == UNILATERAL:
                 if z[i] > 0.0:

@@ -37,7 +37,7 @@ FOUND: Final = 1e-9  # residuals of reactions over them, `symbody.tolerances.UNS
 
 def solve_modes(problem: ModeProblem) -> int:
     """Find efforts and accelerations in the modes of the elements."""
-    gather(problem)
+    list_held(problem)
     factor_held(problem)
     status = SOLVED
     for _ in range(MOST_SHARES):
@@ -52,7 +52,7 @@ def solve_modes(problem: ModeProblem) -> int:
     return status
 
 
-def gather(problem: ModeProblem) -> None:
+def list_held(problem: ModeProblem) -> None:
     """List the rows that hold and the elements whose friction depends on reactions."""
     held = problem.held
     sliders = problem.sliders
@@ -105,7 +105,7 @@ def solve_directions(problem: ModeProblem) -> int:
         status = solve_norms(problem)
         if status != SOLVED:
             break
-        combine(problem)
+        combine_efforts(problem)
         change = turn_cones(problem)
         if not change > SETTLED:
             break
@@ -330,7 +330,7 @@ def reaction_part(problem: ModeProblem, i: int, pattern: int) -> float:
     return total
 
 
-def combine(problem: ModeProblem) -> None:
+def combine_efforts(problem: ModeProblem) -> None:
     """Set efforts, accelerations and the norms of all reactions."""
     rows = problem.rows
     work = 0.0

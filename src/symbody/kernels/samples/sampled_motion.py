@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from symbody.kernels.block import (
+    CUT,
     FINISHED,
     FULL,
     NO_EVENT_ROOM,
@@ -116,10 +117,7 @@ def sample_watched(
         return NO_EVENT_ROOM
     if happened == GOES_ON:
         cut_back(run, monitor, t, x, breaks, pieces, 1)
-        code = go_on(f, run, monitor, times, t, x, breaks)
-        if code == FINISHED:
-            return RUNNING
-        return code
+        return CUT
     if happened != NOTHING_YET:
         return end_at_event(run, monitor, t, x, breaks, pieces, happened)
     values_before(e, run, monitor)
@@ -149,10 +147,21 @@ def step_watched(
         return NO_EVENT_ROOM
     if happened == GOES_ON:
         cut_back(run, monitor, t, x, breaks, pieces, 1)
-        return go_on(f, run, monitor, times, t, x, breaks)
+        return CUT
     if happened != NOTHING_YET:
         return end_at_event(run, monitor, t, x, breaks, pieces, happened)
     return code
+
+
+def happen_or_step(
+    f: Function, g: Function, e: Function, a: Function, c: Function, h: Function, run: Run,
+    monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, times: Reals, t: Reals, x: Reals,
+    breaks: Reals, pieces: Reals, H: Reals, Y: Reals,
+) -> int:  # fmt: skip
+    """Take the samples that are due, or try one step; return a code of `block`, `CUT` where an event acted."""
+    if is_due(held, run.time) != 0:
+        return sample_watched(f, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y)
+    return step_watched(f, g, e, a, c, run, monitor, held, times, t, x, breaks, pieces, H)
 
 
 def advance_sampled_watched(
@@ -162,11 +171,13 @@ def advance_sampled_watched(
 ) -> int:  # fmt: skip
     """Try up to so many steps, take samples and let events happen; return one of the codes of `block`."""
     for _trial in range(trials):
-        while is_due(held, run.time) != 0:
-            code = sample_watched(f, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y)
-            if code != RUNNING:
-                return code
-        code = step_watched(f, g, e, a, c, run, monitor, held, times, t, x, breaks, pieces, H)
+        code = happen_or_step(
+            f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y
+        )
+        if code == CUT:
+            code = go_on(f, run, monitor, times, t, x, breaks)
+            if code == FINISHED and is_due(held, run.time) != 0:
+                code = RUNNING
         if code != RUNNING:
             return code
     return RUNNING

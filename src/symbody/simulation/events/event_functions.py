@@ -19,8 +19,8 @@ from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Output
 from symbody.expr.sequences.sequence import Sequence as Operations
-from symbody.kernels.events.event_monitor import RECORDS, SETS, STOPS, EventMonitor
-from symbody.simulation.events.events import Event, LevelEvent
+from symbody.kernels.events.event_monitor import RECORDS, SETS, STOPS, SWITCHES, EventMonitor
+from symbody.simulation.events.events import Event, LevelEvent, ModeEnd
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
@@ -51,8 +51,8 @@ class EventFunctions:
         At least one, in the order in which simultaneous ones happen.
     share : float
         Constraints that are open by this share of their sizes count as closed after an action.
-    free : SimulationProblem, optional
-        The equations in which states after actions are closed, if these are others; a motion ends there then.
+    hands_over : bool
+        Whether a motion ends where an event acts or a mode ends, to go on outside.
 
     Attributes
     ----------
@@ -69,14 +69,13 @@ class EventFunctions:
 
     def __init__(
         self, problem: SimulationProblem, events: Sequence[Event], share: float,
-        free: SimulationProblem | None = None,
+        *, hands_over: bool = False,
     ) -> None:  # fmt: skip
         self.events = tuple(events)
         self.state_names = problem.eqs.state_names
         self._problem = problem
         self._share = share
-        self._hands_over = free is not None
-        self._closed = free or problem
+        self._hands_over = hands_over
         names = watched_outputs(self.events)
         self._values = problem.compile_outputs(names)
         own = [isinstance(name, str) for name in names].count(True)
@@ -85,7 +84,7 @@ class EventFunctions:
         self._actions = problem.compile_outputs(outputs) if outputs else None
         check_action_shapes(self.events, self._actions.outputs[1:-1] if self._actions else ())
         changes = any(event.action != "record" for event in self.events)
-        close = closing_of(self._closed.eqs, holds=bool(outputs)) if changes else None
+        close = closing_of(problem.eqs, holds=bool(outputs)) if changes else None
         self._closing = None
         if close is not None and close.is_needed:
             self._closing = replace(problem, eqs=close.eqs).compile_outputs(close.outputs)
@@ -146,7 +145,7 @@ class EventFunctions:
 
     def _numbers(self, function: CompiledFunction) -> Floats:
         laws, none = self._problem.laws, np.zeros(0)
-        inputs, n_u = np.zeros(len(laws.callbacks)), len(function.signature.u)
+        inputs, n_u = laws.held_now(), len(function.signature.u)
         return function_numbers(
             RightHandSide(
                 0, n_u, inputs, none, function.constants(), function.work_size, laws.table_numbers()
@@ -209,6 +208,7 @@ def check_action_shapes(events: Sequence[Event], outputs: Sequence[Output]) -> N
 def event_numbers(eqs: EquationSet, event: Event, of_time: bool) -> WatchedEvent:
     """Return an event as numbers; `of_time` if its value reads no state."""
     action = STOPS if event.action == "stop" else SETS if event.mapping else RECORDS
+    action = SWITCHES if isinstance(event, ModeEnd) else action
     wraps = _reads_wrapped_angle(eqs, str(event.expression))
     targets = tuple(eqs.state_names.index(name) for name in event.mapping)
     level = event.level if isinstance(event, LevelEvent) else 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +25,15 @@ from symbody.kernels.events.event_monitor import (
 )
 from symbody.kernels.record_layout import exists
 from symbody.simulation.events.event_functions import EventFunctions
-from symbody.simulation.events.events import Event, EventSide, Occurrence
+from symbody.simulation.events.events import Event, EventSide, ModeEnd, Occurrence
 from symbody.simulation.events.watch_arrays import with_cut_fit
 from symbody.simulation.native.description import LoopCall, Record
 from symbody.simulation.native.machine import watched_motion
 from symbody.simulation.native.segments import Cut, HeldValues
 from symbody.simulation.status import Status
+
+if TYPE_CHECKING:
+    from symbody.simulation.hybrid.switching import SwitchingModes
 
 Floats = NDArray[np.float64]
 
@@ -57,6 +60,8 @@ class EventWatch:
         Length of the run [s].
     sides : sequence of EventSide
         Where the values of the first events stood when the motion was interrupted that goes on here.
+    modes : SwitchingModes, optional
+        The modes of joints and ropes, which the last events end.
 
     Attributes
     ----------
@@ -65,8 +70,12 @@ class EventWatch:
         to what is not finite. Empty if none did.
     """
 
-    def __init__(self, functions: EventFunctions, span: float, sides: Sequence[EventSide] = ()) -> None:
+    def __init__(
+        self, functions: EventFunctions, span: float, sides: Sequence[EventSide] = (),
+        modes: SwitchingModes | None = None,
+    ) -> None:  # fmt: skip
         self.ending = ""
+        self.modes = modes
         self._functions = functions
         self._block = functions.make_block(span)
         for event, given in zip(self._monitor.events, sides, strict=False):
@@ -74,6 +83,8 @@ class EventWatch:
             event.just_happened, event.largest = given.has_happened, given.largest
             event.was, event.done = given.was, given.done
         self._happened = np.zeros((_FIRST_ROOM + ZEROS_PER_EVENT * len(functions.events), self._row))
+        if modes is not None:
+            modes.prepare(self._block)
 
     @property
     def _monitor(self) -> EventMonitor:
@@ -92,6 +103,7 @@ class EventWatch:
         return tuple(
             Occurrence(labels[int(row[0])], row[1], dict(zip(names, row[2:], strict=False)))
             for row in rows.tolist()
+            if not isinstance(self._functions.events[int(row[0])], ModeEnd)
         )
 
     @property
@@ -137,6 +149,16 @@ class EventWatch:
         """The state in which a motion goes on outside after actions at its end; None without any."""
         own = self._monitor
         return np.array(own.after) if own.hands_over and own.has_acted and not own.culprit else None
+
+    @property
+    def has_ended_mode(self) -> bool:
+        """Whether a mode has ended where the motion ends, which is to go on in others."""
+        return self.modes is not None and self.modes.note_ends(self._block)
+
+    @property
+    def last_time(self) -> float:
+        """When something happened last [s]."""
+        return float(self._happened[self._monitor.happened - 1, 1])
 
     @property
     def most_steps(self) -> int:
@@ -185,7 +207,9 @@ class EventWatch:
         code = run_at.NO_EVENT_ROOM
         while code == run_at.NO_EVENT_ROOM:
             self._monitor.happened_room = len(self._happened)
-            if held is not None:
+            if self.modes is not None:
+                code = self._advance_modes(call, functions, held)
+            elif held is not None:
                 code = held.advance_watched(call, functions, self._block, self._happened)
             else:
                 arrays = map(address, (call.block, self._block, *call.record.arrays, self._happened))
@@ -197,6 +221,17 @@ class EventWatch:
         if code == run_at.EVENT_FAULT:
             self._functions.raise_fault(self._monitor.fault)
         self._note_ending()
+        return code
+
+    def _advance_modes(
+        self, call: LoopCall, functions: tuple[int, ...], held: HeldValues | None
+    ) -> int:
+        """Try up to so many steps along which modes change."""
+        modes = self.modes
+        if held is not None:
+            held.show_watch(self._block)
+        code = modes.advance(call, functions, self._block, self._happened, held)
+        self.ending = modes.ending(code) or self.ending
         return code
 
     def break_off(self, block: Floats, record: Record) -> None:

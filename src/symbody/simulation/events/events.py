@@ -136,6 +136,30 @@ class LevelEvent(Event):
     level: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class ModeEnd(LevelEvent):
+    """The end of a mode of a joint that sticks and slips, or of a rope: its value falls to zero."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModeChange:
+    """An element that changes its mode.
+
+    Attributes
+    ----------
+    t : float
+        When [s].
+    name : str
+        The joint or rope.
+    mode : str
+        From then on: "sticks", "slips forward", "slips backward"; "taut", "slack".
+    """
+
+    t: float
+    name: str
+    mode: str
+
+
 def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Event, ...]:
     """Return events as a tuple.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from symbody.kernels.events.event_monitor import (
     EXTREMUM_NODES,
     RECORDS,
     STEP_NODES,
+    SWITCHES,
     EventMonitor,
     MonitoredEvent,
 )
@@ -23,7 +25,7 @@ Floats = NDArray[np.float64]
 
 # So many events of one kind at one instant are one too many.
 _MOST_ACTING: Final = 10
-_MOST_RECORDED: Final = 100
+_MOST: Final = MappingProxyType({RECORDS: 100, SWITCHES: 50})
 
 
 def _fit(degree: int, room: int) -> Floats:
@@ -112,7 +114,7 @@ def _event_table(events: Sequence[WatchedEvent]) -> Floats:
             pack(
                 MonitoredEvent, way=event.direction, action=event.action, wraps=event.wraps,
                 of_time=event.of_time, set_count=len(event.targets), set_first=first, level=event.level,
-                most=_MOST_RECORDED if event.action == RECORDS else _MOST_ACTING,
+                most=_MOST.get(event.action, _MOST_ACTING),
             )
         )  # fmt: skip
         first += len(event.targets)

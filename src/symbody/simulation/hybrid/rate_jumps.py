@@ -28,7 +28,6 @@ from symbody.graph.linear_graph import Edge, breadth_first
 from symbody.model.constraint import FrameConstraint
 from symbody.model.joint import Joint
 from symbody.model.naming import GROUND
-from symbody.simulation.hybrid.modes import evaluate_outputs
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import AT_REST
 
@@ -209,7 +208,7 @@ class _PrescribedMotions:
     def _values(self, outputs: tuple[str, ...], t: Floats) -> Floats:
         columns = []
         for time in t.tolist():
-            values = evaluate_outputs(self.problem, outputs, time, self.x)
+            values = self.problem.values_at(outputs, time, self.x)
             columns.append(np.concatenate([np.ravel(value) for value in values]))
         return np.array(columns).T
 

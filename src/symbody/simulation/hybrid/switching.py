@@ -1,42 +1,52 @@
-"""Joints that stick and slip, and ropes: their modes along a motion, and shocks at which ropes go taut."""
+"""Joints that stick and slip, and ropes, along a motion: `kernels.modes` with functions and numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import ctypes
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.modes.reduced_modes import ModeVerdict
+from symbody.codegen.call_arguments import address
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.llvm.kernel_library import load_kernels
+from symbody.codegen.native_call import check_status
+from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.solving.ropes import ropes
-from symbody.equations.solving.sticking import switching_joints
+from symbody.equations.outputs.output_roots import OF_MODES
+from symbody.equations.solving.modal_equations import ModalEquations, modal_equations, switches
+from symbody.equations.solving.mode_responses import candidate_laws, reaction_sizes
+from symbody.equations.solving.ropes import slacken
 from symbody.errors import Problem, UsageError
-from symbody.simulation.events.events import Event, Occurrence
-from symbody.simulation.execution import MotionPiece
-from symbody.simulation.hybrid.impact import Impact, separating_ropes, shock, strike
-from symbody.simulation.hybrid.modes import (
-    HybridMechanism,
-    HybridState,
-    Modes,
-    ModeTrial,
-    evaluate_outputs,
-    find_modes,
-)
+from symbody.kernels import block as run_at
+from symbody.kernels.events.event_monitor import EventMonitor
+from symbody.kernels.modes.mode_problem import LOOSE, ModeElement, ModeProblem
+from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElement
+from symbody.kernels.modes.switch_modes import FUNCTION_FAULT, LONG_ROPE, NO_MODES, SETTLED
+from symbody.kernels.pack import pack
+from symbody.kernels.samples.sample_hold import SampleHold
+from symbody.simulation.events.events import Event, ModeEnd
+from symbody.simulation.hybrid.mode_record import ModeRecord
 from symbody.simulation.hybrid.rate_jumps import struck_friction
-from symbody.simulation.hybrid.ropes import TAUT, RopeElements, rope_elements
-from symbody.simulation.hybrid.stick_slip import stick_slip_joints
-from symbody.simulation.motion import Motion
-from symbody.simulation.pieces import MotionInstant, Pieces
-from symbody.simulation.results.trajectory import Trajectory
-from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.inputs.held_law import HeldLaw
+from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.methods.constraints import PROJECTED
+from symbody.simulation.native.blocks import function_numbers
+from symbody.simulation.native.description import LoopCall, RightHandSide
+from symbody.simulation.sampling.sampled_loop import SampledLoop
+from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 from symbody.simulation.status import Status
-from symbody.tolerances import AT_REST
+from symbody.single_flight import once
 
 Floats = NDArray[np.float64]
-_MOST_NOTES: Final = 20  # of impacts
+
+_POINTER: Final = ctypes.c_void_p
 _UNDETERMINED: Final = MappingProxyType(
     {
         ModeVerdict.NONE: "no combination of sticking and slipping is consistent with the friction of the "
@@ -47,12 +57,10 @@ _UNDETERMINED: Final = MappingProxyType(
         "the friction of the joints",
     }
 )
+_STUCK: Final = "no speeds were found that keep the ropes taut"
 _SMOOTH: Final = "give friction a v0, and replace ropes by springs that only pull: their laws are smooth then"
-
-
-def switches(formed: EquationsOfMotion) -> bool:
-    """Return whether equations change at events: joints stick and slip, ropes are taut or slack."""
-    return bool(switching_joints(formed) or ropes(formed))
+NO_SAMPLES: Final = pack(SampleHold, next=sys.float_info.max)
+_NO_NUMBERS: Final = function_numbers(RightHandSide(0, 0, *[np.zeros(0)] * 3, 0))
 
 
 class DeadEndError(Exception):
@@ -73,23 +81,12 @@ class DeadEndError(Exception):
         self.t, self.status, self.why = t, status, why
 
 
-class PieceStart(NamedTuple):
-    """A state between two pieces of a motion.
+class SettledState(NamedTuple):
+    """A state (u, q, s) whose speeds fit the modes, the work done by that, and whether ropes have struck."""
 
-    Attributes
-    ----------
-    x : array
-        The state (u, q, s).
-    before : mapping of name to mode, optional
-        Modes that still matter: none where an action or an impact has changed the state, by default all.
-    forced : mapping of name to mode
-        Modes that an event has decided.
-    """
-
-    t: float
     x: Floats
-    before: Mapping[str, int] | None = None
-    forced: Mapping[str, int] = MappingProxyType({})
+    work: float
+    is_struck: bool
 
 
 class SwitchingModes:
@@ -98,146 +95,186 @@ class SwitchingModes:
     Parameters
     ----------
     problem : SimulationProblem
-        What moves.
-    pieces : Pieces
-        The motion so far.
+        What moves, its modes left open.
 
     Attributes
     ----------
-    modes : Modes
-        Those of the present piece.
+    modal : ModalEquations
+        The equations for all modes.
+    record : ModeRecord
+        The modes so far.
     ends : tuple of Event
-        What ends them.
-    known : dict of name to mode
-        Those decided last.
+        What ends modes, in the order of the elements.
     """
 
-    def __init__(self, problem: SimulationProblem, pieces: Pieces) -> None:
-        self.mechanism = hybrid_mechanism(problem)
-        self.modes: Modes = ()
-        self.ends: tuple[Event, ...] = ()
-        self._pieces = pieces
-        self.known: dict[str, int] = {}
-        self._fastest = 0.0  # speeds over displacements as large as the mechanism [1/s]
-        self._impacts: list[Impact] = []
+    def __init__(self, problem: SimulationProblem) -> None:
+        eqs = problem.eqs
+        self.modal: ModalEquations = modal_equations(eqs)
+        self._joints = [_law(eqs.formed, name) for name in self.modal.joints]
+        self._source = problem
+        self._block = self._make_block(problem)
+        states = eqs.state_names
+        self.record = ModeRecord(
+            self.modal.modes, self.modal.joints, self.modal.ropes, states, self.switch
+        )
+        self.ends = tuple(map(self._end, range(len(self.modal.names))))
+        self.use(problem)
 
     @property
-    def problem(self) -> SimulationProblem:
-        """The equations in the present modes."""
-        return self.mechanism.problem_in(self.modes)
-
-    @property
-    def free(self) -> SimulationProblem:
-        """The equations in which no joint is held and no rope is taut."""
-        return self.mechanism.problem_in(tuple(kind.free for kind, _ in self.mechanism.elements))
-
-    @property
-    def ropes(self) -> RopeElements | None:
-        """The ropes, if there are any."""
-        return next((kind for kind in self.mechanism.kinds if isinstance(kind, RopeElements)), None)
+    def switch(self) -> ModeSwitch:
+        """What the kernels read and change."""
+        return ModeSwitch(self._block)
 
     def use(self, problem: SimulationProblem) -> None:
         """Go on with other values of inputs."""
-        self.mechanism = hybrid_mechanism(problem)
+        self._source = problem
+        laws = problem.laws.with_held({name: HeldLaw(self.record, name) for name in self.modal.modes})
+        self.problem = replace(problem, eqs=self.modal.eqs, laws=laws, permanent=self._permanent(problem))
+        function, self._callback, self._decides = self._deciding(problem)
+        self._functions = function, self.problem.compile_outputs(PROJECTED)
+        inputs = problem.laws.held_now()
+        numbers, tables = self.switch.numbers, problem.laws.table_numbers()
+        np.asarray(numbers.inputs)[:] = inputs
+        if tables.size:
+            np.asarray(numbers.tables)[: tables.size] = tables
 
-    def settle(self, state: PieceStart) -> Floats:
-        """Let ropes strike and decide the modes; return the state (u, q, s) with speeds that fit them.
+    def _permanent(self, problem: SimulationProblem) -> SimulationProblem:
+        """Return the problem without what holds in some modes only."""
+        eqs = problem.eqs
+
+        def make() -> EquationSet:
+            return EquationSet(eqs.model, slacken(eqs.formed, self.modal.ropes), eqs.notes)
+
+        return replace(problem, eqs=eqs.plans.get("permanent equations", make)) if self.modal.ropes else problem
+
+    def _deciding(
+        self, problem: SimulationProblem
+    ) -> tuple[CompiledFunction, CallbackFunction | None, int]:
+        """Return the function of what decides, with what calls laws in Python, and where it lies."""
+        function = problem.compile_outputs(self._outputs())
+        if not problem.laws.need_python:
+            return function, None, function.address
+        callback = CallbackFunction(function, problem.laws)
+        return function, callback, callback.address
+
+    def _outputs(self) -> tuple[OutputName, ...]:
+        """Return what decides, see `ModeSwitch`."""
+        rates = [f"{law.coordinate}_dot" for law in self._joints]
+        words = ("rope_slack", "rope_slack_dot", "rope_length")
+        motion = (*rates, *(f"{word} {name}" for word in words for name in self.modal.ropes))
+        return OF_MODES, motion, "energy"
+
+    def _make_block(self, problem: SimulationProblem) -> Floats:
+        eqs, scales, modal = problem.eqs, problem.scales, self.modal
+        laws = candidate_laws(eqs.formed)
+        counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(eqs.formed))
+        names = [law.joint.name for law in laws]
+        units = [1.0 if law.turns else scales.length for law in laws]
+        n, ropes, components = len(laws) + len(modal.ropes), len(modal.ropes), sum(counts)
+        first = len(problem.laws.callbacks)
+        function, projecting = problem.compile_outputs(self._outputs()), _projecting(problem, modal)
+        elements = [
+            pack(SwitchingElement, candidate=names.index(law.joint.name), unit=1.0 if law.turns else scales.length, mode=LOOSE)
+            for law in self._joints
+        ] + [
+            pack(SwitchingElement, candidate=len(laws) + k, is_rope=1.0, unit=scales.length, mode=LOOSE)
+            for k in range(ropes)
+        ]
+        places = [modal.joints.index(name) if name in modal.joints else -1 for name in names]
+        places += [len(modal.joints) + k for k in range(ropes)]
+        empty = [pack(ModeElement) for _ in range(n)]
+        return pack(
+            ModeSwitch, count=len(modal.names), ropes=ropes, candidates=n, components=components,
+            states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names),
+            out_size=sum(len(output.values) for output in function.outputs),
+            moves_size=sum(len(output.values) for output in projecting.outputs),
+            first_input=first, length=scales.length, time=scales.time, fastest=1.0 / scales.time,
+            elements=elements, places=places, normals=[*counts, *[0] * ropes], units=[*units, *[scales.length] * ropes],
+            sizes=scales.displacements(eqs),
+            problem=pack(ModeProblem, count=n, rows=n, components=components, columns=n + 1, elements=empty),
+            numbers=_numbers(function, first, problem.laws.table_numbers()),
+            projection=_numbers(projecting, first + len(modal.names), np.zeros(0)),
+        )  # fmt: skip
+
+    def _end(self, place: int) -> Event:
+        """Return what ends the mode of an element: no reserve or no rate; no tension or its length."""
+        mode = self.modal.modes[place]
+        if place < len(self._joints):
+            law = self._joints[place]
+            name = law.joint.name
+            value = f"if(abs({mode}) < 1/2, 'friction_reserve {name}', {mode}*{law.coordinate}_dot)"
+        else:
+            name = self.modal.names[place]
+            value = f"if(abs({mode}) < 1/2, 'rope_tension {name}', 'rope_slack {name}')"
+        return ModeEnd(value, -1, "stop", f"mode of {name}")
+
+    def snapshot(self) -> Floats:
+        """Return what `resume` goes on from."""
+        return self._block.copy()
+
+    def resume(self, kept: Floats) -> None:
+        """Go back to a snapshot."""
+        self._block[:] = kept
+        self.switch.room = len(self.record.rows)
+
+    def forget(self) -> None:
+        """Let the modes so far not matter any more: the state has been changed."""
+        for element in self.switch.elements:
+            element.before = element.ended = 0.0
+
+    def release(self) -> None:
+        """Let no joint stick and no rope be taut, until modes are decided."""
+        for element in self.switch.elements:
+            element.mode = LOOSE
+
+    def settle(self, t: float, x: Floats) -> SettledState:
+        """Let ropes strike and decide the modes.
 
         Raises
         ------
         DeadEndError
             If there are no modes, or no speeds.
+        SimulationError
+            If a function fails.
         """
-        t, x = state.t, state.x
-        before = self.known if state.before is None else state.before
-        at = self._hybrid_state(t, x, before, state.forced)
-        if self.ropes is not None and separating_ropes(self.ropes, at):
-            found = shock(self.mechanism, self.ropes, at)
-            if found is None:
-                raise DeadEndError(t, Status.SINGULAR, "no speeds were found that keep the ropes taut")
-            self._pieces.begin_behind(t, self._first_state(t, x))
-            self._pieces.add_energy(found.change)
-            x = self._note_impact(found, x).x
-            at = self._hybrid_state(t, x, {}, {})
-        modes, verdict = find_modes(self.mechanism, at)
-        if modes is None:
-            raise DeadEndError(t, Status.FRICTION, _UNDETERMINED[verdict])
-        self._note_modes(modes, t, x)
-        return self._begin(modes, t, x)
+        state = np.append(x, 0.0)
+        self._make_room()
+        first = self.switch.recorded
+        code = _kernel("settle_modes")(
+            self._decides, self._functions[1].address, address(self._block), address(self.record.rows), t,
+            address(state),
+        )  # fmt: skip
+        if code == FUNCTION_FAULT:
+            self.raise_fault()
+        if code != SETTLED:
+            raise self.dead_end(t, code)
+        struck = self.record.rows[first : self.switch.recorded, 0] == SHOCK
+        return SettledState(state[:-1], float(state[-1]), bool(struck.any()))
 
-    def _hybrid_state(
-        self, t: float, x: Floats, before: Mapping[str, int], forced: Mapping[str, int]
-    ) -> HybridState:
-        """Return a state, after noting how fast the mechanism was until then."""
-        problem = self.mechanism.problem
-        scales, n_u = problem.scales, len(problem.eqs.speed_names)
-        rates = np.abs(x[:n_u] / scales.displacements(problem.eqs))
-        self._fastest = max(self._fastest, float(rates.max(initial=1.0 / scales.time)))
-        return HybridState(t, x, before, forced, AT_REST * self._fastest, scales.length)
+    def dead_end(self, t: float, code: int) -> DeadEndError:
+        """Return why a motion ends, for a code of `switch_modes`."""
+        if code == NO_MODES:
+            return DeadEndError(t, Status.FRICTION, _UNDETERMINED[ModeVerdict(self.switch.verdict)])
+        if code == LONG_ROPE:
+            return DeadEndError(t, Status.UNMET_ACTION, self._too_long())
+        return DeadEndError(t, Status.SINGULAR, _STUCK)
 
-    def _begin(self, modes: Modes, t: float, x: Floats) -> Floats:
-        """Begin a piece in some modes; return the state with speeds that fit them."""
-        mechanism = self.mechanism
-        self.modes = modes
-        fitted = mechanism.fit_speeds(modes, t, x)
-        if fitted is not x:
-            energies = [evaluate_outputs(mechanism.problem, ("energy",), t, y)[0] for y in (x, fitted)]
-            self._pieces.add_energy(float(energies[1] - energies[0]))
-        trial = ModeTrial(mechanism, modes, t, fitted)
-        pairs = zip(mechanism.elements, modes, strict=True)
-        self.ends = tuple(kind.end_event(trial, k, mode) for (kind, k), mode in pairs)
-        return fitted
+    def _too_long(self) -> str:
+        name = self.modal.names[self.switch.culprit - 1]
+        return (
+            f"an action moves the ends of {name} farther apart than the rope is long; set coordinates within "
+            f"its length"
+        )
 
-    def state_behind(self, piece: MotionPiece) -> PieceStart | None:
-        """Return the state in which one element ended its mode; None where none did."""
-        labels = [event.label for event in self.ends]
-        last = piece.happened[-1] if piece.happened else None
-        if last is None or last.name not in labels:
-            return None
-        place, problem = labels.index(last.name), self.problem
-        x = np.array([last.state[name] for name in problem.eqs.state_names])
-        kind, k = list(self.mechanism.elements)[place]
-        forced = kind.forced_modes(ModeTrial(self.mechanism, self.modes, last.t, x), k, self.modes[place])
-        return PieceStart(last.t, x, None, forced)
+    def ending(self, code: int) -> str:
+        """Return why a motion ended, for a code of `kernels.block`; empty for other ends."""
+        if code == run_at.UNDECIDED:
+            return _UNDETERMINED[ModeVerdict(self.switch.verdict)]
+        if code == run_at.TOO_LONG:
+            return self._too_long()
+        return _STUCK if code == run_at.UNMOVABLE else ""
 
-    def note_speeds(self, run: Trajectory) -> None:
-        """Note how fast the mechanism was in a piece."""
-        sizes = self.problem.scales.displacements(self.problem.eqs)[:, np.newaxis]
-        self._fastest = max(self._fastest, float(np.abs(run.u / sizes).max(initial=0.0)))
-
-    def strike(self, t: float, x: Floats, momenta: Floats) -> Impact | None:
-        """Return what a jump of the momenta that prescribed rates give does; None if no speeds were found."""
-        at = self._hybrid_state(t, x, self.known, {})
-        found = strike(self.mechanism, self.ropes, at, momenta)
-        return None if found is None else self._note_impact(found, x)
-
-    def _note_impact(self, found: Impact, before: Floats) -> Impact:
-        """Note an impact at a state, in which ropes may have gone taut."""
-        if found.impulses:
-            self._impacts.append(found)
-        for name in found.impulses:
-            if self.known.get(name) != TAUT:
-                self._note(f"{name} taut", found.t, before)
-            self.known[name] = TAUT
-        return found
-
-    def _note_modes(self, modes: Modes, t: float, x: Floats) -> None:
-        for (kind, place), mode in zip(self.mechanism.elements, modes, strict=True):
-            name = kind.names[place]
-            if self.known.get(name, mode) != mode:
-                self._note(f"{name} {kind.word(mode)}", t, x)
-            self.known[name] = mode
-
-    def _note(self, name: str, t: float, x: Floats) -> None:
-        names = self.mechanism.problem.eqs.state_names
-        self._pieces.occurrences.append(Occurrence(name, t, dict(zip(names, x.tolist(), strict=True))))
-
-    def _first_state(self, t: float, x: Floats) -> Motion:
-        """Return the motion that consists of one state."""
-        default = tuple(kind.default for kind, _ in self.mechanism.elements)
-        return self._pieces.plan(self.mechanism.problem_in(default), x, t, MotionInstant("start", t, t, t))
-
-    def check_ropes(self, t: float, x: Floats, label: str) -> None:
+    def check_ropes(self, t: float, x: Floats) -> None:
         """Refuse a state, set by an event, in which a rope is longer than it can be.
 
         Raises
@@ -245,30 +282,121 @@ class SwitchingModes:
         DeadEndError
             See above.
         """
-        if self.ropes is None:
-            return
-        longer = self.ropes.longer_ropes(t, x)
-        if longer:
-            why = (
-                f"the action of event {label!r} moves the ends of {', '.join(longer)} farther apart than the "
-                f"rope is long; set coordinates within its length"
-            )
-            raise DeadEndError(t, Status.UNMET_ACTION, why)
+        state = np.append(x, 0.0)
+        place = _kernel("find_long_rope")(self._decides, address(self._block), t, address(state))
+        if place:
+            self.switch.culprit = place
+            raise self.dead_end(t, LONG_ROPE)
+
+    def prepare(self, watch: Floats) -> None:
+        """Tell a search for events where the modes stand among inputs, and what is taken from watched values."""
+        monitor, switch = EventMonitor(watch), self.switch
+        monitor.mode_count, monitor.first_mode = switch.count, switch.first_input
+        switch.first_event = monitor.event_count - switch.count
+        for k, element in enumerate(switch.elements):
+            monitor.events[switch.first_event + k].level = element.level
+
+    def note_ends(self, watch: Floats) -> bool:
+        """Take over which mode has ended where a search for events handed over; return whether one has."""
+        ended = EventMonitor(watch).ended
+        for k, element in enumerate(self.switch.elements):
+            element.ended = float(ended == self.switch.first_event + k + 1)
+        return bool(ended)
+
+    def advance(
+        self, call: LoopCall, functions: tuple[int, ...], watch: Floats, happened: Floats,
+        held: SampledLoop | None,
+    ) -> int:  # fmt: skip
+        """Try up to so many steps of the compiled loop; return a code of `symbody.kernels.block`."""
+        sampling = _Sampling(held)
+        code = run_at.NO_MODE_ROOM
+        while code in (run_at.NO_MODE_ROOM, run_at.NO_SAMPLE_ROOM):
+            self._make_room()
+            own = self._decides, self._functions[1].address
+            places = (
+                call.block, watch, *sampling.arrays, self._block, *call.record.arrays, happened,
+                sampling.rows, self.record.rows,
+            )  # fmt: skip
+            code = _kernel("advance_switching")(
+                call.rhs, call.projector, *functions, sampling.address, *own, *map(address, places),
+                call.trials,
+            )  # fmt: skip
+            sampling.make_room(code)
+        if code == run_at.MODE_FAULT:
+            self.raise_fault()
+        return int(code)
+
+    def _make_room(self) -> None:
+        if self.switch.recorded + 4 > len(self.record.rows):
+            self.record.grow()
+        self.switch.room = len(self.record.rows)
+
+    def raise_fault(self) -> None:
+        """Raise what a law of an input raised, or what the status of the function means.
+
+        Raises
+        ------
+        SimulationError
+            See above.
+        """
+        if self._callback is not None and self._callback.error is not None:
+            raise self._callback.error
+        check_status(self.switch.fault)
+
+
+class _Sampling:
+    """What takes samples in the loop, or nothing."""
+
+    def __init__(self, held: SampledLoop | None) -> None:
+        self._held = held
+        self.address = 0 if held is None else held.address
+        self.arrays = (NO_SAMPLES.copy(), _NO_NUMBERS) if held is None else held.arrays
 
     @property
-    def notes(self) -> Iterator[str]:
-        """The impacts in words."""
-        yield from (each.note for each in self._impacts[:_MOST_NOTES])
-        others = self._impacts[_MOST_NOTES:]
-        if others:
-            lost = sum(each.lost or 0.0 for each in others)
-            yield f"{len(others)} more impacts of ropes until t = {others[-1].t:.9g} s; {lost:.6g} J are lost"
+    def rows(self) -> Floats:
+        """Where samples are written down."""
+        return np.zeros(1) if self._held is None else self._held.sampler.record
+
+    def make_room(self, code: int) -> None:
+        """Grow, or raise a fault, by the code of a loop."""
+        if self._held is not None:
+            self._held.make_room(code)
 
 
-def hybrid_mechanism(problem: SimulationProblem) -> HybridMechanism:
-    """Return a mechanism with its joints that stick and slip, and its ropes."""
-    kinds = (stick_slip_joints(problem.eqs.formed), rope_elements(problem))
-    return HybridMechanism(problem, tuple(kind for kind in kinds if kind.names))
+def _law(formed: EquationsOfMotion, joint: str) -> Any:
+    return next(law for law in formed.friction if law.joint.name == joint)
+
+
+def _projecting(problem: SimulationProblem, modal: ModalEquations) -> CompiledFunction:
+    """Return what projects states, with the modes as inputs."""
+    laws = problem.laws.with_held({name: HeldLaw(_Loose(), name) for name in modal.modes})
+    return replace(problem, eqs=modal.eqs, laws=laws).compile_outputs(PROJECTED)
+
+
+class _Loose:
+    """Modes in which nothing holds."""
+
+    def current(self, name: str) -> float:
+        """Return the mode."""
+        return float(LOOSE)
+
+    def values_at(self, name: str, t: Floats) -> Floats:
+        """Return the mode at times (N,)."""
+        return np.full(np.shape(t), float(LOOSE))
+
+
+def _numbers(function: CompiledFunction, inputs: int, tables: Floats) -> Floats:
+    return function_numbers(
+        RightHandSide(
+            0, len(function.signature.u), np.zeros(inputs), np.zeros(0), function.constants(),
+            function.work_size, tables,
+        )
+    )  # fmt: skip
+
+
+def switching_modes(problem: SimulationProblem) -> SwitchingModes | None:
+    """Return the modes of a mechanism; None where nothing switches."""
+    return SwitchingModes(problem) if switches(problem.eqs.formed) else None
 
 
 def check_backwards(span: tuple[float, float]) -> None:
@@ -302,3 +430,19 @@ def check_strike(formed: EquationsOfMotion, t: float) -> None:
                     "prescribe a motion without corners, for instance with smoothstep; or give friction as a "
                     "force, or a v0")
         )  # fmt: skip
+
+
+@once
+def _library() -> Mapping[str, Callable[..., int]]:
+    real, integer = ctypes.c_double, ctypes.c_int64
+    kinds: dict[str, list[Any]] = {
+        "settle_modes": [*[_POINTER] * 4, real, _POINTER],
+        "find_long_rope": [_POINTER, _POINTER, real, _POINTER],
+        "advance_switching": [*[_POINTER] * 21, integer],
+    }
+    addresses = load_kernels("switching_motion", tuple(kinds), light=True)
+    return {name: ctypes.CFUNCTYPE(integer, *kind)(addresses[name]) for name, kind in kinds.items()}
+
+
+def _kernel(name: str) -> Callable[..., int]:
+    return _library()[name]

@@ -38,6 +38,10 @@ class HeldLaw:
 
     def __call__(self, t: float, q: Floats, u: Floats) -> float:
         """Return the value at present."""
+        return self.current()
+
+    def current(self) -> float:
+        """Return the value at present."""
         return self.source.current(self.name)
 
     def values_at(self, t: Floats) -> Floats:

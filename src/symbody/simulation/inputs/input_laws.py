@@ -7,7 +7,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import FrameType
 from typing import Final
 
@@ -86,6 +86,17 @@ class InputLaws:
     def held_laws(self) -> dict[int, HeldLaw]:
         """Those among `callbacks` that are held values, by their places."""
         return {k: law for k, law in enumerate(self.callbacks.values()) if isinstance(law, HeldLaw)}
+
+    def held_now(self) -> Floats:
+        """Return numbers for all callbacks: held values at present, 0 for others, which are computed."""
+        values = np.zeros(len(self.callbacks))
+        for place, law in self.held_laws.items():
+            values[place] = law.current()
+        return values
+
+    def with_held(self, laws: Mapping[str, HeldLaw]) -> InputLaws:
+        """Return the laws with more inputs that are held."""
+        return replace(self, callbacks={**self.callbacks, **laws})
 
     @property
     def need_python(self) -> bool:

@@ -86,10 +86,16 @@ def integrate_motion(motion: Motion) -> Integration:
     # Methods that do not project after steps, except `Baumgarte`, do so where samples are interpolated.
     projection = constraints if isinstance(constraints, Projection) else _PROJECTION
     closing = None if isinstance(constraints, Baumgarte) else motion.projection(projection)
-    watch = motion.event_watch(projection)
+    watch = motion.event_watch(projection, hands_over=not takes_steps_compiled(motion))
     raw, notes, watch = _run_method(motion, integrator, constraints, closing, watch)
     step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
     return Integration(raw, (*notes, *motion.breakpoints.notes(step)), watch)
+
+
+def takes_steps_compiled(motion: Motion) -> bool:
+    """Return whether a motion is computed by the loop in which events act, samples are taken and modes change."""
+    implicit = isinstance(motion.integrator, Stiff | GeneralizedAlpha)
+    return not (implicit or isinstance(motion.constraints, GGL | Partition))
 
 
 def _fitting_constraints(motion: Motion) -> Constraints:
@@ -117,7 +123,7 @@ def _run_method(
     watch: EventWatch | None,
 ) -> tuple[RawRun, Notes, EventWatch | None]:
     """Return the run by a method that can hold the constraints, what to note, and what looked for events."""
-    held = motion.problem.sampler is not None
+    has_one_method = motion.problem.sampler is not None or motion.modes is not None
     if isinstance(constraints, GGL):
         stiff = integrator if isinstance(integrator, Stiff) else Stiff()
         return *run_ggl(motion, stiff, watch), watch
@@ -129,7 +135,7 @@ def _run_method(
     if isinstance(integrator, GeneralizedAlpha):
         tolerance = work_tolerance(motion)
         return *run_generalized_alpha(motion, integrator, closing, watch, tolerance), watch
-    if integrator is not None or held:
+    if integrator is not None or has_one_method:
         return run_explicit(motion, integrator or DEFAULT, closing, watch), (), watch
     return _choose_method(motion, constraints, closing, watch)
 
@@ -212,7 +218,7 @@ def run_explicit(
         motion.x0,
         motion.span,
         method=method,
-        inputs=np.zeros(len(laws.callbacks)),
+        inputs=laws.held_now(),
         tables=laws.table_numbers(),
         constants=function.constants(),
         times=motion.times,

@@ -43,6 +43,9 @@ VERDICTS: Final[Mapping[int, Status]] = {
     at.CHATTERING: Status.CHATTERING,
     at.SPOILED: Status.NOT_FINITE,
     at.UNMET: Status.UNMET_ACTION,
+    at.UNDECIDED: Status.FRICTION,
+    at.UNMOVABLE: Status.SINGULAR,
+    at.TOO_LONG: Status.UNMET_ACTION,
 }
 
 

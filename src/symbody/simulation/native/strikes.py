@@ -76,7 +76,7 @@ class Strike:
         function = replace(problem, eqs=eqs).compile_outputs(strike_outputs(eqs), quick=True)
         self._callback = CallbackFunction(function, laws) if laws.callbacks else None
         self._address = function.address if self._callback is None else self._callback.address
-        inputs = np.zeros(len(laws.callbacks))
+        inputs = laws.held_now()
         numbers = RightHandSide(
             0, len(eqs.speed_names), inputs, none, function.constants(), function.work_size
         )

@@ -18,7 +18,7 @@ from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.events.event_functions import watched_outputs
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import jump_parameters
-from symbody.simulation.hybrid.switching import switches
+from symbody.equations.solving.modal_equations import switches
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables
 from symbody.simulation.methods.closed_loops.change_point import is_change_point

@@ -26,14 +26,11 @@ class Piecewise:
         What computes in each.
     work : (parts,) array
         Done before each [J].
-    modes : tuple of modes
-        Of each part, empty where the equations stay the same; see `hybrid.modes`.
     """
 
     starts: Floats
     parts: tuple[Evaluate, ...]
     work: Floats
-    modes: tuple[tuple[int, ...], ...] = ()
 
     @property
     def wrapped_angles(self) -> tuple[str, ...]:

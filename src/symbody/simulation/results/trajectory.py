@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError, nearest
 from symbody.model.model import Model
-from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.events import ModeChange, Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
@@ -65,6 +65,8 @@ class Trajectory(SampleTable):
         What it was computed from; see `model` and `parameters`.
     s : (n_s, N) array
         States of signals, in the order of `signal_state_names`.
+    modes : tuple of ModeChange
+        (t, name, mode) of joints that stick and slip and of ropes: the first of each, then the changes.
     """
 
     t: Floats
@@ -84,6 +86,7 @@ class Trajectory(SampleTable):
     provenance: Provenance | None = None
     s: Floats = field(default_factory=lambda: np.zeros((0, 0)), kw_only=True)
     signal_state_names: tuple[str, ...] = field(default=(), kw_only=True)
+    modes: tuple[ModeChange, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         if not self.signal_state_names:

@@ -20,7 +20,7 @@ from symbody.model.model import Model
 from symbody.model.signals.signal import Signal
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.simulation.hybrid.switching import switches
+from symbody.equations.solving.modal_equations import switches
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord, join_records
 from symbody.simulation.inputs.input_laws import InputLaws

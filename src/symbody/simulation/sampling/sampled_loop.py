@@ -39,6 +39,11 @@ class SampledLoop:
     sampler : Sampler
         The values, which may come from a motion before.
 
+    Attributes
+    ----------
+    address : int
+        Where the function of new values lies.
+
     Raises
     ------
     FormulationError
@@ -53,10 +58,10 @@ class SampledLoop:
         self._function = problem.compile_outputs(sampler.formulas)
         check_numbers(sampler.values, self._function.outputs)
         self._callback = CallbackFunction(self._function, laws) if laws.need_python else None
-        self._address = self._function.address if self._callback is None else self._callback.address
+        self.address = self._function.address if self._callback is None else self._callback.address
         self._numbers = function_numbers(
             RightHandSide(
-                0, len(problem.eqs.speed_names), np.zeros(len(laws.callbacks)), np.zeros(0),
+                0, len(problem.eqs.speed_names), laws.held_now(), np.zeros(0),
                 self._function.constants(), self._function.work_size, laws.table_numbers(),
             )
         )  # fmt: skip
@@ -81,7 +86,7 @@ class SampledLoop:
         if sampler.hold.recorded == sampler.hold.room:
             sampler.grow()
         places = map(address, (self._numbers, sampler.block, sampler.record))
-        if sample_kernels().take_samples(self._address, *places, t, address(x)):
+        if sample_kernels().take_samples(self.address, *places, t, address(x)):
             self._raise_fault()
 
     def show_inputs(self, slots: NDArray[np.intp], values: Floats) -> None:
@@ -94,8 +99,8 @@ class SampledLoop:
         while code == run_at.NO_SAMPLE_ROOM:
             own = self.sampler.block, self._numbers
             arrays = map(address, (call.block, *own, *call.record.arrays, self.sampler.record))
-            code = advance_sampled()(call.rhs, call.projector, self._address, *arrays, call.trials)
-            self._make_room(code)
+            code = advance_sampled()(call.rhs, call.projector, self.address, *arrays, call.trials)
+            self.make_room(code)
         return code
 
     def advance_watched(
@@ -110,25 +115,31 @@ class SampledLoop:
         watch : array
             See `symbody.kernels.events.event_monitor`.
         """
-        self._show_watch(watch)
+        self.show_watch(watch)
         code = run_at.NO_SAMPLE_ROOM
         while code == run_at.NO_SAMPLE_ROOM:
             own = self.sampler.block, self._numbers
             places = (call.block, watch, *own, *call.record.arrays, happened, self.sampler.record)
             code = advance_sampled_watched()(
-                call.rhs, call.projector, *functions, self._address, *map(address, places), call.trials
+                call.rhs, call.projector, *functions, self.address, *map(address, places), call.trials
             )
-            self._make_room(code)
+            self.make_room(code)
         return code
 
-    def _show_watch(self, watch: Floats) -> None:
+    @property
+    def arrays(self) -> tuple[Floats, Floats]:
+        """The block of the held values, and the numbers of their function."""
+        return self.sampler.block, self._numbers
+
+    def show_watch(self, watch: Floats) -> None:
         """Show the functions of events all values."""
         monitor = EventMonitor(watch)
         for numbers in (monitor.numbers, monitor.actions):
             if exists(numbers):
                 sample_kernels().show_values(address(self.sampler.block), address(numbers.array))
 
-    def _make_room(self, code: int) -> None:
+    def make_room(self, code: int) -> None:
+        """Make room for as many more samples, or raise a fault, if the code of a loop asks for it."""
         if code == run_at.NO_SAMPLE_ROOM:
             self.sampler.grow()
         if code == run_at.SAMPLE_FAULT:

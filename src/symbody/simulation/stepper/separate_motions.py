@@ -14,7 +14,7 @@ from symbody.kernels import stepping
 from symbody.simulation.drive import Driven, drive
 from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.simulation.hybrid.switching import switches
+from symbody.equations.solving.modal_equations import switches
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained

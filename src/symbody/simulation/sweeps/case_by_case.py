@@ -13,14 +13,14 @@ from symbody.equations.solving.ropes import ropes
 from symbody.errors import SymbodyError
 from symbody.kernels.block import Counts
 from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.simulation.hybrid.switching import switches
+from symbody.equations.solving.modal_equations import modal_equations, switches
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldRecord, join_records
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.results.piecewise import Piecewise
+from symbody.simulation.hybrid.mode_record import held_modes
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.records import NOT_STARTED, CaseDetails, Records
@@ -101,13 +101,11 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     }
     records.counts[row] = [counts.get(name, 0) for name in Counts.fields]
     records.reached[row] = run.t[-1] if samples else np.nan
-    parts = run.evaluate if isinstance(run.evaluate, Piecewise) and run.evaluate.modes else None
     records.details[case] = CaseDetails(
         "; ".join(run.notes),
         run.events,
         run.stored["work"][:samples],
-        () if parts is None else tuple(parts.starts.tolist()),
-        () if parts is None else parts.modes,
+        held_modes(modal_equations(job.eqs), run.modes),
         _held_values(job, run),
     )
 

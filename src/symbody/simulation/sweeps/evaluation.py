@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.analysis.scales import mechanism_scales
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.simulation.hybrid.modes import HybridMechanism, Modes
-from symbody.simulation.hybrid.switching import hybrid_mechanism, switches
-from symbody.simulation.inputs.held_law import HeldRecord
+from symbody.equations.solving.modal_equations import ModalEquations, modal_equations, switches
+from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.results.measured_angles import count_turns
-from symbody.simulation.results.piecewise import Piecewise, changing_shape
 from symbody.simulation.results.provenance import Provenance, provenance_of
 from symbody.simulation.simulation_problem import VIOLATIONS, Evaluator, SimulationProblem
 from symbody.simulation.sweeps.case_table import CaseTable
@@ -46,10 +44,9 @@ class Evaluation:
     span: tuple[float, float]
     details: Mapping[int, CaseDetails]
     scales: Mapping[str, float]
-    _functions: SingleFlight[tuple[Modes, str | tuple[str, ...]], CompiledFunction] = field(
+    _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
     )
-    _mechanisms: SingleFlight[str, HybridMechanism] = field(default_factory=SingleFlight, repr=False)
 
     def evaluate(self, name: str, t: Floats, x: Floats) -> Floats:
         """Return an output with cases first and time last; x is (cases, n, N)."""
@@ -73,10 +70,10 @@ class Evaluation:
         """Return outputs of one case with time last; q is (n_q, N), u is (n_u, N)."""
         plain = tuple(name for name in names if name not in VIOLATIONS)
         cases = np.full(t.size, case)
-        if len(plain) < 2 or self._has_modes(case):
+        if len(plain) < 2:
             computed = {name: self._values(name, cases, t, q.T, u.T) for name in plain}
         else:
-            function = self._function((), plain)
+            function = self._function(plain)
             arrays = function(t, q.T, u.T, self._inputs(cases, t, q, u), self.table.parameters[case])
             computed = {name: _repeat_constant(array, t) for name, array in zip(plain, arrays, strict=True)}
         shown = {name: np.moveaxis(values, 0, -1) for name, values in computed.items()}
@@ -96,60 +93,42 @@ class Evaluation:
             held, inside = self._held_values(case), cases == case
             for place, law in self.laws.held_laws.items():
                 values[inside, place] = np.nan if held is None else held.values_at(law.name, t[inside])
-        return values
+        names = self._modal.modes
+        modes = np.full((t.size, len(names)), np.nan)
+        for case in np.unique(cases).tolist() if names else ():
+            record, inside = self._modes(case), cases == case
+            for place, name in enumerate(names if record is not None else ()):
+                modes[inside, place] = record.values_at(name, t[inside])
+        return np.concatenate([values, modes], axis=1)
 
     def _held_values(self, case: int) -> HeldRecord | None:
         return self.details[case].held if case in self.details else None
 
-    def _has_modes(self, case: int) -> bool:
-        return case in self.details and bool(self.details[case].modes)
+    def _modes(self, case: int) -> HeldRecord | None:
+        return self.details[case].modes if case in self.details else None
 
     def _values(self, name: str, cases: NDArray[np.intp], t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return an output with time first, each sample by the equations that held at its time."""
-        whole: Floats | None = None
-        for modes, inside in self._samples_by_modes(cases, t):
-            given = t[inside], q[inside], u[inside]
-            inputs = self._inputs(cases[inside], given[0], given[1].T, given[2].T)
-            values = self._function(modes, name)(*given, inputs, self.table.parameters[cases[inside]])
-            values = _repeat_constant(values, given[0])
-            if whole is None:
-                whole = np.empty((t.size, *values.shape[1:]))
-            if values.shape[1:] != whole.shape[1:]:
-                raise changing_shape(name)
-            whole[inside] = values
-        return np.empty(0) if whole is None else whole
+        """Return an output with time first."""
+        if not t.size:
+            return np.empty(0)
+        inputs = self._inputs(cases, t, q.T, u.T)
+        values = self._function(name)(t, q, u, inputs, self.table.parameters[cases])
+        return _repeat_constant(values, t)
 
-    def _samples_by_modes(self, cases: NDArray[np.intp], t: Floats) -> Iterator[tuple[Modes, Flags]]:
-        """Yield modes, and which samples lie in them; none where the equations stay the same."""
-        modes: list[Modes] = [()] * t.size
-        for case in filter(self._has_modes, np.unique(cases).tolist()):
-            details = self.details[case]
-            starts = np.array(details.starts)
-            for k in np.flatnonzero(cases == case).tolist():
-                modes[k] = details.modes[max(int(np.searchsorted(starts, t[k], side="right")) - 1, 0)]
-        if not modes:
-            yield (), np.zeros(0, dtype=np.bool_)
-        for some in dict.fromkeys(modes):
-            yield some, np.array([other == some for other in modes], dtype=np.bool_)
-
-    def _function(self, modes: Modes, outputs: str | tuple[str, ...]) -> CompiledFunction:
+    def _function(self, outputs: str | tuple[str, ...]) -> CompiledFunction:
 
         def compile_outputs() -> CompiledFunction:
             table = self.table
             return bound_function(
-                self._equations(modes), outputs, table.fixed_parameters, table.parameter_names,
-                self.laws.formulas, quick=True,
+                self._modal.eqs, outputs, table.fixed_parameters, table.parameter_names, self.laws.formulas,
+                quick=True,
             )  # fmt: skip
 
-        return self._functions.get((modes, outputs), compile_outputs)
+        return self._functions.get(outputs, compile_outputs)
 
-    def _equations(self, modes: Modes) -> EquationSet:
-        """Return the equations in some modes, which depend neither on values nor on scales."""
-        if not modes:
-            return self.eqs
-        problem = SimulationProblem(self.eqs, self.table.fixed_parameters, self.laws, Scales())
-        mechanism = self._mechanisms.get("mechanism", lambda: hybrid_mechanism(problem))
-        return mechanism.problem_in(modes).eqs
+    @property
+    def _modal(self) -> ModalEquations:
+        return modal_equations(self.eqs)
 
     def _work(self, known: Flags) -> Floats:
         whole: Floats = np.full(known.shape, np.nan)
@@ -174,11 +153,11 @@ class Evaluation:
             near = dict(zip(self.eqs.coordinate_names, q[:, 0].tolist(), strict=False))
         scales = mechanism_scales(self.eqs, parameters, self.scales, near).fit_span(*self.span)
         problem = SimulationProblem(self.eqs, parameters, self.laws, scales)
-        if not self._has_modes(case):
-            return Evaluator(problem, None)(name, t, q, u)
-        mechanism, details = hybrid_mechanism(problem), self.details[case]
-        parts = tuple(Evaluator(mechanism.problem_in(modes), None) for modes in details.modes)
-        return Piecewise(np.array(details.starts), parts, np.zeros(len(parts)))(name, t, q, u)
+        record = self._modes(case)
+        if record is not None:
+            laws = self.laws.with_held({each: HeldLaw(record, each) for each in record.names})
+            problem = replace(problem, eqs=self._modal.eqs, laws=laws)
+        return Evaluator(problem, None)(name, t, q, u)
 
 
 def _repeat_constant(values: Floats, t: Floats) -> Floats:

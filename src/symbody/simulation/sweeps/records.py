@@ -171,8 +171,8 @@ class CaseDetails:
         What happened.
     work : (N,) array, optional
         The work done until each sample [J].
-    starts, modes : tuples
-        When the equations changed [s], and the modes from then on; see `hybrid.modes`.
+    modes : HeldRecord, optional
+        Which joints stuck and which ropes were taut; see `hybrid.mode_record`.
     held : HeldRecord, optional
         Values that were held between samples.
     """
@@ -180,8 +180,7 @@ class CaseDetails:
     notes: str
     events: tuple[Occurrence, ...] = ()
     work: Floats | None = None
-    starts: tuple[float, ...] = ()
-    modes: tuple[tuple[int, ...], ...] = ()
+    modes: HeldRecord | None = None
     held: HeldRecord | None = None
 
 

@@ -127,8 +127,7 @@ def _read_details(text: str) -> dict[int, CaseDetails]:
             str(about["notes"]),
             tuple(Occurrence(str(name), float(t), dict(state)) for name, t, state in about["events"]),
             None if about["work"] is None else np.array(about["work"], dtype=np.float64),
-            tuple(map(float, about["starts"])),
-            tuple(tuple(map(int, modes)) for modes in about["modes"]),
+            _held_record(about["modes"]),
             _held_record(about.get("held")),
         )
         for case, about in json.loads(text).items()

@@ -113,13 +113,14 @@ def samples_on_the_way(motion: Motion) -> bool:
         return False
     if motion.constraints is not None or not motion.eqs.multiplier_names:
         return True
-    return not is_overconstrained(motion.problem, motion.span[0], motion.state)
+    return not is_overconstrained(motion.permanent_problem, motion.span[0], motion.state)
 
 
 def integrate_on_branch(motion: Motion) -> Integration:
     """Return a motion on its branch; without constraints given, `Projection` holds it where that is safe."""
     constraints = motion.constraints or _PROJECTION
-    problem, eqs, t, x = motion.problem, motion.eqs, motion.span[0], motion.state
+    problem, t, x = motion.permanent_problem, motion.span[0], motion.state
+    eqs = problem.eqs
     if not eqs.multiplier_names or not eqs.speed_names:
         return integrate_motion(motion)
     if eqs.plans.get(
@@ -165,7 +166,7 @@ def integrate_on_branch(motion: Motion) -> Integration:
 
 def _judge_passages(motion: Motion, run: Integration) -> Integration:
     """Return a run by `Partition` that ends before a passage that its energies or its branch do not allow."""
-    passages = find_passages(motion.problem, run.raw)
+    passages = find_passages(motion.permanent_problem, run.raw)
     end = None if passages is None else _untaken_passage(motion, passages)
     return run if end is None else end_run(run, end.t, end.note("sb.Partition()"))
 
@@ -269,7 +270,7 @@ def _end_of_branch(
 ) -> _BranchEnd | None:
     """Return where a motion leaves its branch, or breaks off; `is_locked` if for constraints that follow."""
     raw, _, watch = run
-    problem, t, x = motion.problem, motion.span[0], motion.state
+    problem, t, x = motion.permanent_problem, motion.span[0], motion.state
     if passages is not None:
         happened = [] if watch is None else [event.t for event in watch.occurrences]
         for at in passages.times():

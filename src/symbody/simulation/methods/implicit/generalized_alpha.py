@@ -175,7 +175,7 @@ def _make_run(
 ) -> ImplicitRun:
     """Return the run at its start."""
     laws, n_u = motion.problem.laws, motion.n_u
-    inputs, tables = np.zeros(len(laws.callbacks)), laws.table_numbers()
+    inputs, tables = laws.held_now(), laws.table_numbers()
     functions = ImplicitFunctions(
         *(
             RightHandSide(place, n_u, inputs, np.zeros(0), function.constants(), function.work_size, tables)

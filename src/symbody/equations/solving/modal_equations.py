@@ -1,0 +1,119 @@
+"""Joints that stick and slip, and ropes that slacken, as one set of equations with their modes as inputs.
+
+While a joint sticks a row holds it, and a taut rope is a row as well. Here all these rows are always among the
+equations, with zeros in place of those that do not hold: the solver leaves a row of zeros out, and its
+multiplier is 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.sticking import holding_row, switching_joints
+from symbody.expr.expression import Expr, number, symbol
+from symbody.expr.graph import Symbol, SymbolKind
+from symbody.expr.opcodes import ABS, LT, SELECT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModalEquations:
+    """Equations whose modes are inputs.
+
+    Attributes
+    ----------
+    eqs : EquationSet
+        With all rows; its last inputs are the modes.
+    joints, ropes : tuple of str
+        The elements, in the order of their modes.
+    modes : tuple of str
+        Names of the inputs: 0 while an element holds, 1 or -1 as the direction in which a joint slips, 1 for
+        a slack rope.
+    """
+
+    eqs: EquationSet
+    joints: tuple[str, ...] = ()
+    ropes: tuple[str, ...] = ()
+    modes: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All elements."""
+        return (*self.joints, *self.ropes)
+
+
+def switches(formed: EquationsOfMotion) -> bool:
+    """Return whether equations change on the way: joints stick and slip, ropes are taut or slack."""
+    return bool(switching_joints(formed) or ropes(formed))
+
+
+def modal_equations(eqs: EquationSet) -> ModalEquations:
+    """Return equations whose modes are inputs; those given where nothing switches."""
+    if not switches(eqs.formed):
+        return ModalEquations(eqs)
+    made: ModalEquations = eqs.plans.get("modal equations", lambda: _modal_equations(eqs))
+    return made
+
+
+def _modal_equations(eqs: EquationSet) -> ModalEquations:
+    formed = eqs.formed
+    joints, lines = switching_joints(formed), ropes(formed)
+    inputs = [Symbol(name, SymbolKind.INPUT) for name in _free_names(formed, (*joints, *lines))]
+    modes = dict(zip((*joints, *lines), (symbol(formed.graph, each) for each in inputs), strict=True))
+    modal = _with_modes(formed, joints, modes)
+    symbols = {**formed.names.symbols, **{each.name: each for each in inputs}}
+    names = Names(formed.names.graph, symbols, formed.names.values)
+    modal = replace(modal, names=names, inputs=(*formed.inputs, *inputs))
+    made = EquationSet(eqs.model, modal, eqs.notes)
+    return ModalEquations(made, joints, lines, tuple(each.name for each in inputs))
+
+
+def _free_names(formed: EquationsOfMotion, elements: Iterable[str]) -> list[str]:
+    """Return a name for the mode of each element that formulas can contain and that is not taken."""
+    taken = {*formed.names.symbols, *formed.names.values}
+    made = []
+    for name in elements:
+        word = "mode_" + "".join(c if c.isalnum() and c.isascii() else "_" for c in name)
+        while word in taken:
+            word += "_"
+        taken.add(word)
+        made.append(word)
+    return made
+
+
+def _with_modes(
+    formed: EquationsOfMotion, joints: tuple[str, ...], modes: dict[str, Expr]
+) -> EquationsOfMotion:
+    """Return equations with the rows of all elements, each where its mode is 0."""
+    laws = {law.joint.name: law for law in formed.friction}
+    rows = [_row_in_mode(row, modes[row.element]) if row.element in modes else row for row in formed.rows]
+    rows += [_row_in_mode(holding_row(formed, laws[name]), modes[name]) for name in joints]
+    friction = tuple(
+        replace(law, slip=modes[law.joint.name], switches=False, may_stick=True) if law.switches else law
+        for law in formed.friction
+    )
+    whole = tuple(row for row in formed.rows if row.element in modes)
+    return replace(formed.with_rows(tuple(rows)), friction=friction, slack=(*formed.slack, *whole))
+
+
+def _row_in_mode(row: ConstraintEquation, mode: Expr) -> ConstraintEquation:
+    """Return a row that holds where the mode is 0, and is 0 = 0 elsewhere.
+
+    A choice, not a product: the direction of a slack rope whose ends coincide is no number.
+    """
+    zero = number(mode.graph, 0)
+    holds = mode.apply(ABS).apply(LT, number(mode.graph, 1) / 2)
+
+    def choose(value: Expr) -> Expr:
+        return holds.apply(SELECT, value, zero)
+
+    return replace(
+        row, value=choose(row.value), drift=choose(row.drift), gamma=choose(row.gamma),
+        jacobian={u: choose(slope) for u, slope in row.jacobian.items()},
+        force=row.force.map(choose), moment=row.moment.map(choose),
+    )  # fmt: skip

@@ -1,0 +1,77 @@
+"""`ModeSwitch`: the modes of joints that stick and slip and of ropes along a motion, and what decides them."""
+
+from typing import Final
+
+from symbody.kernels.block import FunctionNumbers
+from symbody.kernels.language import Reals
+from symbody.kernels.modes.mode_problem import ModeProblem
+from symbody.kernels.record_layout import RecordLayout, Rows, pointer
+
+# What a row of the record of modes holds first.
+DECIDED: Final = 0.0  # modes from then on
+SHOCK: Final = 1.0  # impulses of ropes
+
+
+class SwitchingElement(RecordLayout):
+    """A joint that sticks and slips, or a rope. What is asked by *whether* is 1 or 0.
+
+    Its mode is one of `mode_problem`: 0 while it sticks or is taut, 1 or -1 as it slips, 1 for a slack rope.
+    """
+
+    candidate: int  # its place among all candidates
+    is_rope: float
+    unit: float  # what counts as a large displacement: 1 rad, or the size of the mechanism
+    mode: int
+    before: float  # whether the mode still matters where others are decided
+    opens: int  # the mode with which the search begins
+    is_decided: float  # whether that is its mode
+    ended: float  # whether an event has ended its mode
+    rate: float  # of the joint, or of the slackness of the rope
+    slackness: float
+    length: float
+    impulse: float  # in the last shock [N s]
+    level: float  # what is taken from the value whose fall to zero ends the mode
+
+
+class ModeSwitch(RecordLayout):
+    """Modes along a motion. What is asked by *whether* is 1 or 0.
+
+    A function writes what decides: `mode_responses`, then the rates of the joints, slackness, its rate and
+    length of the ropes, and the energy. Another one writes residuals and moves that project a state.
+    """
+
+    count: int  # elements: joints, then ropes
+    ropes: int
+    candidates: int  # joints whose friction is to be found, then ropes
+    components: int  # of reactions that friction reads
+    states: int  # the work, which is the last one, among them
+    speeds: int
+    out_size: int
+    moves_size: int
+    first_input: int  # place of the modes among the inputs of all functions
+    first_event: int  # place of the events that end modes
+    length: float  # of the mechanism [m]
+    time: float  # in which it moves by its size [s]
+    fastest: float  # speeds over displacements as large as the mechanism so far [1/s]
+    known: float  # whether modes have been decided
+    changed: float  # whether the last decision changed a mode or a speed
+    verdict: int  # of `find_modes`
+    culprit: int  # the element that is to blame, from 1
+    fault: int  # status of a function
+    lost: float  # energy in the last shock [J]
+    recorded: int
+    room: int  # rows of the record
+
+    elements: Rows[SwitchingElement] = pointer("count")
+    places: Reals = pointer("candidates")  # the element of each candidate, -1 for friction that does not switch
+    normals: Reals = pointer("candidates")  # how many components of its reaction each candidate reads
+    units: Reals = pointer("candidates")
+    acting: Reals = pointer("candidates")  # the candidates of the mode problem
+    sizes: Reals = pointer("speeds")  # displacements that count as large
+    kept: Reals = pointer("count")
+    fitted: Reals = pointer("states")
+    out: Reals = pointer("out_size")
+    moves: Reals = pointer("moves_size")
+    problem: ModeProblem = pointer()
+    numbers: FunctionNumbers = pointer()  # of the function that decides
+    projection: FunctionNumbers = pointer()  # of the function that projects

@@ -1,0 +1,510 @@
+"""Which joints stick and which ropes are taut at a state of a motion, and the speeds with which it goes on.
+
+Ropes strike first: where the ends of ropes at their length move apart, those speeds are taken at which they
+do not and to which the change has the least kinetic energy [Moreau, Unilateral contact and dry friction in
+finite freedom dynamics, 1988]. That is the problem of the modes of ropes with rates in the place of
+accelerations. Friction is finite and transmits nothing in an instant.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symbody.kernels.block import FunctionNumbers
+from symbody.kernels.events.event_location import sign
+from symbody.kernels.language import Function, Reals, is_finite, part
+from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, find_modes
+from symbody.kernels.modes.mode_problem import BOUNDED, HOLDS, LOOSE, UNILATERAL, ModeElement
+from symbody.kernels.modes.mode_switch import DECIDED, SHOCK, ModeSwitch, SwitchingElement
+from symbody.kernels.modes.mode_trial import SOLVED, solve_modes
+from symbody.kernels.runge_kutta import call, copy
+
+# What `settle_modes` returns.
+SETTLED: Final = 0
+NO_MODES: Final = 1  # that fit all laws, or more than one; see `verdict`
+NO_SPEEDS: Final = 2  # that keep the ropes taut
+FUNCTION_FAULT: Final = 3
+LONG_ROPE: Final = 4  # an action left a rope longer than it can be
+
+AT_REST: Final = 1e-9  # of the largest rates so far, `symbody.tolerances`
+AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
+FAST: Final = 1e6  # ends that approach so many times faster than at rest do not come back at once
+
+
+def show_modes(switch: ModeSwitch, numbers: FunctionNumbers) -> None:
+    """Write the modes among the inputs of a function."""
+    for k in range(switch.count):
+        numbers.inputs[switch.first_input + k] = float(switch.elements[k].mode)
+
+
+def show_free(switch: ModeSwitch, numbers: FunctionNumbers) -> None:
+    """Let nothing hold in a function."""
+    for k in range(switch.count):
+        numbers.inputs[switch.first_input + k] = float(LOOSE)
+
+
+def settle_modes(d: Function, w: Function, switch: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
+    """Let ropes strike and decide the modes at a state x = (u, q, s, work); return one of the codes above.
+
+    Speeds are changed to fit the modes; by what the energy changes is work. Z has room for two more rows.
+    """
+    switch.changed = 0.0
+    if measure(d, switch, t, x) != 0:
+        return FUNCTION_FAULT
+    note_rates(switch, x)
+    if are_struck(switch) == 1:
+        code = strike_ropes(d, w, switch, Z, t, x)
+        if code != SETTLED:
+            return code
+        if measure(d, switch, t, x) != 0:
+            return FUNCTION_FAULT
+        forget_modes(switch)
+    copy(switch.states, x, switch.fitted)
+    open_elements(switch, 0)
+    choose_direction(switch)
+    code = decide(switch)
+    if switch.ropes > 0 and code == ONE and open_elements(switch, 1) == 1:
+        code = decide(switch)
+    switch.verdict = code
+    if code != ONE:
+        return NO_MODES
+    is_new = take_modes(switch)
+    code = fit_speeds(d, w, switch, t, x)
+    if code == SETTLED and is_new == 1:
+        record(switch, Z, DECIDED, t, switch.fitted, 0.0)
+    return code
+
+
+def forget_modes(switch: ModeSwitch) -> None:
+    """Let the modes so far not matter any more where others are decided."""
+    for k in range(switch.count):
+        switch.elements[k].before = 0.0
+        switch.elements[k].ended = 0.0
+
+
+def measure(d: Function, switch: ModeSwitch, t: float, x: Reals) -> int:
+    """Compute what decides at a state; return the status of the function."""
+    status = call(d, switch.speeds, switch.numbers, t, x, switch.out)
+    if status != 0:
+        switch.fault = status
+        return status
+    joints = switch.count - switch.ropes
+    motion = part(switch.out, switch.out_size - 1 - joints - 3 * switch.ropes, joints + 3 * switch.ropes)
+    for k in range(switch.count):
+        element = switch.elements[k]
+        element.rate = motion[k]
+        if element.is_rope != 0.0:
+            rope = k - joints
+            element.slackness = motion[joints + rope]
+            element.rate = motion[joints + switch.ropes + rope]
+            element.length = motion[joints + 2 * switch.ropes + rope]
+    return 0
+
+
+def energy_of(switch: ModeSwitch) -> float:
+    """Return the energy at the state that was measured last [J]."""
+    return switch.out[switch.out_size - 1]
+
+
+def note_rates(switch: ModeSwitch, x: Reals) -> None:
+    """Note how fast the mechanism is, in its size a second."""
+    for i in range(switch.speeds):
+        switch.fastest = max(switch.fastest, abs(x[i]) / switch.sizes[i])
+
+
+def slow_rate(switch: ModeSwitch, element: SwitchingElement) -> float:
+    """Return the rate below which an element is at rest."""
+    return AT_REST * switch.fastest * element.unit
+
+
+def was_taut(element: SwitchingElement) -> int:
+    """Return 1 if a rope was taut in the mode that still matters, else 0."""
+    if element.before != 0.0 and element.mode == HOLDS:
+        return 1
+    return 0
+
+
+def is_tight(element: SwitchingElement) -> int:
+    """Return 1 if a rope is at its length: one that was taut is, whatever drift there is."""
+    if was_taut(element) == 1 or element.slackness <= AT_LENGTH * element.length:
+        return 1
+    return 0
+
+
+def find_long_rope(d: Function, switch: ModeSwitch, t: float, x: Reals) -> int:
+    """Return which element is a rope longer than it can be at a state that was set, from 1; 0 for none."""
+    if switch.ropes == 0 or measure(d, switch, t, x) != 0:
+        return 0
+    for k in range(switch.count):
+        element = switch.elements[k]
+        if element.is_rope != 0.0 and element.slackness < -AT_LENGTH * element.length:
+            return k + 1
+    return 0
+
+
+def are_struck(switch: ModeSwitch) -> int:
+    """Return 1 if the ends of a rope at its length move apart that was not taut, else 0."""
+    for k in range(switch.count):
+        element = switch.elements[k]
+        if element.is_rope != 0.0 and was_taut(element) == 0 and is_tight(element) == 1:
+            if element.rate < -slow_rate(switch, element):
+                return 1
+    return 0
+
+
+def strike_ropes(d: Function, w: Function, switch: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
+    """Change the speeds to those behind the shock of ropes whose ends move apart."""
+    energy = energy_of(switch)
+    if find_impulses(switch) != ONE:
+        return NO_SPEEDS
+    copy(switch.states, x, switch.fitted)
+    if project_speeds(w, switch, t, x) != 0:
+        return NO_SPEEDS
+    if measure(d, switch, t, x) != 0:
+        return FUNCTION_FAULT
+    n = switch.states
+    x[n - 1] = x[n - 1] + (energy_of(switch) - energy)
+    record(switch, Z, SHOCK, t, switch.fitted, switch.lost)
+    switch.changed = 1.0
+    return SETTLED
+
+
+def find_impulses(switch: ModeSwitch) -> int:
+    """Find with which impulses ropes pull so that the ends of none move apart, and show them as taut.
+
+    Each loses half of its impulse times the rate it ends. Returns the verdict of `find_modes`.
+    """
+    for k in range(switch.count):
+        element = switch.elements[k]
+        element.impulse = 0.0
+        element.opens = LOOSE
+        element.is_decided = 1.0
+        if element.is_rope != 0.0 and is_tight(element) == 1:
+            element.opens = HOLDS
+            element.is_decided = 0.0
+    fill_problem(switch, 1)
+    problem = switch.problem
+    verdict = find_modes(problem)
+    projection = switch.projection
+    show_free(switch, projection)
+    switch.lost = 0.0
+    largest = 0.0
+    for k in range(problem.count):
+        largest = max(largest, problem.efforts[k])
+    for k in range(problem.count):
+        place = int(switch.places[int(switch.acting[k])])
+        if problem.elements[k].mode == HOLDS:
+            rope = switch.elements[place]
+            projection.inputs[switch.first_input + place] = float(HOLDS)
+            switch.lost = switch.lost - 0.5 * problem.efforts[k] * rope.rate
+            if problem.efforts[k] > BALANCED * largest:
+                rope.impulse = problem.efforts[k]
+                rope.mode = HOLDS
+    return verdict
+
+
+def open_elements(switch: ModeSwitch, again: int) -> int:
+    """Say what is known of each element before modes are decided; return 1 if that differs from before.
+
+    What moves has its mode. A rope is slack if it is shorter or its ends approach; `again` if the mode problem
+    holds accelerations of a first decision.
+    """
+    differs = 0
+    for k in range(switch.count):
+        element = switch.elements[k]
+        opens = HOLDS
+        is_decided = 0.0
+        if element.is_rope != 0.0:
+            if is_slack(switch, element, again) == 1:
+                opens = LOOSE
+                is_decided = 1.0
+        elif abs(element.rate) > slow_rate(switch, element):
+            opens = int(sign(element.rate))
+            is_decided = 1.0
+        if again == 0 or element.is_rope != 0.0:
+            if opens != element.opens or is_decided != element.is_decided:
+                differs = 1
+            element.opens = opens
+            element.is_decided = is_decided
+    return differs
+
+
+def is_slack(switch: ModeSwitch, element: SwitchingElement, again: int) -> int:
+    """Return 1 if a rope is slack whatever efforts are, else 0.
+
+    One that is taut again before its ends have measurably approached stays taut.
+    """
+    if element.ended != 0.0 and was_taut(element) == 1:
+        return 1
+    if is_tight(element) == 0:
+        return 1
+    rate = element.rate
+    if was_taut(element) == 1:
+        rate = 0.0
+    slow = slow_rate(switch, element)
+    if rate > slow:
+        back = 0.0
+        if again == 1:
+            back = -acceleration_of(switch, element.candidate)
+        if rate > FAST * slow or not rate * rate <= 2.0 * back * AT_LENGTH * element.length:
+            return 1
+    return 0
+
+
+def acceleration_of(switch: ModeSwitch, candidate: int) -> float:
+    """Return the acceleration along the row of a candidate with the efforts that were found."""
+    problem = switch.problem
+    count = switch.candidates
+    total = switch.out[3 * (count - switch.ropes) + candidate]
+    responses = part(switch.out, 3 * (count - switch.ropes) + count + candidate * count, count)
+    for k in range(problem.count):
+        if int(switch.acting[k]) == candidate:
+            return problem.accelerations[k]
+        total = total + responses[int(switch.acting[k])] * problem.efforts[k]
+    return total
+
+
+def choose_direction(switch: ModeSwitch) -> None:
+    """Let a joint that breaks away slip against the effort that held it."""
+    broken = find_broken(switch)
+    if broken < 0:
+        return
+    for k in range(switch.count):
+        element = switch.elements[k]
+        switch.kept[k] = float(element.opens)
+        if element.is_decided == 0.0:
+            element.opens = element.mode
+    fill_problem(switch, 0)
+    status = solve_modes(switch.problem)
+    for k in range(switch.count):
+        switch.elements[k].opens = int(switch.kept[k])
+    joint = switch.elements[broken]
+    for k in range(switch.problem.count):
+        if int(switch.acting[k]) == joint.candidate and status == SOLVED:
+            joint.opens = int(-sign(switch.problem.efforts[k]))
+            joint.is_decided = 1.0
+
+
+def find_broken(switch: ModeSwitch) -> int:
+    """Return the joint at rest whose sticking an event has ended, -1 if there is none."""
+    broken = -1
+    for k in range(switch.count):
+        element = switch.elements[k]
+        if element.is_rope == 0.0 and element.ended != 0.0 and element.before != 0.0:
+            if element.mode == HOLDS and element.is_decided == 0.0:
+                broken = k
+    return broken
+
+
+def fill_problem(switch: ModeSwitch, is_shock: int) -> None:
+    """Write what decides into the mode problem; ropes that are slack whatever efforts are take no part.
+
+    At length 0 these have no direction. Of a shock, ropes at their length alone, with rates in the place of
+    accelerations.
+    """
+    problem = switch.problem
+    candidates = switch.candidates
+    count = 0
+    normal = 0
+    for k in range(candidates):
+        place = int(switch.places[k])
+        normals = int(switch.normals[k])
+        if takes_part(switch, place, is_shock) == 1:
+            element = problem.elements[count]
+            element.row = count
+            element.normal = normal
+            element.normals = normals
+            fill_element(switch, element, k, place, is_shock)
+            switch.acting[count] = float(k)
+            count = count + 1
+        normal = normal + normals
+    problem.count = count
+    problem.rows = count
+    problem.columns = count + 1
+    problem.components = switch.components
+    if is_shock == 1:
+        problem.components = 0
+    copy_responses(switch, is_shock)
+
+
+def takes_part(switch: ModeSwitch, place: int, is_shock: int) -> int:
+    """Return 1 if a candidate is part of the mode problem, else 0."""
+    if place < 0:
+        return 1 - is_shock
+    element = switch.elements[place]
+    if element.is_rope == 0.0:
+        return 1 - is_shock
+    if element.is_decided != 0.0:
+        return 0
+    return 1
+
+
+def fill_element(switch: ModeSwitch, element: ModeElement, candidate: int, place: int, is_shock: int) -> None:
+    """Write one candidate into the mode problem."""
+    joints = switch.candidates - switch.ropes
+    size = switch.out[3 * joints + candidate_block(switch) + candidate]
+    element.law = BOUNDED
+    element.scale = switch.units[candidate]
+    element.rounding = BALANCED * size + CANCELLED * element.scale / (switch.time * switch.time)
+    element.sliding = 0.0
+    element.static = 0.0
+    element.moves = 0.0
+    element.mode = HOLDS
+    element.first = 0.0
+    element.second = 0.0
+    if is_shock == 1:
+        element.rounding = 0.0
+    if candidate >= joints:
+        element.law = UNILATERAL
+    else:
+        element.sliding = switch.out[3 * candidate + 1]
+        element.static = switch.out[3 * candidate + 2]
+        if place < 0:
+            element.first = switch.out[3 * candidate]
+            element.moves = 1.0
+            element.mode = LOOSE
+            if element.first < 0.0:
+                element.mode = -LOOSE
+    if place >= 0:
+        own = switch.elements[place]
+        element.mode = own.opens
+        element.moves = own.is_decided
+        element.first = float(own.opens)
+
+
+def candidate_block(switch: ModeSwitch) -> int:
+    """Return how many numbers lie between the laws and the sizes of accelerations."""
+    n = switch.candidates
+    return n + n * n + switch.components + switch.components * n
+
+
+def copy_responses(switch: ModeSwitch, is_shock: int) -> None:
+    """Write the responses of the candidates that take part into the mode problem."""
+    problem = switch.problem
+    n = switch.candidates
+    count = problem.count
+    first = 3 * (n - switch.ropes)
+    offsets = part(switch.out, first, n)
+    responses = part(switch.out, first + n, n * n)
+    loads = part(switch.out, first + n + n * n, switch.components)
+    reactions = part(switch.out, first + n + n * n + switch.components, switch.components * n)
+    for i in range(count):
+        row = int(switch.acting[i])
+        problem.offsets[i] = offsets[row]
+        if is_shock == 1:
+            problem.offsets[i] = switch.elements[int(switch.places[row])].rate
+        for j in range(count):
+            problem.responses[i * count + j] = responses[row * n + int(switch.acting[j])]
+    for i in range(problem.components):
+        problem.loads[i] = loads[i]
+        for j in range(count):
+            problem.reactions[i * count + j] = reactions[i * n + int(switch.acting[j])]
+
+
+def decide(switch: ModeSwitch) -> int:
+    """Return the verdict of `find_modes` on what is known of the elements."""
+    fill_problem(switch, 0)
+    problem = switch.problem
+    for i in range(problem.count):
+        if not is_finite(problem.offsets[i]):
+            return NOT_FOUND
+        for j in range(problem.count):
+            if not is_finite(problem.responses[i * problem.count + j]):
+                return NOT_FOUND
+    return find_modes(problem)
+
+
+def take_modes(switch: ModeSwitch) -> int:
+    """Take the modes that were found; return 1 if some differ, or are the first."""
+    is_new = int(1.0 - switch.known)
+    problem = switch.problem
+    for k in range(switch.count):
+        element = switch.elements[k]
+        mode = LOOSE
+        if element.is_decided != 0.0:
+            mode = element.opens
+        for j in range(problem.count):
+            if int(switch.acting[j]) == element.candidate:
+                mode = problem.elements[j].mode
+        if mode != element.mode:
+            is_new = 1
+        element.mode = mode
+        element.before = 1.0
+        element.ended = 0.0
+    switch.known = 1.0
+    if is_new == 1:
+        switch.changed = 1.0
+    return is_new
+
+
+def project_speeds(w: Function, switch: ModeSwitch, t: float, x: Reals) -> int:
+    """Give a state speeds that fit the rows that hold, by the least kinetic energy; return the status."""
+    n = switch.speeds
+    status = call(w, n, switch.projection, t, x, switch.moves)
+    if status == 0:
+        first = switch.moves_size - n
+        for i in range(n):
+            x[i] = x[i] + switch.moves[first + i]
+    return status
+
+
+def fit_speeds(d: Function, w: Function, switch: ModeSwitch, t: float, x: Reals) -> int:
+    """Give a state speeds that fit the modes, and note what ends these."""
+    energy = energy_of(switch)
+    show_modes(switch, switch.projection)
+    if project_speeds(w, switch, t, x) != 0:
+        return NO_SPEEDS
+    moved = 0
+    for i in range(switch.speeds):
+        if x[i] != switch.fitted[i]:
+            moved = 1
+    if moved == 1:
+        switch.changed = 1.0
+        set_levels(switch)
+        if measure(d, switch, t, x) != 0:
+            return FUNCTION_FAULT
+        n = switch.states
+        x[n - 1] = x[n - 1] + (energy_of(switch) - energy)
+    else:
+        set_levels(switch)
+    return SETTLED
+
+
+def set_levels(switch: ModeSwitch) -> None:
+    """Note what is taken from the values that end modes.
+
+    A slack rope that is at its length up to rounding is exactly there, and one without tension but for
+    rounding has none.
+    """
+    n = switch.candidates
+    joints = n - switch.ropes
+    for k in range(switch.count):
+        element = switch.elements[k]
+        element.level = 0.0
+        if element.is_rope != 0.0:
+            if element.mode != HOLDS:
+                if abs(element.slackness) <= AT_LENGTH * element.length:
+                    element.level = element.slackness
+            else:
+                c = element.candidate
+                response = switch.out[3 * joints + n + c * n + c]
+                size = switch.out[3 * joints + candidate_block(switch) + c]
+                rounding = BALANCED * size + CANCELLED * element.unit / (switch.time * switch.time)
+                if response > 0.0:
+                    element.level = CANCELLED / BALANCED * rounding / response
+
+
+def record(switch: ModeSwitch, Z: Reals, kind: float, t: float, x: Reals, lost: float) -> None:
+    """Write down modes or impulses, and the state before."""
+    n = switch.states
+    m = switch.count
+    row = part(Z, (3 + m + n) * switch.recorded, 3 + m + n)
+    row[0] = kind
+    row[1] = t
+    row[2] = lost
+    for k in range(m):
+        row[3 + k] = float(switch.elements[k].mode)
+        if kind == SHOCK:
+            row[3 + k] = switch.elements[k].impulse
+    copy(n, x, part(row, 3 + m, n))
+    switch.recorded = switch.recorded + 1

@@ -1,0 +1,191 @@
+"""A motion along which joints stick and slip and ropes go taut: at an end of a mode it goes on in others.
+
+All else that happens on its way is that of `sampled_motion`: events and samples come before modes, which are
+decided where one has ended, and where an action, a sample or a jump has changed what they follow from.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symbody.kernels.block import (
+    CUT,
+    FINISHED,
+    MODE_FAULT,
+    NO_MODE_ROOM,
+    RUNNING,
+    TOO_LONG,
+    UNDECIDED,
+    UNMOVABLE,
+    FunctionNumbers,
+    Run,
+)
+from symbody.kernels.events.event_interruptions import values_before, watch_again
+from symbody.kernels.events.event_location import compute_values
+from symbody.kernels.events.event_monitor import EventMonitor
+from symbody.kernels.events.watched_motion import go_on
+from symbody.kernels.language import Function, Reals
+from symbody.kernels.modes.mode_switch import ModeSwitch
+from symbody.kernels.modes.switch_modes import (
+    FUNCTION_FAULT,
+    LONG_ROPE,
+    NO_MODES,
+    NO_SPEEDS,
+    SETTLED,
+    find_long_rope,
+    forget_modes,
+    note_rates,
+    settle_modes,
+    show_modes,
+)
+from symbody.kernels.record_layout import exists
+from symbody.kernels.runge_kutta import copy
+from symbody.kernels.samples.sample_hold import SampleHold
+from symbody.kernels.samples.sampled_motion import happen_or_step
+from symbody.kernels.samples.sampling import is_due, show_values
+
+MOST_ROWS: Final = 4  # of the record of modes that one step may take
+
+
+def show_all_modes(switch: ModeSwitch, run: Run, monitor: EventMonitor, Q: FunctionNumbers) -> None:
+    """Write the modes among the inputs of all functions of a motion, and what is taken from watched values."""
+    show_modes(switch, run.numbers)
+    if exists(run.projection):
+        show_modes(switch, run.projection.numbers)
+    show_modes(switch, monitor.numbers)
+    if exists(monitor.actions):
+        show_modes(switch, monitor.actions)
+    if exists(monitor.closing):
+        show_modes(switch, monitor.closing.numbers)
+    if Q.input_count > 0:
+        show_modes(switch, Q)
+    for k in range(switch.count):
+        event = monitor.events[switch.first_event + k]
+        event.level = switch.elements[k].level
+
+
+def forget_ends(switch: ModeSwitch, monitor: EventMonitor) -> None:
+    """Forget on which side of zero the values were that end modes: others end the next ones."""
+    for k in range(switch.count):
+        event = monitor.events[switch.first_event + k]
+        event.side = 0.0
+        event.goes_through = 0.0
+        event.just_happened = 0.0
+        event.was = 0.0
+        event.done = 0.0
+        event.waits = 0.0
+        event.largest = 0.0
+
+
+def note_ends(switch: ModeSwitch, monitor: EventMonitor) -> None:
+    """Take over from the search for events which modes have ended, and whether an action came before."""
+    for k in range(switch.count):
+        event = monitor.events[switch.first_event + k]
+        switch.elements[k].ended = 0.0
+        if monitor.ended == switch.first_event + k + 1:
+            switch.elements[k].ended = 1.0
+        if event.just_happened != 0.0:
+            event.just_happened = 0.0
+    monitor.ended = 0
+    if monitor.has_acted != 0.0:
+        forget_modes(switch)
+
+
+def run_code(code: int) -> int:
+    """Return the code of `block` for one of `switch_modes`."""
+    if code == NO_MODES:
+        return UNDECIDED
+    if code == NO_SPEEDS:
+        return UNMOVABLE
+    if code == LONG_ROPE:
+        return TOO_LONG
+    if code == FUNCTION_FAULT:
+        return MODE_FAULT
+    return RUNNING
+
+
+def switch_at_cut(
+    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor,
+    held: SampleHold, Q: FunctionNumbers, switch: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
+) -> int:  # fmt: skip
+    """Go on behind a cut in the modes that are decided there; return a code of `block`."""
+    state = monitor.after
+    show_values(held, switch.numbers)
+    note_ends(switch, monitor)
+    if monitor.has_acted != 0.0:
+        switch.culprit = find_long_rope(d, switch, monitor.cut, state)
+        if switch.culprit != 0:
+            return TOO_LONG
+    code = settle_modes(d, w, switch, Z, monitor.cut, state)
+    if code != SETTLED:
+        return run_code(code)
+    show_all_modes(switch, run, monitor, Q)
+    if switch.changed == 0.0:
+        monitor.has_acted = 0.0
+        return go_on(f, run, monitor, times, t, x, breaks)
+    monitor.has_acted = 0.0
+    monitor.rate_known = 0.0
+    forget_ends(switch, monitor)
+    code = go_on(f, run, monitor, times, t, x, breaks)
+    watch_again(e, run, monitor)
+    forget_ends(switch, monitor)
+    return code
+
+
+def have_ended(e: Function, run: Run, monitor: EventMonitor, switch: ModeSwitch) -> int:
+    """Return 1 if a mode does not last at the present state, else 0."""
+    compute_values(e, monitor, run.time, run.state_old)
+    for k in range(switch.count):
+        if not monitor.values[switch.first_event + k] > 0.0:
+            return 1
+    return 0
+
+
+def switch_at_sample(
+    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor,
+    held: SampleHold, Q: FunctionNumbers, switch: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
+) -> int:  # fmt: skip
+    """Go on behind a sample in the modes that are decided there; return a code of `block`."""
+    if have_ended(e, run, monitor, switch) == 0:
+        return RUNNING
+    show_values(held, switch.numbers)
+    code = settle_modes(d, w, switch, Z, run.time, run.state_old)
+    if code != SETTLED:
+        return run_code(code)
+    if switch.changed == 0.0:
+        return RUNNING
+    show_all_modes(switch, run, monitor, Q)
+    monitor.cut = run.time
+    copy(run.states, run.state_old, monitor.after)
+    code = go_on(f, run, monitor, times, t, x, breaks)
+    watch_again(e, run, monitor)
+    forget_ends(switch, monitor)
+    return code
+
+
+def advance_switching(
+    f: Function, g: Function, e: Function, a: Function, c: Function, h: Function, d: Function, w: Function,
+    run: Run, monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, switch: ModeSwitch, times: Reals,
+    t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, Y: Reals, Z: Reals, trials: int,
+) -> int:  # fmt: skip
+    """Try up to so many steps, take samples, let events happen and modes change; return a code of `block`.
+
+    `d` writes what decides about modes, `w` what projects speeds; see `mode_switch`.
+    """
+    for _trial in range(trials):
+        if switch.recorded + MOST_ROWS > switch.room:
+            return NO_MODE_ROOM
+        is_sample = is_due(held, run.time)
+        code = happen_or_step(
+            f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y
+        )
+        note_rates(switch, run.state_old)
+        if is_sample != 0 and code == RUNNING:
+            code = switch_at_sample(f, e, d, w, run, monitor, held, Q, switch, times, t, x, breaks, Z)
+        if code == CUT:
+            code = switch_at_cut(f, e, d, w, run, monitor, held, Q, switch, times, t, x, breaks, Z)
+            if code == FINISHED and is_due(held, run.time) != 0:
+                code = RUNNING
+        if code != RUNNING:
+            return code
+    return RUNNING
