@@ -227,7 +227,7 @@ class _MotionByPieces:
         self._pieces.add_energy(float(after[-1] - piece.run.stored["work"][-1]))
         self._pieces.leave_out(t, is_replaced=True)
         if self._modes is not None:
-            self._modes.check_ropes(t, after[:-1])
+            self._modes.check_ropes(t, after[:-1], piece.happened[-1].name)
         return PieceStart(t, after[:-1], is_changed=True)
 
     def _check_chatter(self, t: float) -> None:

@@ -104,6 +104,12 @@ class Motion:
         return self.problem.eqs
 
     @property
+    def rows(self) -> tuple[str, ...]:
+        """The multipliers of the constraints that hold at the start."""
+        idle = frozenset[str]() if self.modes is None else self.modes.idle_rows
+        return tuple(name for name in self.eqs.multiplier_names if name not in idle)
+
+    @property
     def permanent_problem(self) -> SimulationProblem:
         """The problem with those constraints alone that hold in all modes."""
         return self.problem.permanent or self.problem

@@ -41,6 +41,14 @@ class ModalEquations:
     ropes: tuple[str, ...] = ()
     modes: tuple[str, ...] = ()
 
+    def row_names(self, element: str) -> tuple[str, ...]:
+        """Return the multipliers of the rows of an element."""
+        rows = self.eqs.formed.rows
+        if element in self.ropes:
+            return tuple(row.name for row in rows if row.element == element)
+        law = next(law for law in self.eqs.formed.friction if law.joint.name == element)
+        return (law.holding_effort,)
+
     @property
     def names(self) -> tuple[str, ...]:
         """All elements."""

@@ -153,6 +153,7 @@ class EventMonitor(RecordLayout):
     unturned: float  # whether the culprit's value goes on as before its action at a start
     hands_over: float  # whether a motion ends at an action, and goes on outside from the state `after`
     has_acted: float  # whether it ended so
+    actor: int  # the event that has acted last, from 1
     ended: int  # the event that has ended a mode, from 1
     mode_count: int  # modes among the inputs of the functions, and the place of the first one
     first_mode: int

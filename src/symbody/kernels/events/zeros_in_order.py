@@ -247,6 +247,7 @@ def let_happen(
         take_rates(monitor)
         monitor.rate_known = 1.0
         monitor.has_acted = 1.0
+        monitor.actor = place + 1
         step = monitor.current
         longest = abs(breaks[step + 1] - breaks[step])
         after = monitor.after

@@ -22,6 +22,7 @@ class SwitchingElement(RecordLayout):
     is_rope: float
     unit: float  # what counts as a large displacement: 1 rad, or the size of the mechanism
     mode: int
+    written: int  # its mode in the record
     before: float  # whether the mode still matters where others are decided
     opens: int  # the mode with which the search begins
     is_decided: float  # whether that is its mode

@@ -28,6 +28,7 @@ LONG_ROPE: Final = 4  # an action left a rope longer than it can be
 
 AT_REST: Final = 1e-9  # of the largest rates so far, `symbody.tolerances`
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
+UNWRITTEN: Final = 2  # no mode: the next one is written down
 FAST: Final = 1e6  # ends that approach so many times faster than at rest do not come back at once
 
 
@@ -200,6 +201,7 @@ def find_impulses(switch: ModeSwitch) -> int:
             if problem.efforts[k] > BALANCED * largest:
                 rope.impulse = problem.efforts[k]
                 rope.mode = HOLDS
+                rope.written = UNWRITTEN
     return verdict
 
 
@@ -427,8 +429,11 @@ def take_modes(switch: ModeSwitch) -> int:
             if int(switch.acting[j]) == element.candidate:
                 mode = problem.elements[j].mode
         if mode != element.mode:
+            switch.changed = 1.0
+        if mode != element.written:
             is_new = 1
         element.mode = mode
+        element.written = mode
         element.before = 1.0
         element.ended = 0.0
     switch.known = 1.0

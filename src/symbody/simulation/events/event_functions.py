@@ -19,6 +19,7 @@ from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Output
 from symbody.expr.sequences.sequence import Sequence as Operations
+from symbody.kernels.record_layout import exists
 from symbody.kernels.events.event_monitor import RECORDS, SETS, STOPS, SWITCHES, EventMonitor
 from symbody.simulation.events.events import Event, LevelEvent, ModeEnd
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
@@ -109,6 +110,10 @@ class EventFunctions:
         block = self._first_block.copy()
         monitor = EventMonitor(block)
         monitor.span, monitor.hands_over = span, float(self._hands_over)
+        inputs = self._problem.laws.held_now()
+        for numbers in (monitor.numbers, monitor.actions):
+            if exists(numbers):
+                np.asarray(numbers.inputs)[:] = inputs
         return block
 
     @cached_property

@@ -151,6 +151,11 @@ class EventWatch:
         return np.array(own.after) if own.hands_over and own.has_acted and not own.culprit else None
 
     @property
+    def actor(self) -> str:
+        """The name of the event that has acted last."""
+        return self._functions.events[self._monitor.actor - 1].label
+
+    @property
     def has_ended_mode(self) -> bool:
         """Whether a mode has ended where the motion ends, which is to go on in others."""
         return self.modes is not None and self.modes.note_ends(self._block)
@@ -231,7 +236,7 @@ class EventWatch:
         if held is not None:
             held.show_watch(self._block)
         code = modes.advance(call, functions, self._block, self._happened, held)
-        self.ending = modes.ending(code) or self.ending
+        self.ending = modes.ending(code, self.actor) or self.ending
         return code
 
     def break_off(self, block: Floats, record: Record) -> None:

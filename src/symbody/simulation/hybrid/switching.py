@@ -26,9 +26,9 @@ from symbody.equations.solving.ropes import slacken
 from symbody.errors import Problem, UsageError
 from symbody.kernels import block as run_at
 from symbody.kernels.events.event_monitor import EventMonitor
-from symbody.kernels.modes.mode_problem import LOOSE, ModeElement, ModeProblem
+from symbody.kernels.modes.mode_problem import HOLDS, LOOSE, ModeElement, ModeProblem
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElement
-from symbody.kernels.modes.switch_modes import FUNCTION_FAULT, LONG_ROPE, NO_MODES, SETTLED
+from symbody.kernels.modes.switch_modes import FUNCTION_FAULT, NO_MODES, SETTLED
 from symbody.kernels.pack import pack
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.events.events import Event, ModeEnd
@@ -208,6 +208,13 @@ class SwitchingModes:
             value = f"if(abs({mode}) < 1/2, 'rope_tension {name}', 'rope_slack {name}')"
         return ModeEnd(value, -1, "stop", f"mode of {name}")
 
+    @property
+    def idle_rows(self) -> frozenset[str]:
+        """The multipliers of rows that do not hold at present."""
+        pairs = zip(self.modal.names, self.switch.elements, strict=True)
+        loose = [name for name, element in pairs if element.mode != HOLDS]
+        return frozenset(row for name in loose for row in self.modal.row_names(name))
+
     def snapshot(self) -> Floats:
         """Return what `resume` goes on from."""
         return self._block.copy()
@@ -247,34 +254,35 @@ class SwitchingModes:
         if code == FUNCTION_FAULT:
             self.raise_fault()
         if code != SETTLED:
-            raise self.dead_end(t, code)
+            raise self._dead_end(t, code)
         struck = self.record.rows[first : self.switch.recorded, 0] == SHOCK
         return SettledState(state[:-1], float(state[-1]), bool(struck.any()))
 
-    def dead_end(self, t: float, code: int) -> DeadEndError:
+    def _dead_end(self, t: float, code: int) -> DeadEndError:
         """Return why a motion ends, for a code of `switch_modes`."""
         if code == NO_MODES:
             return DeadEndError(t, Status.FRICTION, _UNDETERMINED[ModeVerdict(self.switch.verdict)])
-        if code == LONG_ROPE:
-            return DeadEndError(t, Status.UNMET_ACTION, self._too_long())
         return DeadEndError(t, Status.SINGULAR, _STUCK)
 
-    def _too_long(self) -> str:
+    def _too_long(self, label: str) -> str:
         name = self.modal.names[self.switch.culprit - 1]
         return (
-            f"an action moves the ends of {name} farther apart than the rope is long; set coordinates within "
+            f"the action of event {label!r} moves the ends of {name} farther apart than the rope is long; set coordinates within "
             f"its length"
         )
 
-    def ending(self, code: int) -> str:
-        """Return why a motion ended, for a code of `kernels.block`; empty for other ends."""
+    def ending(self, code: int, actor: str) -> str:
+        """Return why a motion ended, for a code of `kernels.block`; empty for other ends.
+
+        `actor` is the event that has acted last.
+        """
         if code == run_at.UNDECIDED:
             return _UNDETERMINED[ModeVerdict(self.switch.verdict)]
         if code == run_at.TOO_LONG:
-            return self._too_long()
+            return self._too_long(actor)
         return _STUCK if code == run_at.UNMOVABLE else ""
 
-    def check_ropes(self, t: float, x: Floats) -> None:
+    def check_ropes(self, t: float, x: Floats, actor: str) -> None:
         """Refuse a state, set by an event, in which a rope is longer than it can be.
 
         Raises
@@ -286,7 +294,7 @@ class SwitchingModes:
         place = _kernel("find_long_rope")(self._decides, address(self._block), t, address(state))
         if place:
             self.switch.culprit = place
-            raise self.dead_end(t, LONG_ROPE)
+            raise DeadEndError(t, Status.UNMET_ACTION, self._too_long(actor))
 
     def prepare(self, watch: Floats) -> None:
         """Tell a search for events where the modes stand among inputs, and what is taken from watched values."""

@@ -112,7 +112,7 @@ def _fitting_constraints(motion: Motion) -> Constraints:
     if not (motion.integrator is None or isinstance(motion.integrator, fits)):
         what = f"this integrator cannot be combined with {name}"
         raise UsageError(Problem("simulation.combination", "integrator", what, f"{name} {why}", f"use {fix}"))
-    return constraints if eqs.multiplier_names else _PROJECTION
+    return constraints if motion.rows else _PROJECTION
 
 
 def _run_method(

@@ -8,6 +8,7 @@ integration of Euler-Lagrange equations with constraints, J. Comput. Appl. Math.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -18,7 +19,7 @@ from symbody.analysis.derivatives import partial_derivatives, with_laws, with_ou
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.drift_correction import velocity_residual
 from symbody.equations.solving.solution import substitute_solution
-from symbody.expr.expression import Expr
+from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequences.sequence import Roots
@@ -60,7 +61,7 @@ def run_ggl(motion: Motion, method: Stiff, events: EventWatch | None) -> tuple[R
     SimulationError, EnvironmentFault
         If the solver does not start, or is not installed.
     """
-    eqs = drop_idle_rows(motion.eqs, motion.problem.parameters)
+    eqs = drop_idle_rows(_with_rows(motion.eqs, motion.rows), motion.problem.parameters)
     eqs, notes = _independent(motion, eqs)
     system = _GGLSystem(motion, _with_residual(eqs, motion))
     n, size = motion.state.size, motion.state.size + system.m + system.m_positions
@@ -91,6 +92,20 @@ def run_ggl(motion: Motion, method: Stiff, events: EventWatch | None) -> tuple[R
         motion.step_ends(SHARE_OF_PIECE),
     )  # fmt: skip
     return march(stepper, motion.course(events)), notes
+
+
+def _with_rows(eqs: EquationSet, names: Collection[str]) -> EquationSet:
+    """Return equations with those constraints alone that hold."""
+    if len(names) == len(eqs.formed.rows):
+        return eqs
+    kept = tuple(row for row in eqs.formed.rows if row.name in names)
+    zero = number(eqs.formed.graph, 0)
+    known = eqs.formed.names.with_values({row.name: zero for row in eqs.formed.rows if row.name not in names})
+    made: EquationSet = eqs.plans.get(
+        ("rows", tuple(names)),
+        lambda: EquationSet(eqs.model, replace(eqs.formed.with_rows(kept), names=known), eqs.notes),
+    )
+    return made
 
 
 def _independent(motion: Motion, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
