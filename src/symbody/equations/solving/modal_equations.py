@@ -14,6 +14,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.naming import Names
+from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import holding_row, switching_joints
 from symbody.expr.expression import Expr, number, symbol
@@ -46,8 +47,13 @@ class ModalEquations:
         rows = self.eqs.formed.rows
         if element in self.ropes:
             return tuple(row.name for row in rows if row.element == element)
-        law = next(law for law in self.eqs.formed.friction if law.joint.name == element)
-        return (law.holding_effort,)
+        return tuple(law.holding_effort for law in self.laws if law.joint.name == element)
+
+    @property
+    def laws(self) -> tuple[FrictionLaw, ...]:
+        """The friction of the joints, in their order."""
+        laws = {law.joint.name: law for law in self.eqs.formed.friction}
+        return tuple(laws[name] for name in self.joints)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.modes.reduced_modes import ModeVerdict
+from symbody.analysis.scales import Scales
 from symbody.codegen.call_arguments import address
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.kernel_library import load_kernels
@@ -31,7 +32,7 @@ from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElemen
 from symbody.kernels.modes.switch_modes import FUNCTION_FAULT, NO_MODES, SETTLED
 from symbody.kernels.pack import pack
 from symbody.kernels.samples.sample_hold import SampleHold
-from symbody.simulation.events.events import Event, ModeEnd
+from symbody.simulation.events.events import ModeEnd
 from symbody.simulation.hybrid.mode_record import ModeRecord
 from symbody.simulation.hybrid.rate_jumps import struck_friction
 from symbody.simulation.inputs.held_law import HeldLaw
@@ -110,14 +111,13 @@ class SwitchingModes:
     def __init__(self, problem: SimulationProblem) -> None:
         eqs = problem.eqs
         self.modal: ModalEquations = modal_equations(eqs)
-        self._joints = [_law(eqs.formed, name) for name in self.modal.joints]
         self._source = problem
         self._block = self._make_block(problem)
         states = eqs.state_names
         self.record = ModeRecord(
             self.modal.modes, self.modal.joints, self.modal.ropes, states, self.switch
         )
-        self.ends = tuple(map(self._end, range(len(self.modal.names))))
+        self.ends = mode_ends(self.modal)
         self.use(problem)
 
     @property
@@ -151,62 +151,20 @@ class SwitchingModes:
         self, problem: SimulationProblem
     ) -> tuple[CompiledFunction, CallbackFunction | None, int]:
         """Return the function of what decides, with what calls laws in Python, and where it lies."""
-        function = problem.compile_outputs(self._outputs())
+        function = problem.compile_outputs(deciding_outputs(self.modal))
         if not problem.laws.need_python:
             return function, None, function.address
         callback = CallbackFunction(function, problem.laws)
         return function, callback, callback.address
 
-    def _outputs(self) -> tuple[OutputName, ...]:
-        """Return what decides, see `ModeSwitch`."""
-        rates = [f"{law.coordinate}_dot" for law in self._joints]
-        words = ("rope_slack", "rope_slack_dot", "rope_length")
-        motion = (*rates, *(f"{word} {name}" for word in words for name in self.modal.ropes))
-        return OF_MODES, motion, "energy"
-
     def _make_block(self, problem: SimulationProblem) -> Floats:
-        eqs, scales, modal = problem.eqs, problem.scales, self.modal
-        laws = candidate_laws(eqs.formed)
-        counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(eqs.formed))
-        names = [law.joint.name for law in laws]
-        units = [1.0 if law.turns else scales.length for law in laws]
-        n, ropes, components = len(laws) + len(modal.ropes), len(modal.ropes), sum(counts)
-        first = len(problem.laws.callbacks)
-        function, projecting = problem.compile_outputs(self._outputs()), _projecting(problem, modal)
-        elements = [
-            pack(SwitchingElement, candidate=names.index(law.joint.name), unit=1.0 if law.turns else scales.length, mode=LOOSE)
-            for law in self._joints
-        ] + [
-            pack(SwitchingElement, candidate=len(laws) + k, is_rope=1.0, unit=scales.length, mode=LOOSE)
-            for k in range(ropes)
-        ]
-        places = [modal.joints.index(name) if name in modal.joints else -1 for name in names]
-        places += [len(modal.joints) + k for k in range(ropes)]
-        empty = [pack(ModeElement) for _ in range(n)]
-        return pack(
-            ModeSwitch, count=len(modal.names), ropes=ropes, candidates=n, components=components,
-            states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names),
-            out_size=sum(len(output.values) for output in function.outputs),
-            moves_size=sum(len(output.values) for output in projecting.outputs),
-            first_input=first, length=scales.length, time=scales.time, fastest=1.0 / scales.time,
-            elements=elements, places=places, normals=[*counts, *[0] * ropes], units=[*units, *[scales.length] * ropes],
-            sizes=scales.displacements(eqs),
-            problem=pack(ModeProblem, count=n, rows=n, components=components, columns=n + 1, elements=empty),
-            numbers=_numbers(function, first, problem.laws.table_numbers()),
-            projection=_numbers(projecting, first + len(modal.names), np.zeros(0)),
+        first, tables = len(problem.laws.callbacks), problem.laws.table_numbers()
+        deciding, projecting = problem.compile_outputs(deciding_outputs(self.modal)), _projecting(problem, self.modal)
+        return mode_block(
+            self.modal, problem.eqs, problem.scales, first,
+            (_numbers(deciding, first, tables), _size(deciding)),
+            (_numbers(projecting, first + len(self.modal.names), np.zeros(0)), _size(projecting)),
         )  # fmt: skip
-
-    def _end(self, place: int) -> Event:
-        """Return what ends the mode of an element: no reserve or no rate; no tension or its length."""
-        mode = self.modal.modes[place]
-        if place < len(self._joints):
-            law = self._joints[place]
-            name = law.joint.name
-            value = f"if(abs({mode}) < 1/2, 'friction_reserve {name}', {mode}*{law.coordinate}_dot)"
-        else:
-            name = self.modal.names[place]
-            value = f"if(abs({mode}) < 1/2, 'rope_tension {name}', 'rope_slack {name}')"
-        return ModeEnd(value, -1, "stop", f"mode of {name}")
 
     @property
     def idle_rows(self) -> frozenset[str]:
@@ -352,6 +310,74 @@ class SwitchingModes:
         check_status(self.switch.fault)
 
 
+def deciding_outputs(modal: ModalEquations) -> tuple[OutputName, ...]:
+    """Return what decides about modes, outputs of the equations whose modes are open; see `ModeSwitch`."""
+    words = ("rope_slack", "rope_slack_dot", "rope_length")
+    rates = [f"{law.coordinate}_dot" for law in modal.laws]
+    return OF_MODES, (*rates, *(f"{word} {name}" for word in words for name in modal.ropes)), "energy"
+
+
+def mode_ends(modal: ModalEquations) -> tuple[ModeEnd, ...]:
+    """Return what ends the mode of each element: no reserve or no rate; no tension or its length."""
+    joints = [
+        (mode, law.joint.name, f"'friction_reserve {law.joint.name}'", f"{mode}*{law.coordinate}_dot")
+        for mode, law in zip(modal.modes, modal.laws, strict=False)
+    ]
+    lines = [
+        (mode, name, f"'rope_tension {name}'", f"'rope_slack {name}'")
+        for mode, name in zip(modal.modes[len(joints) :], modal.ropes, strict=True)
+    ]
+    return tuple(
+        ModeEnd(f"if(abs({mode}) < 1/2, {held}, {loose})", -1, "stop", f"mode of {name}")
+        for mode, name, held, loose in (*joints, *lines)
+    )
+
+
+def mode_block(
+    modal: ModalEquations, eqs: EquationSet, scales: Scales, first_input: int, deciding: tuple[Floats, int],
+    projecting: tuple[Floats, int],
+) -> Floats:  # fmt: skip
+    """Return the array of a `ModeSwitch` along whose motion no modes have been decided yet.
+
+    Parameters
+    ----------
+    eqs : EquationSet
+        Whose modes are open.
+    first_input : int
+        The place of the modes among the inputs of all functions.
+    deciding, projecting : (array, int)
+        Numbers of the function of `deciding_outputs`, and of what projects states in `modal`; how many numbers
+        each writes.
+    """
+    laws = candidate_laws(eqs.formed)
+    counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(eqs.formed))
+    names, ropes, length = [law.joint.name for law in laws], len(modal.ropes), scales.length
+    n, components = len(laws) + ropes, sum(counts)
+    units = [1.0 if law.turns else length for law in laws] + [length] * ropes
+    candidates = [*(names.index(name) for name in modal.joints), *range(len(laws), n)]
+    elements = [
+        pack(SwitchingElement, candidate=k, is_rope=float(k >= len(laws)), unit=units[k], mode=LOOSE)
+        for k in candidates
+    ]
+    places = [candidates.index(k) if k in candidates else -1 for k in range(n)]
+    problem = pack(
+        ModeProblem, count=n, rows=n, components=components, columns=n + 1,
+        elements=[pack(ModeElement) for _ in range(n)],
+    )  # fmt: skip
+    return pack(
+        ModeSwitch, count=len(modal.names), ropes=ropes, candidates=n, components=components,
+        states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names), out_size=deciding[1],
+        moves_size=projecting[1], first_input=first_input, length=length, time=scales.time,
+        fastest=1.0 / scales.time, elements=elements, places=places, normals=[*counts, *[0] * ropes],
+        units=units, sizes=scales.displacements(eqs), problem=problem, numbers=deciding[0],
+        projection=projecting[0],
+    )  # fmt: skip
+
+
+def _size(function: CompiledFunction) -> int:
+    return sum(len(output.values) for output in function.outputs)
+
+
 class _Sampling:
     """What takes samples in the loop, or nothing."""
 
@@ -369,10 +395,6 @@ class _Sampling:
         """Grow, or raise a fault, by the code of a loop."""
         if self._held is not None:
             self._held.make_room(code)
-
-
-def _law(formed: EquationsOfMotion, joint: str) -> Any:
-    return next(law for law in formed.friction if law.joint.name == joint)
 
 
 def _projecting(problem: SimulationProblem, modal: ModalEquations) -> CompiledFunction:
