@@ -3,8 +3,6 @@
 Sixteen fragments, each with one thing that happens, stand in fourteen models so that each two of them meet; each model
 is computed by every consumer, and each value agrees with that of its fragment alone. The exhaustive tier takes each
 two of them by themselves, too.
-
-`ALONE` and `TOGETHER` are what is not right yet. A row that turns right fails its test until it is taken out of them.
 """
 
 from __future__ import annotations
@@ -44,44 +42,12 @@ MODELS = (
     (PYTHON, GEARS, LOOP, LAG, MEASURED, CONTACT),
     (OSCILLATOR, DRY, TABLE, GEARS, STOP, QUATERNION),
 )
-SIMULATE = tuple(way for way in WAYS if way.startswith("simulate"))
-STEPPERS = ("Stepper", "Stepper Stiff", "LaneStepper")
-SWEEPS = ("sweep", "sweep Stiff")
-PROGRAMS = ("C", "JavaScript")
-FMUS = ("FMU co-simulation", "FMU model exchange")
 # In the fast tier with all models; the others take turns.
 ALWAYS = ("simulate",)
 
-# Consumers and fragment -> what they make of it today: a code where it is rejected, or the values that are wrong.
-ALONE: tuple[tuple[tuple[str, ...], str, str], ...] = (
-    (PROGRAMS, DRY, "simulation.program"),
-    (PROGRAMS, ROPE, "simulation.program"),
-    (("live page",), DRY, "animation.live_switching"),
-    (("live page",), ROPE, "animation.live_switching"),
-)
-# The same of two fragments.
-TOGETHER: tuple[tuple[tuple[str, ...], tuple[str, str], str], ...] = ()
-
-
-class NotYetError(Exception):
-    """What is listed above."""
-
-
-def expected(way: str, names: tuple[str, ...]) -> set[str]:
-    """What a consumer may make today of fragments beside each other; nothing if it has to be right."""
-    found = {word for ways, name, word in ALONE if way in ways and name in names}
-    found |= {word for ways, pair, word in TOGETHER if way in ways and set(pair) <= set(names)}
-    wrong = sorted({value for word in found if word.startswith("wrong: ") for value in word[7:].split(", ")})
-    codes = {word for word in found if not word.startswith("wrong: ")}
-    return codes or ({f"wrong: {', '.join(wrong)}"} if wrong else set())
-
-
 def row(way: str, names: tuple[str, ...], substitute: bool, *, is_fast: bool) -> Any:
-    """A consumer and fragments as a case, expected to fail where it does today."""
+    """A consumer and fragments as a case."""
     marks = [] if is_fast else [pytest.mark.exhaustive]
-    today = expected(way, names)
-    if today:
-        marks.append(pytest.mark.xfail(strict=True, raises=NotYetError, reason=" or ".join(sorted(today))))
     return pytest.param(way, names, substitute, marks=marks, id=f"{way} - {', '.join(names)}")
 
 
@@ -108,12 +74,7 @@ def controller(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def check(way: str, names: tuple[str, ...], substitute: bool, controller: Path, folder: Path) -> None:
     result = outcome(Question(tuple(FRAGMENTS[name] for name in names), folder, controller, substitute), way)
-    if result == "right":
-        return
-    today = expected(way, names)
-    if result in today:
-        raise NotYetError(result)
-    raise AssertionError(result)
+    assert result == "right"
 
 
 def test_each_two_fragments_meet() -> None:

@@ -1,7 +1,6 @@
 """Two or three things that happen to the same coordinate, by whatever computes a motion.
 
-Each mechanism has a derivation of its own (`motion_couplings`). `TODAY` is what is not right yet: a row that turns right
-fails its test until it is taken out. Meetings that are about arguments, stores and times are in
+Each mechanism has a derivation of its own (`motion_couplings`). Meetings that are about arguments, stores and times are in
 `test_couplings_of_a_motion`.
 """
 
@@ -18,41 +17,18 @@ import symbody as sb
 from tests.laws.motion_consumers import WAYS, Question, outcome
 from tests.laws.motion_couplings import COUPLINGS
 from tests.laws.motion_fragments import save_controller, slide
-from tests.laws.test_combinations import (
-    ALWAYS,
-    PROGRAMS,
-    NotYetError,
-)
+from tests.laws.test_combinations import ALWAYS
 
 pytestmark = [
     pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler"),
     pytest.mark.skipif(shutil.which("node") is None, reason="needs Node"),
 ]
-SWITCHING = (
-    "table that jumps on a joint that sticks", "table that jumps through a rope", "rope at a joint that sticks",
-    "lag on a joint that sticks", "sampled force on a joint that sticks", "sampled force through a rope",
-    "action on a joint that sticks", "action on a ball on a rope", "rate that jumps under a joint that sticks",
-)  # fmt: skip
-# Consumers and mechanisms -> what they make of them: a code, or the values that are wrong. The first row counts.
-TODAY: tuple[tuple[tuple[str, ...], tuple[str, ...], str], ...] = (
-    (PROGRAMS, SWITCHING, "simulation.program"),
-    (("live page",), SWITCHING, "animation.live_switching"),
-)
-
-
-def today(way: str, name: str) -> str:
-    return next((word for ways, names, word in TODAY if way in ways and name in names), "right")
-
-
 def rows() -> Iterator[Any]:
     for k, (name, coupling) in enumerate(COUPLINGS.items()):
         for j, way in enumerate(WAYS):
             if WAYS[way].is_alone and coupling.inputs:
                 continue  # functions of Python and FMUs
-            word = today(way, name)
             marks = [] if way in ALWAYS or (j + k) % 9 == 0 else [pytest.mark.exhaustive]
-            if word != "right":
-                marks.append(pytest.mark.xfail(strict=True, raises=NotYetError, reason=word))
             yield pytest.param(way, name, marks=marks, id=f"{way} - {name}")
 
 
@@ -64,8 +40,6 @@ def controller(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(("way", "name"), list(rows()))
 def test_things_that_happen_to_one_coordinate(way: str, name: str, controller: Path, tmp_path: Path) -> None:
     result = outcome(Question((COUPLINGS[name],), tmp_path, controller), way)
-    if result != "right" and result == today(way, name):
-        raise NotYetError(result)
     assert result == "right"
 
 

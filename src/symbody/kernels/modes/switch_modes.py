@@ -32,90 +32,90 @@ UNWRITTEN: Final = 2  # no mode: the next one is written down
 FAST: Final = 1e6  # ends that approach so many times faster than at rest do not come back at once
 
 
-def show_modes(switch: ModeSwitch, numbers: FunctionNumbers) -> None:
+def show_modes(modes: ModeSwitch, numbers: FunctionNumbers) -> None:
     """Write the modes among the inputs of a function."""
-    for k in range(switch.count):
-        numbers.inputs[switch.first_input + k] = float(switch.elements[k].mode)
+    for k in range(modes.count):
+        numbers.inputs[modes.first_input + k] = float(modes.elements[k].mode)
 
 
-def show_free(switch: ModeSwitch, numbers: FunctionNumbers) -> None:
+def show_free(modes: ModeSwitch, numbers: FunctionNumbers) -> None:
     """Let nothing hold in a function."""
-    for k in range(switch.count):
-        numbers.inputs[switch.first_input + k] = float(LOOSE)
+    for k in range(modes.count):
+        numbers.inputs[modes.first_input + k] = float(LOOSE)
 
 
-def settle_modes(d: Function, w: Function, switch: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
+def settle_modes(d: Function, w: Function, modes: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
     """Let ropes strike and decide the modes at a state x = (u, q, s, work); return one of the codes above.
 
     Speeds are changed to fit the modes; by what the energy changes is work. Z has room for two more rows.
     """
-    switch.changed = 0.0
-    if measure(d, switch, t, x) != 0:
+    modes.changed = 0.0
+    if measure(d, modes, t, x) != 0:
         return FUNCTION_FAULT
-    note_rates(switch, x)
-    if are_struck(switch) == 1:
-        code = strike_ropes(d, w, switch, Z, t, x)
+    note_rates(modes, x)
+    if are_struck(modes) == 1:
+        code = strike_ropes(d, w, modes, Z, t, x)
         if code != SETTLED:
             return code
-        if measure(d, switch, t, x) != 0:
+        if measure(d, modes, t, x) != 0:
             return FUNCTION_FAULT
-        forget_modes(switch)
-    copy(switch.states, x, switch.fitted)
-    open_elements(switch, 0)
-    choose_direction(switch)
-    code = decide(switch)
-    if switch.ropes > 0 and code == ONE and open_elements(switch, 1) == 1:
-        code = decide(switch)
-    switch.verdict = code
+        forget_modes(modes)
+    copy(modes.states, x, modes.fitted)
+    open_elements(modes, 0)
+    choose_direction(modes)
+    code = decide(modes)
+    if modes.ropes > 0 and code == ONE and open_elements(modes, 1) == 1:
+        code = decide(modes)
+    modes.verdict = code
     if code != ONE:
         return NO_MODES
-    is_new = take_modes(switch)
-    code = fit_speeds(d, w, switch, t, x)
+    is_new = take_modes(modes)
+    code = fit_speeds(d, w, modes, t, x)
     if code == SETTLED and is_new == 1:
-        record(switch, Z, DECIDED, t, switch.fitted, 0.0)
+        record(modes, Z, DECIDED, t, modes.fitted, 0.0)
     return code
 
 
-def forget_modes(switch: ModeSwitch) -> None:
+def forget_modes(modes: ModeSwitch) -> None:
     """Let the modes so far not matter any more where others are decided."""
-    for k in range(switch.count):
-        switch.elements[k].before = 0.0
-        switch.elements[k].ended = 0.0
+    for k in range(modes.count):
+        modes.elements[k].before = 0.0
+        modes.elements[k].ended = 0.0
 
 
-def measure(d: Function, switch: ModeSwitch, t: float, x: Reals) -> int:
+def measure(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
     """Compute what decides at a state; return the status of the function."""
-    status = call(d, switch.speeds, switch.numbers, t, x, switch.out)
+    status = call(d, modes.speeds, modes.numbers, t, x, modes.out)
     if status != 0:
-        switch.fault = status
+        modes.fault = status
         return status
-    joints = switch.count - switch.ropes
-    motion = part(switch.out, switch.out_size - 1 - joints - 3 * switch.ropes, joints + 3 * switch.ropes)
-    for k in range(switch.count):
-        element = switch.elements[k]
+    joints = modes.count - modes.ropes
+    motion = part(modes.out, modes.out_size - 1 - joints - 3 * modes.ropes, joints + 3 * modes.ropes)
+    for k in range(modes.count):
+        element = modes.elements[k]
         element.rate = motion[k]
         if element.is_rope != 0.0:
             rope = k - joints
             element.slackness = motion[joints + rope]
-            element.rate = motion[joints + switch.ropes + rope]
-            element.length = motion[joints + 2 * switch.ropes + rope]
+            element.rate = motion[joints + modes.ropes + rope]
+            element.length = motion[joints + 2 * modes.ropes + rope]
     return 0
 
 
-def energy_of(switch: ModeSwitch) -> float:
+def energy_of(modes: ModeSwitch) -> float:
     """Return the energy at the state that was measured last [J]."""
-    return switch.out[switch.out_size - 1]
+    return modes.out[modes.out_size - 1]
 
 
-def note_rates(switch: ModeSwitch, x: Reals) -> None:
+def note_rates(modes: ModeSwitch, x: Reals) -> None:
     """Note how fast the mechanism is, in its size a second."""
-    for i in range(switch.speeds):
-        switch.fastest = max(switch.fastest, abs(x[i]) / switch.sizes[i])
+    for i in range(modes.speeds):
+        modes.fastest = max(modes.fastest, abs(x[i]) / modes.sizes[i])
 
 
-def slow_rate(switch: ModeSwitch, element: SwitchingElement) -> float:
+def slow_rate(modes: ModeSwitch, element: SwitchingElement) -> float:
     """Return the rate below which an element is at rest."""
-    return AT_REST * switch.fastest * element.unit
+    return AT_REST * modes.fastest * element.unit
 
 
 def was_taut(element: SwitchingElement) -> int:
@@ -132,72 +132,72 @@ def is_tight(element: SwitchingElement) -> int:
     return 0
 
 
-def find_long_rope(d: Function, switch: ModeSwitch, t: float, x: Reals) -> int:
+def find_long_rope(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
     """Return which element is a rope longer than it can be at a state that was set, from 1; 0 for none."""
-    if switch.ropes == 0 or measure(d, switch, t, x) != 0:
+    if modes.ropes == 0 or measure(d, modes, t, x) != 0:
         return 0
-    for k in range(switch.count):
-        element = switch.elements[k]
+    for k in range(modes.count):
+        element = modes.elements[k]
         if element.is_rope != 0.0 and element.slackness < -AT_LENGTH * element.length:
             return k + 1
     return 0
 
 
-def are_struck(switch: ModeSwitch) -> int:
+def are_struck(modes: ModeSwitch) -> int:
     """Return 1 if the ends of a rope at its length move apart that was not taut, else 0."""
-    for k in range(switch.count):
-        element = switch.elements[k]
+    for k in range(modes.count):
+        element = modes.elements[k]
         if element.is_rope != 0.0 and was_taut(element) == 0 and is_tight(element) == 1:
-            if element.rate < -slow_rate(switch, element):
+            if element.rate < -slow_rate(modes, element):
                 return 1
     return 0
 
 
-def strike_ropes(d: Function, w: Function, switch: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
+def strike_ropes(d: Function, w: Function, modes: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
     """Change the speeds to those behind the shock of ropes whose ends move apart."""
-    energy = energy_of(switch)
-    if find_impulses(switch) != ONE:
+    energy = energy_of(modes)
+    if find_impulses(modes) != ONE:
         return NO_SPEEDS
-    copy(switch.states, x, switch.fitted)
-    if project_speeds(w, switch, t, x) != 0:
+    copy(modes.states, x, modes.fitted)
+    if project_speeds(w, modes, t, x) != 0:
         return NO_SPEEDS
-    if measure(d, switch, t, x) != 0:
+    if measure(d, modes, t, x) != 0:
         return FUNCTION_FAULT
-    n = switch.states
-    x[n - 1] = x[n - 1] + (energy_of(switch) - energy)
-    record(switch, Z, SHOCK, t, switch.fitted, switch.lost)
-    switch.changed = 1.0
+    n = modes.states
+    x[n - 1] = x[n - 1] + (energy_of(modes) - energy)
+    record(modes, Z, SHOCK, t, modes.fitted, modes.lost)
+    modes.changed = 1.0
     return SETTLED
 
 
-def find_impulses(switch: ModeSwitch) -> int:
+def find_impulses(modes: ModeSwitch) -> int:
     """Find with which impulses ropes pull so that the ends of none move apart, and show them as taut.
 
     Each loses half of its impulse times the rate it ends. Returns the verdict of `find_modes`.
     """
-    for k in range(switch.count):
-        element = switch.elements[k]
+    for k in range(modes.count):
+        element = modes.elements[k]
         element.impulse = 0.0
         element.opens = LOOSE
         element.is_decided = 1.0
         if element.is_rope != 0.0 and is_tight(element) == 1:
             element.opens = HOLDS
             element.is_decided = 0.0
-    fill_problem(switch, 1)
-    problem = switch.problem
+    fill_problem(modes, 1)
+    problem = modes.problem
     verdict = find_modes(problem)
-    projection = switch.projection
-    show_free(switch, projection)
-    switch.lost = 0.0
+    projection = modes.projection
+    show_free(modes, projection)
+    modes.lost = 0.0
     largest = 0.0
     for k in range(problem.count):
         largest = max(largest, problem.efforts[k])
     for k in range(problem.count):
-        place = int(switch.places[int(switch.acting[k])])
+        place = int(modes.places[int(modes.acting[k])])
         if problem.elements[k].mode == HOLDS:
-            rope = switch.elements[place]
-            projection.inputs[switch.first_input + place] = float(HOLDS)
-            switch.lost = switch.lost - 0.5 * problem.efforts[k] * rope.rate
+            rope = modes.elements[place]
+            projection.inputs[modes.first_input + place] = float(HOLDS)
+            modes.lost = modes.lost - 0.5 * problem.efforts[k] * rope.rate
             if problem.efforts[k] > BALANCED * largest:
                 rope.impulse = problem.efforts[k]
                 rope.mode = HOLDS
@@ -205,22 +205,22 @@ def find_impulses(switch: ModeSwitch) -> int:
     return verdict
 
 
-def open_elements(switch: ModeSwitch, again: int) -> int:
+def open_elements(modes: ModeSwitch, again: int) -> int:
     """Say what is known of each element before modes are decided; return 1 if that differs from before.
 
     What moves has its mode. A rope is slack if it is shorter or its ends approach; `again` if the mode problem
     holds accelerations of a first decision.
     """
     differs = 0
-    for k in range(switch.count):
-        element = switch.elements[k]
+    for k in range(modes.count):
+        element = modes.elements[k]
         opens = HOLDS
         is_decided = 0.0
         if element.is_rope != 0.0:
-            if is_slack(switch, element, again) == 1:
+            if is_slack(modes, element, again) == 1:
                 opens = LOOSE
                 is_decided = 1.0
-        elif abs(element.rate) > slow_rate(switch, element):
+        elif abs(element.rate) > slow_rate(modes, element):
             opens = int(sign(element.rate))
             is_decided = 1.0
         if again == 0 or element.is_rope != 0.0:
@@ -231,7 +231,7 @@ def open_elements(switch: ModeSwitch, again: int) -> int:
     return differs
 
 
-def is_slack(switch: ModeSwitch, element: SwitchingElement, again: int) -> int:
+def is_slack(modes: ModeSwitch, element: SwitchingElement, again: int) -> int:
     """Return 1 if a rope is slack whatever efforts are, else 0.
 
     One that is taut again before its ends have measurably approached stays taut.
@@ -243,97 +243,97 @@ def is_slack(switch: ModeSwitch, element: SwitchingElement, again: int) -> int:
     rate = element.rate
     if was_taut(element) == 1:
         rate = 0.0
-    slow = slow_rate(switch, element)
+    slow = slow_rate(modes, element)
     if rate > slow:
         back = 0.0
         if again == 1:
-            back = -acceleration_of(switch, element.candidate)
+            back = -acceleration_of(modes, element.candidate)
         if rate > FAST * slow or not rate * rate <= 2.0 * back * AT_LENGTH * element.length:
             return 1
     return 0
 
 
-def acceleration_of(switch: ModeSwitch, candidate: int) -> float:
+def acceleration_of(modes: ModeSwitch, candidate: int) -> float:
     """Return the acceleration along the row of a candidate with the efforts that were found."""
-    problem = switch.problem
-    count = switch.candidates
-    total = switch.out[3 * (count - switch.ropes) + candidate]
-    responses = part(switch.out, 3 * (count - switch.ropes) + count + candidate * count, count)
+    problem = modes.problem
+    count = modes.candidates
+    total = modes.out[3 * (count - modes.ropes) + candidate]
+    responses = part(modes.out, 3 * (count - modes.ropes) + count + candidate * count, count)
     for k in range(problem.count):
-        if int(switch.acting[k]) == candidate:
+        if int(modes.acting[k]) == candidate:
             return problem.accelerations[k]
-        total = total + responses[int(switch.acting[k])] * problem.efforts[k]
+        total = total + responses[int(modes.acting[k])] * problem.efforts[k]
     return total
 
 
-def choose_direction(switch: ModeSwitch) -> None:
+def choose_direction(modes: ModeSwitch) -> None:
     """Let a joint that breaks away slip against the effort that held it."""
-    broken = find_broken(switch)
+    broken = find_broken(modes)
     if broken < 0:
         return
-    for k in range(switch.count):
-        element = switch.elements[k]
-        switch.kept[k] = float(element.opens)
+    for k in range(modes.count):
+        element = modes.elements[k]
+        modes.kept[k] = float(element.opens)
         if element.is_decided == 0.0:
             element.opens = element.mode
-    fill_problem(switch, 0)
-    status = solve_modes(switch.problem)
-    for k in range(switch.count):
-        switch.elements[k].opens = int(switch.kept[k])
-    joint = switch.elements[broken]
-    for k in range(switch.problem.count):
-        if int(switch.acting[k]) == joint.candidate and status == SOLVED:
-            joint.opens = int(-sign(switch.problem.efforts[k]))
+    fill_problem(modes, 0)
+    status = solve_modes(modes.problem)
+    for k in range(modes.count):
+        modes.elements[k].opens = int(modes.kept[k])
+    joint = modes.elements[broken]
+    for k in range(modes.problem.count):
+        if int(modes.acting[k]) == joint.candidate and status == SOLVED:
+            joint.opens = int(-sign(modes.problem.efforts[k]))
             joint.is_decided = 1.0
 
 
-def find_broken(switch: ModeSwitch) -> int:
+def find_broken(modes: ModeSwitch) -> int:
     """Return the joint at rest whose sticking an event has ended, -1 if there is none."""
     broken = -1
-    for k in range(switch.count):
-        element = switch.elements[k]
+    for k in range(modes.count):
+        element = modes.elements[k]
         if element.is_rope == 0.0 and element.ended != 0.0 and element.before != 0.0:
             if element.mode == HOLDS and element.is_decided == 0.0:
                 broken = k
     return broken
 
 
-def fill_problem(switch: ModeSwitch, is_shock: int) -> None:
+def fill_problem(modes: ModeSwitch, is_shock: int) -> None:
     """Write what decides into the mode problem; ropes that are slack whatever efforts are take no part.
 
     At length 0 these have no direction. Of a shock, ropes at their length alone, with rates in the place of
     accelerations.
     """
-    problem = switch.problem
-    candidates = switch.candidates
+    problem = modes.problem
+    candidates = modes.candidates
     count = 0
     normal = 0
     for k in range(candidates):
-        place = int(switch.places[k])
-        normals = int(switch.normals[k])
-        if takes_part(switch, place, is_shock) == 1:
+        place = int(modes.places[k])
+        normals = int(modes.normals[k])
+        if takes_part(modes, place, is_shock) == 1:
             element = problem.elements[count]
             element.row = count
             element.normal = normal
             element.normals = normals
-            fill_element(switch, element, k, place, is_shock)
-            switch.acting[count] = float(k)
+            fill_element(modes, element, k, place, is_shock)
+            modes.acting[count] = float(k)
             count = count + 1
         normal = normal + normals
     problem.count = count
     problem.rows = count
     problem.columns = count + 1
-    problem.components = switch.components
+    problem.components = modes.components
     if is_shock == 1:
         problem.components = 0
-    copy_responses(switch, is_shock)
+    copy_responses(modes, is_shock)
 
 
-def takes_part(switch: ModeSwitch, place: int, is_shock: int) -> int:
+def takes_part(modes: ModeSwitch, place: int, is_shock: int) -> int:
     """Return 1 if a candidate is part of the mode problem, else 0."""
     if place < 0:
         return 1 - is_shock
-    element = switch.elements[place]
+    element = modes.elements[place]
     if element.is_rope == 0.0:
         return 1 - is_shock
     if element.is_decided != 0.0:
@@ -341,13 +341,13 @@ def takes_part(switch: ModeSwitch, place: int, is_shock: int) -> int:
     return 1
 
 
-def fill_element(switch: ModeSwitch, element: ModeElement, candidate: int, place: int, is_shock: int) -> None:
+def fill_element(modes: ModeSwitch, element: ModeElement, candidate: int, place: int, is_shock: int) -> None:
     """Write one candidate into the mode problem."""
-    joints = switch.candidates - switch.ropes
-    size = switch.out[3 * joints + candidate_block(switch) + candidate]
+    joints = modes.candidates - modes.ropes
+    size = modes.out[3 * joints + candidate_block(modes) + candidate]
     element.law = BOUNDED
-    element.scale = switch.units[candidate]
-    element.rounding = BALANCED * size + CANCELLED * element.scale / (switch.time * switch.time)
+    element.scale = modes.units[candidate]
+    element.rounding = BALANCED * size + CANCELLED * element.scale / (modes.time * modes.time)
     element.sliding = 0.0
     element.static = 0.0
     element.moves = 0.0
@@ -359,54 +359,54 @@ def fill_element(switch: ModeSwitch, element: ModeElement, candidate: int, place
     if candidate >= joints:
         element.law = UNILATERAL
     else:
-        element.sliding = switch.out[3 * candidate + 1]
-        element.static = switch.out[3 * candidate + 2]
+        element.sliding = modes.out[3 * candidate + 1]
+        element.static = modes.out[3 * candidate + 2]
         if place < 0:
-            element.first = switch.out[3 * candidate]
+            element.first = modes.out[3 * candidate]
             element.moves = 1.0
             element.mode = LOOSE
             if element.first < 0.0:
                 element.mode = -LOOSE
     if place >= 0:
-        own = switch.elements[place]
+        own = modes.elements[place]
         element.mode = own.opens
         element.moves = own.is_decided
         element.first = float(own.opens)
 
 
-def candidate_block(switch: ModeSwitch) -> int:
+def candidate_block(modes: ModeSwitch) -> int:
     """Return how many numbers lie between the laws and the sizes of accelerations."""
-    n = switch.candidates
-    return n + n * n + switch.components + switch.components * n
+    n = modes.candidates
+    return n + n * n + modes.components + modes.components * n
 
 
-def copy_responses(switch: ModeSwitch, is_shock: int) -> None:
+def copy_responses(modes: ModeSwitch, is_shock: int) -> None:
     """Write the responses of the candidates that take part into the mode problem."""
-    problem = switch.problem
-    n = switch.candidates
+    problem = modes.problem
+    n = modes.candidates
     count = problem.count
-    first = 3 * (n - switch.ropes)
-    offsets = part(switch.out, first, n)
-    responses = part(switch.out, first + n, n * n)
-    loads = part(switch.out, first + n + n * n, switch.components)
-    reactions = part(switch.out, first + n + n * n + switch.components, switch.components * n)
+    first = 3 * (n - modes.ropes)
+    offsets = part(modes.out, first, n)
+    responses = part(modes.out, first + n, n * n)
+    loads = part(modes.out, first + n + n * n, modes.components)
+    reactions = part(modes.out, first + n + n * n + modes.components, modes.components * n)
     for i in range(count):
-        row = int(switch.acting[i])
+        row = int(modes.acting[i])
         problem.offsets[i] = offsets[row]
         if is_shock == 1:
-            problem.offsets[i] = switch.elements[int(switch.places[row])].rate
+            problem.offsets[i] = modes.elements[int(modes.places[row])].rate
         for j in range(count):
-            problem.responses[i * count + j] = responses[row * n + int(switch.acting[j])]
+            problem.responses[i * count + j] = responses[row * n + int(modes.acting[j])]
     for i in range(problem.components):
         problem.loads[i] = loads[i]
         for j in range(count):
-            problem.reactions[i * count + j] = reactions[i * n + int(switch.acting[j])]
+            problem.reactions[i * count + j] = reactions[i * n + int(modes.acting[j])]
 
 
-def decide(switch: ModeSwitch) -> int:
+def decide(modes: ModeSwitch) -> int:
     """Return the verdict of `find_modes` on what is known of the elements."""
-    fill_problem(switch, 0)
-    problem = switch.problem
+    fill_problem(modes, 0)
+    problem = modes.problem
     for i in range(problem.count):
         if not is_finite(problem.offsets[i]):
             return NOT_FOUND
@@ -416,75 +416,75 @@ def decide(switch: ModeSwitch) -> int:
     return find_modes(problem)
 
 
-def take_modes(switch: ModeSwitch) -> int:
+def take_modes(modes: ModeSwitch) -> int:
     """Take the modes that were found; return 1 if some differ, or are the first."""
-    is_new = int(1.0 - switch.known)
-    problem = switch.problem
-    for k in range(switch.count):
-        element = switch.elements[k]
+    is_new = int(1.0 - modes.known)
+    problem = modes.problem
+    for k in range(modes.count):
+        element = modes.elements[k]
         mode = LOOSE
         if element.is_decided != 0.0:
             mode = element.opens
         for j in range(problem.count):
-            if int(switch.acting[j]) == element.candidate:
+            if int(modes.acting[j]) == element.candidate:
                 mode = problem.elements[j].mode
         if mode != element.mode:
-            switch.changed = 1.0
+            modes.changed = 1.0
         if mode != element.written:
             is_new = 1
         element.mode = mode
         element.written = mode
         element.before = 1.0
         element.ended = 0.0
-    switch.known = 1.0
+    modes.known = 1.0
     if is_new == 1:
-        switch.changed = 1.0
+        modes.changed = 1.0
     return is_new
 
 
-def project_speeds(w: Function, switch: ModeSwitch, t: float, x: Reals) -> int:
+def project_speeds(w: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
     """Give a state speeds that fit the rows that hold, by the least kinetic energy; return the status."""
-    n = switch.speeds
-    status = call(w, n, switch.projection, t, x, switch.moves)
+    n = modes.speeds
+    status = call(w, n, modes.projection, t, x, modes.moves)
     if status == 0:
-        first = switch.moves_size - n
+        first = modes.moves_size - n
         for i in range(n):
-            x[i] = x[i] + switch.moves[first + i]
+            x[i] = x[i] + modes.moves[first + i]
     return status
 
 
-def fit_speeds(d: Function, w: Function, switch: ModeSwitch, t: float, x: Reals) -> int:
+def fit_speeds(d: Function, w: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
     """Give a state speeds that fit the modes, and note what ends these."""
-    energy = energy_of(switch)
-    show_modes(switch, switch.projection)
-    if project_speeds(w, switch, t, x) != 0:
+    energy = energy_of(modes)
+    show_modes(modes, modes.projection)
+    if project_speeds(w, modes, t, x) != 0:
         return NO_SPEEDS
     moved = 0
-    for i in range(switch.speeds):
-        if x[i] != switch.fitted[i]:
+    for i in range(modes.speeds):
+        if x[i] != modes.fitted[i]:
             moved = 1
     if moved == 1:
-        switch.changed = 1.0
-        set_levels(switch)
-        if measure(d, switch, t, x) != 0:
+        modes.changed = 1.0
+        set_levels(modes)
+        if measure(d, modes, t, x) != 0:
             return FUNCTION_FAULT
-        n = switch.states
-        x[n - 1] = x[n - 1] + (energy_of(switch) - energy)
+        n = modes.states
+        x[n - 1] = x[n - 1] + (energy_of(modes) - energy)
     else:
-        set_levels(switch)
+        set_levels(modes)
     return SETTLED
 
 
-def set_levels(switch: ModeSwitch) -> None:
+def set_levels(modes: ModeSwitch) -> None:
     """Note what is taken from the values that end modes.
 
     A slack rope that is at its length up to rounding is exactly there, and one without tension but for
     rounding has none.
     """
-    n = switch.candidates
-    joints = n - switch.ropes
-    for k in range(switch.count):
-        element = switch.elements[k]
+    n = modes.candidates
+    joints = n - modes.ropes
+    for k in range(modes.count):
+        element = modes.elements[k]
         element.level = 0.0
         if element.is_rope != 0.0:
             if element.mode != HOLDS:
@@ -492,24 +492,51 @@ def set_levels(switch: ModeSwitch) -> None:
                     element.level = element.slackness
             else:
                 c = element.candidate
-                response = switch.out[3 * joints + n + c * n + c]
-                size = switch.out[3 * joints + candidate_block(switch) + c]
-                rounding = BALANCED * size + CANCELLED * element.unit / (switch.time * switch.time)
+                response = modes.out[3 * joints + n + c * n + c]
+                size = modes.out[3 * joints + candidate_block(modes) + c]
+                rounding = BALANCED * size + CANCELLED * element.unit / (modes.time * modes.time)
                 if response > 0.0:
                     element.level = CANCELLED / BALANCED * rounding / response
 
 
-def record(switch: ModeSwitch, Z: Reals, kind: float, t: float, x: Reals, lost: float) -> None:
+def record(modes: ModeSwitch, Z: Reals, kind: float, t: float, x: Reals, lost: float) -> None:
     """Write down modes or impulses, and the state before."""
-    n = switch.states
-    m = switch.count
-    row = part(Z, (3 + m + n) * switch.recorded, 3 + m + n)
+    n = modes.states
+    m = modes.count
+    row = part(Z, (3 + m + n) * modes.recorded, 3 + m + n)
     row[0] = kind
     row[1] = t
     row[2] = lost
     for k in range(m):
-        row[3 + k] = float(switch.elements[k].mode)
+        row[3 + k] = float(modes.elements[k].mode)
         if kind == SHOCK:
-            row[3 + k] = switch.elements[k].impulse
+            row[3 + k] = modes.elements[k].impulse
     copy(n, x, part(row, 3 + m, n))
-    switch.recorded = switch.recorded + 1
+    modes.recorded = modes.recorded + 1
+
+
+def forget_rows(modes: ModeSwitch, Z: Reals) -> None:
+    """Keep of the record the last modes alone, which make room for more."""
+    size = 3 + modes.count + modes.states
+    last = modes.recorded - 1
+    while last > 0 and Z[size * last] == SHOCK:
+        last = last - 1
+    if last > 0:
+        copy(size, part(Z, size * last, size), Z)
+    modes.recorded = min(modes.recorded, 1)
+
+
+def rewind_modes(modes: ModeSwitch, Z: Reals, t: float) -> None:
+    """Go back to the modes at a time from which a motion goes on anew, as far as they are recorded."""
+    size = 3 + modes.count + modes.states
+    last = modes.recorded - 1
+    while last > 0 and (Z[size * last + 1] > t or Z[size * last] == SHOCK):
+        last = last - 1
+    if last < 0:
+        return
+    for k in range(modes.count):
+        element = modes.elements[k]
+        element.mode = int(Z[size * last + 3 + k])
+        element.written = element.mode
+        element.ended = 0.0
+    modes.recorded = last + 1

@@ -14,13 +14,16 @@ from symbody.kernels.block import (
     MODE_FAULT,
     NO_MODE_ROOM,
     RUNNING,
+    SAMPLE_FAULT,
     TOO_LONG,
     UNDECIDED,
     UNMOVABLE,
     FunctionNumbers,
     Run,
 )
-from symbody.kernels.events.event_interruptions import values_before, watch_again
+from symbody.kernels.configurations.strike_problem import RateJumps
+from symbody.kernels.configurations.struck_motion import pass_watched_jump
+from symbody.kernels.events.event_interruptions import watch_again
 from symbody.kernels.events.event_location import compute_values
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.events.watched_motion import go_on
@@ -41,33 +44,34 @@ from symbody.kernels.modes.switch_modes import (
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.samples.sample_hold import SampleHold
-from symbody.kernels.samples.sampled_motion import happen_or_step
-from symbody.kernels.samples.sampling import is_due, show_values
+from symbody.kernels.samples.sampled_motion import happen_or_step, show_watch
+from symbody.kernels.samples.sampling import is_due, show_values, take_samples
+from symbody.kernels.step_machine import begin
 
 MOST_ROWS: Final = 4  # of the record of modes that one step may take
 
 
-def show_all_modes(switch: ModeSwitch, run: Run, monitor: EventMonitor, Q: FunctionNumbers) -> None:
+def show_all_modes(modes: ModeSwitch, run: Run, monitor: EventMonitor, Q: FunctionNumbers) -> None:
     """Write the modes among the inputs of all functions of a motion, and what is taken from watched values."""
-    show_modes(switch, run.numbers)
+    show_modes(modes, run.numbers)
     if exists(run.projection):
-        show_modes(switch, run.projection.numbers)
-    show_modes(switch, monitor.numbers)
+        show_modes(modes, run.projection.numbers)
+    show_modes(modes, monitor.numbers)
     if exists(monitor.actions):
-        show_modes(switch, monitor.actions)
+        show_modes(modes, monitor.actions)
     if exists(monitor.closing):
-        show_modes(switch, monitor.closing.numbers)
+        show_modes(modes, monitor.closing.numbers)
     if Q.input_count > 0:
-        show_modes(switch, Q)
-    for k in range(switch.count):
-        event = monitor.events[switch.first_event + k]
-        event.level = switch.elements[k].level
+        show_modes(modes, Q)
+    for k in range(modes.count):
+        event = monitor.events[modes.first_event + k]
+        event.level = modes.elements[k].level
 
 
-def forget_ends(switch: ModeSwitch, monitor: EventMonitor) -> None:
+def forget_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
     """Forget on which side of zero the values were that end modes: others end the next ones."""
-    for k in range(switch.count):
-        event = monitor.events[switch.first_event + k]
+    for k in range(modes.count):
+        event = monitor.events[modes.first_event + k]
         event.side = 0.0
         event.goes_through = 0.0
         event.just_happened = 0.0
@@ -77,18 +81,18 @@ def forget_ends(switch: ModeSwitch, monitor: EventMonitor) -> None:
         event.largest = 0.0
 
 
-def note_ends(switch: ModeSwitch, monitor: EventMonitor) -> None:
+def note_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
     """Take over from the search for events which modes have ended, and whether an action came before."""
-    for k in range(switch.count):
-        event = monitor.events[switch.first_event + k]
-        switch.elements[k].ended = 0.0
-        if monitor.ended == switch.first_event + k + 1:
-            switch.elements[k].ended = 1.0
+    for k in range(modes.count):
+        event = monitor.events[modes.first_event + k]
+        modes.elements[k].ended = 0.0
+        if monitor.ended == modes.first_event + k + 1:
+            modes.elements[k].ended = 1.0
         if event.just_happened != 0.0:
             event.just_happened = 0.0
     monitor.ended = 0
     if monitor.has_acted != 0.0:
-        forget_modes(switch)
+        forget_modes(modes)
 
 
 def run_code(code: int) -> int:
@@ -106,66 +110,119 @@ def run_code(code: int) -> int:
 
 def switch_at_cut(
     f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor,
-    held: SampleHold, Q: FunctionNumbers, switch: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
+    held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Go on behind a cut in the modes that are decided there; return a code of `block`."""
     state = monitor.after
-    show_values(held, switch.numbers)
-    note_ends(switch, monitor)
+    show_values(held, modes.numbers)
+    note_ends(modes, monitor)
     if monitor.has_acted != 0.0:
-        switch.culprit = find_long_rope(d, switch, monitor.cut, state)
-        if switch.culprit != 0:
+        modes.culprit = find_long_rope(d, modes, monitor.cut, state)
+        if modes.culprit != 0:
             return TOO_LONG
-    code = settle_modes(d, w, switch, Z, monitor.cut, state)
+    code = settle_modes(d, w, modes, Z, monitor.cut, state)
     if code != SETTLED:
         return run_code(code)
-    show_all_modes(switch, run, monitor, Q)
-    if switch.changed == 0.0:
+    show_all_modes(modes, run, monitor, Q)
+    if modes.changed == 0.0:
         monitor.has_acted = 0.0
         return go_on(f, run, monitor, times, t, x, breaks)
     monitor.has_acted = 0.0
     monitor.rate_known = 0.0
-    forget_ends(switch, monitor)
+    forget_ends(modes, monitor)
     code = go_on(f, run, monitor, times, t, x, breaks)
     watch_again(e, run, monitor)
-    forget_ends(switch, monitor)
+    forget_ends(modes, monitor)
     return code
 
 
-def have_ended(e: Function, run: Run, monitor: EventMonitor, switch: ModeSwitch) -> int:
+def have_ended(e: Function, run: Run, monitor: EventMonitor, modes: ModeSwitch) -> int:
     """Return 1 if a mode does not last at the present state, else 0."""
     compute_values(e, monitor, run.time, run.state_old)
-    for k in range(switch.count):
-        if not monitor.values[switch.first_event + k] > 0.0:
+    for k in range(modes.count):
+        if not monitor.values[modes.first_event + k] > 0.0:
             return 1
     return 0
 
 
 def switch_at_sample(
     f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor,
-    held: SampleHold, Q: FunctionNumbers, switch: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
+    held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Go on behind a sample in the modes that are decided there; return a code of `block`."""
-    if have_ended(e, run, monitor, switch) == 0:
+    if have_ended(e, run, monitor, modes) == 0:
         return RUNNING
-    show_values(held, switch.numbers)
-    code = settle_modes(d, w, switch, Z, run.time, run.state_old)
+    show_values(held, modes.numbers)
+    code = settle_modes(d, w, modes, Z, run.time, run.state_old)
     if code != SETTLED:
         return run_code(code)
-    if switch.changed == 0.0:
+    if modes.changed == 0.0:
         return RUNNING
-    show_all_modes(switch, run, monitor, Q)
+    return begin_in_modes(f, e, run, monitor, Q, modes, times, t, x, breaks)
+
+
+def begin_switching(
+    f: Function, h: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, held: SampleHold,
+    Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Y: Reals, Z: Reals,
+) -> int:  # fmt: skip
+    """Take the samples that are due where a motion begins, decide its modes, and begin it; return a code."""
+    if is_due(held, run.time) != 0:
+        if take_samples(h, Q, held, Y, run.time, run.state_old) != 0:
+            return SAMPLE_FAULT
+    show_values(held, run.numbers)
+    show_values(held, modes.numbers)
+    show_watch(monitor, held)
+    code = settle_modes(d, w, modes, Z, run.time, run.state_old)
+    if code != SETTLED:
+        return run_code(code)
+    show_all_modes(modes, run, monitor, Q)
+    return begin(f, run, times, t, x, breaks)
+
+
+def watch_switching(e: Function, run: Run, monitor: EventMonitor, held: SampleHold, modes: ModeSwitch) -> None:
+    """Watch a motion that goes on anew, its state or its numbers changed."""
+    show_watch(monitor, held)
+    watch_again(e, run, monitor)
+    forget_ends(modes, monitor)
+
+
+def pass_switching_jump(
+    f: Function, s: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor,
+    held: SampleHold, Q: FunctionNumbers, jumps: RateJumps, modes: ModeSwitch, times: Reals, t: Reals,
+    x: Reals, breaks: Reals, pieces: Reals, Z: Reals,
+) -> int:  # fmt: skip
+    """Go on behind a jump of prescribed rates as `pass_watched_jump`, in the modes that are decided there."""
+    code = pass_watched_jump(f, s, e, run, monitor, jumps, times, t, x, breaks, pieces)
+    if code != RUNNING:
+        return code
+    show_values(held, modes.numbers)
+    forget_modes(modes)
+    code = settle_modes(d, w, modes, Z, run.time, run.state_old)
+    if code != SETTLED:
+        return run_code(code)
+    code = begin_in_modes(f, e, run, monitor, Q, modes, times, t, x, breaks)
+    if code == FINISHED:
+        return RUNNING
+    return code
+
+
+def begin_in_modes(
+    f: Function, e: Function, run: Run, monitor: EventMonitor, Q: FunctionNumbers, modes: ModeSwitch,
+    times: Reals, t: Reals, x: Reals, breaks: Reals,
+) -> int:  # fmt: skip
+    """Go on from the present state in other modes; return a code of `block`."""
+    show_all_modes(modes, run, monitor, Q)
     monitor.cut = run.time
     copy(run.states, run.state_old, monitor.after)
     code = go_on(f, run, monitor, times, t, x, breaks)
     watch_again(e, run, monitor)
-    forget_ends(switch, monitor)
+    forget_ends(modes, monitor)
     return code
 
 
 def advance_switching(
     f: Function, g: Function, e: Function, a: Function, c: Function, h: Function, d: Function, w: Function,
-    run: Run, monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, switch: ModeSwitch, times: Reals,
+    run: Run, monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals,
     t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, Y: Reals, Z: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps, take samples, let events happen and modes change; return a code of `block`.
@@ -173,17 +230,17 @@ def advance_switching(
     `d` writes what decides about modes, `w` what projects speeds; see `mode_switch`.
     """
     for _trial in range(trials):
-        if switch.recorded + MOST_ROWS > switch.room:
+        if modes.recorded + MOST_ROWS > modes.room:
             return NO_MODE_ROOM
         is_sample = is_due(held, run.time)
         code = happen_or_step(
             f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y
         )
-        note_rates(switch, run.state_old)
+        note_rates(modes, run.state_old)
         if is_sample != 0 and code == RUNNING:
-            code = switch_at_sample(f, e, d, w, run, monitor, held, Q, switch, times, t, x, breaks, Z)
+            code = switch_at_sample(f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, Z)
         if code == CUT:
-            code = switch_at_cut(f, e, d, w, run, monitor, held, Q, switch, times, t, x, breaks, Z)
+            code = switch_at_cut(f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, Z)
             if code == FINISHED and is_due(held, run.time) != 0:
                 code = RUNNING
         if code != RUNNING:

@@ -399,8 +399,13 @@ class _Sampling:
 
 def _projecting(problem: SimulationProblem, modal: ModalEquations) -> CompiledFunction:
     """Return what projects states, with the modes as inputs."""
-    laws = problem.laws.with_held({name: HeldLaw(_Loose(), name) for name in modal.modes})
+    laws = problem.laws.with_held(loose_modes(modal))
     return replace(problem, eqs=modal.eqs, laws=laws).compile_outputs(PROJECTED)
+
+
+def loose_modes(modal: ModalEquations) -> dict[str, HeldLaw]:
+    """Return laws of the modes by which nothing holds."""
+    return {name: HeldLaw(_Loose(), name) for name in modal.modes}
 
 
 class _Loose:

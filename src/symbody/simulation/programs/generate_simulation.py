@@ -17,7 +17,7 @@ from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.programs.main_texts import LANGUAGES, program_text
-from symbody.simulation.programs.motion_request import MotionRequest, pose_motion
+from symbody.simulation.programs.motion_request import MotionRequest, pose_motion, with_modes
 from symbody.simulation.programs.prepared_motion import prepare_motion
 from symbody.simulation.sweeps.case_by_case import reason_for_python
 
@@ -37,7 +37,7 @@ def generate_simulation(
     """Return a program that computes a motion as `simulate` does, and needs nothing else.
 
     It holds the equations, the integrator with its projection, and the first state, and prints the samples:
-    time, speeds, coordinates, work. Events are listed on the error output, name and time in each line. The
+    time, speeds, coordinates, work. Joints stick and slip, and ropes go taut, as in `simulate`. Events are listed on the error output, name and time in each line. The
     programs in all languages print the same numbers to the last bit, as long as the equations use no function
     beyond sine, cosine, roots and whole powers, which languages compute in their own ways. They agree with
     `simulate` to the tolerance.
@@ -58,7 +58,7 @@ def generate_simulation(
     ------
     UsageError
         An unknown language, or a motion that `simulate` computes in part by Python: inputs that are
-        functions, friction that sticks, ropes.
+        functions.
     CompileError, AssemblyError
         As `simulate`.
     """
@@ -82,5 +82,5 @@ def generate_simulation(
         rtol=rtol, atol=atol, span=span, last=span[1], is_pulled=False, guess=guess, scales=scales,
         max_steps=max_steps, times=np.linspace(*span, _SAMPLES) if times is None else times, events=watched,
     )  # fmt: skip
-    motion = prepare_motion(pose_motion(eqs, request, laws))
+    motion = prepare_motion(with_modes(pose_motion(eqs, request, laws)))
     return program_text(motion, LANGUAGES[language], eqs.model.name)

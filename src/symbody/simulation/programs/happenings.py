@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from symbody.kernels.block import Run
+from symbody.equations.solving.modal_equations import ModalEquations
+from symbody.kernels.block import FunctionNumbers, Run
 from symbody.kernels.configurations.strike_problem import RateJumps
 from symbody.kernels.events.event_monitor import EventMonitor
+from symbody.kernels.modes.mode_problem import LOOSE
+from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.pack import pack
 from symbody.kernels.record_layout import exists
+from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.events.event_functions import (
     action_outputs,
     check_action_shapes,
     check_value_shapes,
     numbers_of_events,
-    watched_outputs,
 )
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block, with_cut_fit
 from symbody.simulation.hybrid.rate_jumps import jump_times
-from symbody.simulation.methods.constraints import residual_share
+from symbody.simulation.hybrid.switching import deciding_outputs, mode_block
+from symbody.simulation.methods.constraints import PROJECTED, residual_share
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import CLOSING as CLOSING_OUTPUTS
 from symbody.simulation.native.closing import closing_block, closing_of, metric
@@ -35,12 +40,14 @@ from symbody.simulation.programs.program_function import ProgramFunction, progra
 from symbody.simulation.sampling.sampled_loop import check_numbers
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
 
-EVENTS, ACTIONS, CLOSING, SAMPLES, STRIKE = (
+EVENTS, ACTIONS, CLOSING, SAMPLES, STRIKE, DECIDING, FITTING = (
     "event_values",
     "event_actions",
     "closing",
     "new_samples",
     "struck",
+    "deciding",
+    "fitting",
 )
 # Room for dense output in programs with events, and how much stays where it is full: zeros lie in the last
 # steps.
@@ -56,32 +63,49 @@ class Happenings:
     Attributes
     ----------
     events : tuple of Event
+    ends : tuple of Event
+        What ends modes; they stand behind the events.
     held : tuple of HeldValue
         What is held between samples.
     functions : mapping of name to ProgramFunction
         Those that are called for all this.
-    monitor, hold, sampling, jumps : arrays
-        Of an `EventMonitor`, a `SampleHold`, the numbers of what computes new values, a `RateJumps`.
+    monitor, hold, sampling, jumps, modes : arrays
+        Of an `EventMonitor`, a `SampleHold`, the numbers of what computes new values, a `RateJumps`, a
+        `ModeSwitch`.
     """
 
     events: tuple[Event, ...]
+    ends: tuple[Event, ...]
     held: tuple[HeldValue, ...]
     functions: Mapping[str, ProgramFunction]
     monitor: Floats
     hold: Floats
     sampling: Floats
     jumps: Floats
+    modes: Floats
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The names of events and of ends of modes."""
+        return tuple(event.label for event in (*self.events, *self.ends))
 
     @property
     def kinds(self) -> frozenset[str]:
-        """Which of events, samples and jumps there are."""
-        found = {"events": self.monitor, "samples": self.hold, "jumps": self.jumps}
+        """Which of events, samples, jumps and modes there are; with modes there may be events and samples."""
+        found = {"events": self.monitor, "samples": self.hold, "jumps": self.jumps, "modes": self.modes}
         return frozenset(kind for kind, array in found.items() if array.size)
 
     @property
     def kernels(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """The kernels that compute such a motion, by their files."""
         kinds = self.kinds
+        if "modes" in kinds:
+            names = ("begin_switching", "advance_switching", "watch_switching", "pass_switching_jump")
+            rows = ("forget_rows", "rewind_modes", "forget_modes")
+            return (
+                ("switching_motion", names[: 3 + ("jumps" in kinds)]), ("switch_modes", rows),
+                ("event_interruptions", ("forget_steps",)),
+            )  # fmt: skip
         watched = "watched_motion" if "events" in kinds else "step_machine"
         showing = ["show_watch"] * ({"events", "samples"} <= kinds)
         files = [
@@ -99,29 +123,35 @@ class Happenings:
     @property
     def first_kernel(self) -> str:
         """The kernel with which a motion begins."""
+        if "modes" in self.kinds:
+            return "begin_switching"
         return "begin_sampled" if "samples" in self.kinds else "begin"
 
     @property
     def loop_kernel(self) -> str:
         """The kernel that tries steps."""
         kinds = self.kinds
+        if "modes" in kinds:
+            return "advance_switching"
         words = ["advance", *["sampled"] * ("samples" in kinds), *["watched"] * ("events" in kinds)]
         return "_".join(words)
 
     @property
     def jump_kernel(self) -> str:
         """The kernel that goes on behind a jump."""
+        if "modes" in self.kinds:
+            return "pass_switching_jump"
         return "pass_watched_jump" if self.events else "pass_jump_of_rates"
 
     @property
     def steps(self) -> int:
         """Room for the dense output of so many steps."""
-        return STEPS if self.events else 0
+        return STEPS if "events" in self.kinds else 0
 
     @property
     def more_samples(self) -> int:
         """So many samples there may be beside those that are asked for."""
-        return EVENT_SAMPLES if self.events else 0
+        return EVENT_SAMPLES if "events" in self.kinds else 0
 
 
 def make_happenings(motion: PosedMotion, block: Floats, closing: ProgramFunction | None = None) -> Happenings:
@@ -132,7 +162,7 @@ def make_happenings(motion: PosedMotion, block: Floats, closing: ProgramFunction
     closing : ProgramFunction, optional
         What closes states of the whole mechanism; by default it is made where events act.
     """
-    functions = _event_functions(motion, closing) if motion.request.events else {}
+    functions = _event_functions(motion, closing) if motion.events else {}
     monitor = _monitor(motion, functions, block) if functions else _NOTHING
     hold, sampling = _NOTHING, _NOTHING
     if motion.held:
@@ -140,13 +170,44 @@ def make_happenings(motion: PosedMotion, block: Floats, closing: ProgramFunction
         check_numbers(motion.held, functions[SAMPLES].outputs)
         hold = _hold(motion, block, monitor)
         sampling = function_numbers(functions[SAMPLES].numbers)
+    modes = _NOTHING
+    if motion.modal is not None:
+        modes = _modes(motion, motion.modal, functions, monitor)
+        if not motion.held:
+            hold, sampling = _no_samples(), function_numbers(functions[EVENTS].numbers)
     jumps = _jumps(motion, functions, block)
-    return Happenings(motion.request.events, motion.held, functions, monitor, hold, sampling, jumps)
+    events = motion.request.events
+    return Happenings(events, motion.events[len(events) :], motion.held, functions, monitor, hold, sampling, jumps, modes)
+
+
+def _modes(
+    motion: PosedMotion, modal: ModalEquations, functions: dict[str, ProgramFunction], monitor: Floats
+) -> Floats:
+    """Return the array of a `ModeSwitch` of a motion, and tell its search for events of the modes."""
+    names: list[str] = []
+    for output in deciding_outputs(modal):
+        names += [output] if isinstance(output, str) else output
+    functions[DECIDING] = program_function(motion, names, DECIDING, motion.modeless)
+    functions[FITTING] = program_function(motion, PROJECTED, FITTING)
+    shapes = [(function_numbers(functions[name].numbers), sum(functions[name].sizes)) for name in (DECIDING, FITTING)]
+    first = len(motion.input_names) - len(modal.modes)
+    scales, eqs = motion.integration.problem.scales, motion.modeless or motion.eqs
+    made = mode_block(modal, eqs, scales, first, *shapes)
+    switch, search = ModeSwitch(made), EventMonitor(monitor)
+    switch.room = STEPS
+    switch.first_event = len(motion.request.events)
+    search.mode_count, search.first_mode = switch.count, first
+    return made
+
+
+def _no_samples() -> Floats:
+    """Return the array of a `SampleHold` without values."""
+    return pack(SampleHold, next=sys.float_info.max, room=STEPS)
 
 
 def _event_functions(motion: PosedMotion, closing: ProgramFunction | None) -> dict[str, ProgramFunction]:
-    events = motion.request.events
-    functions = {EVENTS: program_function(motion, map(str, watched_outputs(events)), EVENTS)}
+    events = motion.events
+    functions = {EVENTS: program_function(motion, [str(event.expression) for event in events], EVENTS)}
     check_value_shapes(events, functions[EVENTS].outputs)
     if outputs := action_outputs(events):
         functions[ACTIONS] = program_function(motion, outputs, ACTIONS)
@@ -159,7 +220,7 @@ def _event_functions(motion: PosedMotion, closing: ProgramFunction | None) -> di
 
 def _monitor(motion: PosedMotion, functions: Mapping[str, ProgramFunction], block: Floats) -> Floats:
     """Return the array of an `EventMonitor` for a run."""
-    run, eqs, events = Run(block), motion.eqs, motion.request.events
+    run, eqs, events = Run(block), motion.eqs, motion.events
     numbers = {name: function_numbers(function.numbers) for name, function in functions.items()}
     watch = WatchNumbers(
         run.states, run.speeds, numbers[EVENTS], numbers.get(ACTIONS, _NOTHING),
@@ -205,6 +266,8 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
     eqs = strike_equations(motion.eqs)
     functions[STRIKE] = function = program_function(motion, strike_outputs(eqs), STRIKE, eqs)
     numbers = function_numbers(function.numbers)
+    if motion.modal is not None:  # friction is finite, and ropes strike afterwards
+        np.asarray(FunctionNumbers(numbers).inputs)[-len(motion.modal.modes) :] = LOOSE
     strikes = strike_block(eqs, problem.scales, function.sizes, numbers)
     way, run = Run(block).goal.direction, Run(block)
     before = [max(t - way * margin, start, key=lambda time: way * time) for t in times]

@@ -26,6 +26,7 @@ from symbody.kernels.block import FunctionNumbers, Run, StateProjection
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.strike_problem import RateJumps, StrikeProblem
 from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
+from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.methods.constraints import residual_share
@@ -34,7 +35,9 @@ from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import closing_of
 from symbody.simulation.programs.happenings import (
     ACTIONS,
+    DECIDING,
     EVENTS,
+    FITTING,
     SAMPLES,
     STRIKE,
     Happenings,
@@ -48,6 +51,7 @@ from symbody.simulation.programs.motion_request import (
     check_branch,
     check_request,
     pose_motion,
+    with_modes,
 )
 from symbody.simulation.programs.prepared_motion import motion_block, motion_functions
 from symbody.simulation.programs.program_function import (
@@ -75,7 +79,8 @@ _ANEW: Final = {
 # What `simulation.js` calls a function, and its name in the program.
 _ENTRIES: Final = {
     "motion": RIGHT_HAND_SIDE, "view": "view", "projection": PROJECTION, "assembly": "assembly",
-    "events": EVENTS, "actions": ACTIONS, "samples": SAMPLES, "strike": STRIKE,
+    "events": EVENTS, "actions": ACTIONS, "samples": SAMPLES, "strike": STRIKE, "deciding": DECIDING,
+    "fitting": FITTING,
 }  # fmt: skip
 # Records that `simulation.js` reads, by what it calls the places of each.
 _RECORDS: Final[Mapping[str, type[RecordLayout]]] = {
@@ -85,11 +90,12 @@ _RECORDS_OF_KINDS: Final[Mapping[str, Mapping[str, type[RecordLayout]]]] = {
     "events": {"monitor": EventMonitor},
     "samples": {"held": SampleHold},
     "jumps": {"jumps": RateJumps, "strike": StrikeProblem},
+    "modes": {"modes": ModeSwitch},
 }
 _CODES: Final = (
     "RUNNING", "FULL", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY", "STIFF",
     "NO_EVENT_ROOM", "STOPPED", "CHATTERING", "EVENT_FAULT", "NO_SAMPLE_ROOM", "SAMPLE_FAULT", "SPOILED",
-    "UNMET", "TORN_MOTION", "NO_IMPULSE",
+    "UNMET", "TORN_MOTION", "NO_IMPULSE", "NO_MODE_ROOM", "MODE_FAULT", "UNDECIDED", "UNMOVABLE", "TOO_LONG",
 )  # fmt: skip
 _HAPPENED: Final = 64  # room for what happens, at first
 
@@ -163,8 +169,9 @@ def javascript_simulation(
     UsageError
         If the request needs Python or an implicit integrator; see `MotionRequest`.
     """
-    motion = pose_motion(eqs, request, check_request(eqs, request))
-    check_branch(motion)
+    posed = pose_motion(eqs, request, check_request(eqs, request))
+    check_branch(posed)
+    motion = with_modes(posed)
     functions = motion_functions(motion)
     functions["view"] = program_function(motion, (*view.outputs, *_ENERGIES), "view")
     close = closing_of(motion.eqs, holds=True)
@@ -176,7 +183,7 @@ def javascript_simulation(
         Run(block).room.steps = happens.steps
     functions |= happens.functions
     kernels: dict[str, KernelTree] = {}
-    for file, roots in (*happens.kernels, *_KERNELS, *(_ANEW[kind] for kind in sorted(happens.kinds))):
+    for file, roots in (*happens.kernels, *_KERNELS, *(_ANEW[kind] for kind in sorted(happens.kinds) if kind in _ANEW)):
         kernels |= read_kernels(file, *roots)
     for function in functions.values():
         kernels |= function.kernels
@@ -213,7 +220,7 @@ def _calls(happens: Happenings, functions: Mapping[str, ProgramFunction]) -> str
     projection = PROJECTION if PROJECTION in functions else RIGHT_HAND_SIDE
     made = kernel_calls(happens, projection, "assembly", "m.{}, 0", 1)
     kinds = happens.kinds
-    show = [made["SHOW"]] * ({"events", "samples"} <= kinds)
+    show = [made["SHOW"]] * ({"events", "samples"} <= kinds and "modes" not in kinds)
     entries = {
         "begin": [made["BEGIN"]],
         "advance": [made["ADVANCE"]],
@@ -223,6 +230,9 @@ def _calls(happens: Happenings, functions: Mapping[str, ProgramFunction]) -> str
         "rewindEvents": [made["REWIND_EVENTS"]] * ("events" in kinds),
         "rewindSamples": [made["REWIND_SAMPLES"]] * ("samples" in kinds),
         "bound": [made["BOUND"]] * ("jumps" in kinds),
+        "forgetRows": [made.get("FORGET_ROWS", "")] * ("modes" in kinds),
+        "rewindModes": [made.get("REWIND_MODES", "")] * ("modes" in kinds),
+        "forgetModes": [made.get("FORGET_MODES", "")] * ("modes" in kinds),
         "pass": [made["PASS"]] * ("jumps" in kinds),
     }
     lines = [f"{name}: (m, time) => ({', '.join(calls)})," for name, calls in entries.items() if calls]
@@ -236,10 +246,12 @@ def _happening_numbers(happens: Happenings) -> dict[str, Any]:
         "held": happens.hold,
         "sampling": happens.sampling,
         "jumps": happens.jumps,
+        "modes": happens.modes,
     }
     found: dict[str, Any] = {name: array if array.size else None for name, array in arrays.items()}
-    found["events"] = [event.label for event in happens.events]
-    found["happenedRoom"] = _HAPPENED + ZEROS_PER_EVENT * len(happens.events)
+    found["events"] = list(happens.labels)
+    found["eventCount"] = len(happens.events)
+    found["happenedRoom"] = _HAPPENED + ZEROS_PER_EVENT * len(happens.labels)
     return found
 
 

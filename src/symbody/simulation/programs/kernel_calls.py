@@ -8,7 +8,9 @@ from symbody.codegen.kernels.dialect import PREFIX
 from symbody.simulation.programs.happenings import (
     ACTIONS,
     CLOSING,
+    DECIDING,
     EVENTS,
+    FITTING,
     LAST_STEPS,
     SAMPLES,
     STRIKE,
@@ -46,15 +48,30 @@ def kernel_calls(
 
     everything = ["block", *monitor, *held, *record, "pieces", *happened, *recorded]
     passing = ["block", *monitor, "jumps", *record, *["pieces"] * watched]
-    return {
-        "BEGIN": call(happens.first_kernel, [f, *sampling], ["block", *held, *record, *recorded]),
-        "ADVANCE": call(happens.loop_kernel, [f, projection, *acting, *sampling], everything, trials),
-        "PASS": call(happens.jump_kernel, [f, STRIKE, *[e] * watched], passing),
+    common = {
         "FORGET": call("forget_steps", [], ["block", "monitor", "breaks", "pieces"], LAST_STEPS),
         "SHOW": call("show_watch", [], ["monitor", "held"]),
         "NOTE": call("values_before", [e], ["block", "monitor"]),
-        "WATCH": call("watch_again", [e], ["block", "monitor"]),
         "REWIND_EVENTS": call("rewind_events", [], ["monitor", "happened"], "time"),
         "REWIND_SAMPLES": call("rewind_samples", [], ["held", "recorded"], "time"),
         "BOUND": call("end_before_jump", [], ["block", "jumps"]),
+    }
+    if "modes" in happens.kinds:
+        sampling = [SAMPLES if SAMPLES in made else e]
+        modes, decisions = [DECIDING, FITTING], ["modes"]
+        written = ["recorded", "decided"]
+        return common | {
+            "BEGIN": call("begin_switching", [f, *sampling, *modes], ["block", "monitor", *held, *decisions, *record, *written]),
+            "ADVANCE": call("advance_switching", [f, projection, *acting, *sampling, *modes], ["block", "monitor", *held, *decisions, *record, "pieces", "happened", *written], trials),
+            "PASS": call("pass_switching_jump", [f, STRIKE, e, *modes], ["block", "monitor", *held, "jumps", *decisions, *record, "pieces", "decided"]),
+            "WATCH": call("watch_switching", [e], ["block", "monitor", *held[:1], *decisions]),
+            "FORGET_ROWS": call("forget_rows", [], ["modes", "decided"]),
+            "REWIND_MODES": call("rewind_modes", [], ["modes", "decided"], "time"),
+            "FORGET_MODES": call("forget_modes", [], ["modes"]),
+        }  # fmt: skip
+    return common | {
+        "BEGIN": call(happens.first_kernel, [f, *sampling], ["block", *held, *record, *recorded]),
+        "ADVANCE": call(happens.loop_kernel, [f, projection, *acting, *sampling], everything, trials),
+        "PASS": call(happens.jump_kernel, [f, STRIKE, *[e] * watched], passing),
+        "WATCH": call("watch_again", [e], ["block", "monitor"]),
     }

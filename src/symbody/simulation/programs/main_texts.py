@@ -71,7 +71,8 @@ def _read(file: str) -> str:
     """Return what stands behind the kernels.
 
     Lines that begin with "%events ", "%samples ", "%jumps " belong to motions with such, "%eventless " to
-    those without events, "%show " to those with events and samples.
+    those without events, "%show " to those with events and samples, "%switching " to those
+    with modes.
     """
     return "\n" + (files(__package__) / file).read_text(encoding="utf-8")
 
@@ -114,10 +115,13 @@ def program_text(motion: PreparedMotion, language: ProgramLanguage, title: str) 
     """Return the program of a motion."""
     happens = motion.happenings
     words = {**_sizes(motion), **_arrays(motion, language), **_calls(motion, language)}
-    words["STOPS"] = f", {block.STOPPED} where an event stopped the motion" if happens.events else ""
-    words["SUCCESS"] = language.success[bool(happens.events)]
+    words["STOPS"] = f", {block.STOPPED} where an event stopped the motion" if happens.labels else ""
+    words["SUCCESS"] = language.success[bool(happens.labels)]
     kinds = {*happens.kinds}
-    kinds.add("show" if {"events", "samples"} <= kinds else "")
+    if "modes" in kinds:
+        kinds.add("switching")
+    elif {"events", "samples"} <= kinds:
+        kinds.add("show")
     kinds.add("" if "events" in kinds else "eventless")
     main = _lines_of(language.main, kinds)
     for name, text in words.items():
@@ -125,7 +129,7 @@ def program_text(motion: PreparedMotion, language: ProgramLanguage, title: str) 
     comments = [
         f"{title}: a whole simulation, written by symbody; it needs nothing else.",
         "It prints the samples as lines of numbers: " + ", ".join(["t", *map(_plain, motion.names)]),
-        *["Events are listed on the error output."] * ("events" in kinds),
+        *["Events are listed on the error output."] * bool(happens.events),
     ]
     head = "".join(language.comment.format(_plain(text)) + "\n" for text in comments)
     return head + _lines_of(language.head, kinds) + kernel_text(motion.kernels, language.dialect) + main
@@ -150,8 +154,9 @@ def _sizes(motion: PreparedMotion) -> dict[str, str]:
     numbers = {
         "SIZE": motion.block.size, "SAMPLES": run.room.samples, "N": len(motion.names),
         "PLACE_COUNT": np.count_nonzero(motion.block), "COUNT_PLACE": Run.layout["counts.samples"],
-        "BREAKS": happens.steps + 2, "PIECES": (happens.steps + 1) * rows, "FIRST_ROOM": 64 + 8 * count,
+        "BREAKS": happens.steps + 2, "PIECES": (happens.steps + 1) * rows, "FIRST_ROOM": 64 + 8 * len(happens.labels),
         "RECORDED": STEPS * (len(happens.held) + 1), "TRIALS": _TRIALS,
+        "DECIDED": STEPS * (3 + len(happens.ends) + len(motion.names)), "EVENT_COUNT": count,
         "ROOM_PLACE": EventMonitor.layout["happened_room"], "HAPPENED_PLACE": EventMonitor.layout["happened"],
         "CULPRIT_PLACE": EventMonitor.layout["culprit"], "RECORDED_PLACE": SampleHold.layout["recorded"],
         "NEXT_PLACE": RateJumps.layout["next"], "JUMPS_PLACE": RateJumps.layout["count"],
@@ -169,13 +174,14 @@ def _arrays(motion: PreparedMotion, language: ProgramLanguage) -> dict[str, str]
         "VALUES": _numbers(language, motion.block[places]),
         "TIMES": _numbers(language, motion.times),
         "HEADER": json.dumps(",".join(["t", *(_plain(name) for name in motion.names)])),
-        "EVENTS": _list(language, (language.text(event.label) for event in happens.events)),
+        "EVENTS": _list(language, map(language.text, happens.labels)),
     }
     arrays = {
         "MONITOR": happens.monitor,
         "HELD": happens.hold,
         "SAMPLING": happens.sampling,
         "JUMPS": happens.jumps,
+        "MODES": happens.modes,
     }
     for name, array in arrays.items():
         words[name], words[f"{name}_SIZE"] = _numbers(language, array), str(array.size)

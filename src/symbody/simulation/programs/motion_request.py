@@ -13,12 +13,13 @@ from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import ModalEquations, modal_equations
 from symbody.errors import Problem, UsageError
 from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.events.event_functions import watched_outputs
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import jump_parameters
-from symbody.equations.solving.modal_equations import switches
+from symbody.simulation.hybrid.switching import loose_modes, mode_ends
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables
 from symbody.simulation.methods.closed_loops.change_point import is_change_point
@@ -108,6 +109,10 @@ class PosedMotion:
         Where what depends on time alone changes; none where steps are all of one length.
     held : tuple of HeldValue
         What is held between samples, by its place in `input_names`.
+    modal : ModalEquations, optional
+        The equations with the modes of joints and ropes as inputs, which are integrated then.
+    modeless : EquationSet, optional
+        The same with modes left open.
     """
 
     request: MotionRequest
@@ -118,6 +123,13 @@ class PosedMotion:
     last: float
     breakpoints: Breakpoints
     held: tuple[HeldValue, ...] = ()
+    modal: ModalEquations | None = None
+    modeless: EquationSet | None = None
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What happens where a value passes zero: events, then ends of modes."""
+        return (*self.request.events, *(() if self.modal is None else mode_ends(self.modal)))
 
     @property
     def eqs(self) -> EquationSet:
@@ -206,6 +218,17 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
     return replace(motion, held=values)
 
 
+def with_modes(motion: PosedMotion) -> PosedMotion:
+    """Return a motion whose equations have modes as inputs, if joints stick or ropes go slack."""
+    problem = motion.integration.problem
+    modal = modal_equations(problem.eqs)
+    if not modal.modes:
+        return motion
+    laws = problem.laws.with_held(loose_modes(modal))
+    integration = replace(motion.integration, problem=replace(problem, eqs=modal.eqs, laws=laws))
+    return replace(motion, integration=integration, modal=modal, modeless=problem.eqs)
+
+
 def held_values(eqs: EquationSet, request: MotionRequest) -> dict[str, HeldValue]:
     """Return the sampled signals of a motion by name, but those that are free inputs.
 
@@ -250,7 +273,7 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
         ),
     )
     problems = [
-        *_refusals(request, laws), *_switching_problems(eqs), *_pivot_problems(eqs),
+        *_refusals(request, laws), *_pivot_problems(eqs),
         *_time_problems(eqs, request),
     ]  # fmt: skip
     if problems:
@@ -333,14 +356,3 @@ def _time_problems(eqs: EquationSet, request: MotionRequest) -> list[Problem]:
                 "a page computes these times when it is written", "remove the slider")
         for name in request.tunable if name in found
     ]  # fmt: skip
-
-
-def _switching_problems(eqs: EquationSet) -> list[Problem]:
-    problems = []
-    if switches(eqs.formed):
-        problems.append(
-            Problem("animation.live_switching", eqs.model.name, "joints stick, or ropes become slack",
-                    "the equations change during the motion, which pages do not support yet",
-                    "animate a motion from simulate, or give the friction a smooth law")
-        )  # fmt: skip
-    return problems

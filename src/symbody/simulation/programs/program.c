@@ -6,10 +6,12 @@ static const double times[] = @TIMES@;
 %samples static const double first_held[] = @HELD@;
 %samples static const double first_sampling[] = @SAMPLING@;
 %jumps static const double first_jumps[] = @JUMPS@;
+%switching static const double first_modes[] = @MODES@;
 static double block[@SIZE@], t[@SAMPLES@], x[@SAMPLES@ * @N@], breaks[@BREAKS@], pieces[@PIECES@];
 %events static double monitor[@MONITOR_SIZE@], *happened; /* rows: event, time, states before what it sets */
 %samples static double held[@HELD_SIZE@], sampling[@SAMPLING_SIZE@], recorded[@RECORDED@];
 %jumps static double jumps[@JUMPS_SIZE@];
+%switching static double modes[@MODES_SIZE@], decided[@DECIDED@];
 
 %events static void make_room(void)
 %events {
@@ -29,6 +31,7 @@ static int simulate(int *samples)
 %samples     for (k = 0; k < @HELD_SIZE@; k++) held[k] = first_held[k];
 %samples     for (k = 0; k < @SAMPLING_SIZE@; k++) sampling[k] = first_sampling[k];
 %jumps     for (k = 0; k < @JUMPS_SIZE@; k++) jumps[k] = first_jumps[k];
+%switching     for (k = 0; k < @MODES_SIZE@; k++) modes[k] = first_modes[k];
     code = @BEGIN@;
 %show     @SHOW@;
     for (;;) {
@@ -37,6 +40,7 @@ static int simulate(int *samples)
 %events         else if (code == @FULL@) { @FORGET@; code = @RUNNING@; }
 %events         else if (code == @NO_EVENT_ROOM@) { make_room(); code = @RUNNING@; }
 %samples         else if (code == @NO_SAMPLE_ROOM@) { held[@RECORDED_PLACE@] = 0.0; code = @RUNNING@; }
+%switching         else if (code == @NO_MODE_ROOM@) { @FORGET_ROWS@; code = @RUNNING@; }
 %jumps         else if (code == @FINISHED@ && jumps[@NEXT_PLACE@] != jumps[@JUMPS_PLACE@])
 %jumps             code = @PASS@;
         else break;
@@ -56,7 +60,7 @@ int main(void)
     }
 %events     for (k = 0; k < (int)monitor[@HAPPENED_PLACE@]; k++) {
 %events         const double *row = happened + (size_t)k * (@N@ + 2);
-%events         fprintf(stderr, "event %s: t = %.17g\n", events[(int)row[0]], row[1]);
+%events         if (row[0] < @EVENT_COUNT@) fprintf(stderr, "event %s: t = %.17g\n", events[(int)row[0]], row[1]);
 %events     }
 %events     if (monitor[@CULPRIT_PLACE@] > 0.0)
 %events         fprintf(stderr, "%s ended the motion (code %d)\n", events[(int)monitor[@CULPRIT_PLACE@] - 1], code);

@@ -16,6 +16,7 @@ function simulate() {
 %samples     const sampling = Float64Array.from(@SAMPLING@);
 %samples     const recorded = new Float64Array(@RECORDED@);
 %jumps     const jumps = Float64Array.from(@JUMPS@);
+%switching     const modes = Float64Array.from(@MODES@), decided = new Float64Array(@DECIDED@);
     places.forEach((place, k) => { block[place] = values[k]; });
     let code = @BEGIN@;
 %show     @SHOW@;
@@ -31,6 +32,7 @@ function simulate() {
 %events             code = @RUNNING@;
 %events         }
 %samples         else if (code === @NO_SAMPLE_ROOM@) { held[@RECORDED_PLACE@] = 0; code = @RUNNING@; }
+%switching         else if (code === @NO_MODE_ROOM@) { @FORGET_ROWS@; code = @RUNNING@; }
 %jumps         else if (code === @FINISHED@ && jumps[@NEXT_PLACE@] !== jumps[@JUMPS_PLACE@])
 %jumps             code = @PASS@;
         else break;
@@ -40,7 +42,7 @@ function simulate() {
 %events     const events = []; // what happened: name, time, states before what it sets
 %events     for (let k = 0; k < monitor[@HAPPENED_PLACE@]; k++) {
 %events         const [place, time, ...state] = happened.subarray(k * (@N@ + 2), (k + 1) * (@N@ + 2));
-%events         events.push({ name: names[place], t: time, state });
+%events         if (place < @EVENT_COUNT@) events.push({ name: names[place], t: time, state });
 %events     }
 %events     const culprit = names[monitor[@CULPRIT_PLACE@] - 1] ?? ""; // the event that ended the motion by a fault
 %events     return { code, rows, events, culprit };

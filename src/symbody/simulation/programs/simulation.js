@@ -12,12 +12,16 @@ function makeSimulation() {
     // What kernels take; the rest is null where nothing of its kind happens on the way.
     const copyOf = (array) => (array === null ? null : Float64Array.from(array));
     const m = { block, breaks, pieces, times: nothing, t: nothing, x: nothing };
-    for (const name of ["monitor", "held", "sampling", "jumps"]) m[name] = copyOf(numbers[name]);
-    const { monitor, held, jumps } = m;
+    for (const name of ["monitor", "held", "sampling", "jumps", "modes"]) m[name] = copyOf(numbers[name]);
+    const { monitor, held, jumps, modes } = m;
+    const elements = modes === null ? 0 : modes[at.modes.count];
+    if (modes !== null) m.decided = new Float64Array(modes[at.modes.room] * (3 + elements + n));
     const width = held === null ? 0 : held[at.held.count] + 1;
     m.recorded = held === null ? null : new Float64Array(held[at.held.room] * width);
     const parameters = Float64Array.from(numbers.parameters.values);
     const inputs = new Float64Array(numbers.inputs.names.length);
+    // Nothing sticks and no rope is taut where states are closed; kernels show the modes of the motion.
+    if (modes !== null) inputs.fill(1, modes[at.modes.first_input]);
     const state = Float64Array.from(numbers.start), first = Float64Array.from(numbers.start);
     const shown = new Float64Array(view.size);
     const pose = { positions: new Float64Array(3 * view.parents.length), axes: new Float64Array(9 * view.parents.length) };
@@ -40,7 +44,11 @@ function makeSimulation() {
         if (acting !== 0) calls.push({ values: functions.actionsValues, array: monitor, place: acting });
         if (closing !== 0) calls.push({ values: functions.assemblyValues, array: monitor, place: closing + monitor[closing + at.assembly.numbers] });
     }
-    if (held !== null) calls.push({ values: functions.samplesValues, array: m.sampling, place: 0 });
+    if (held !== null) calls.push({ values: functions.samples === null ? functions.eventsValues : functions.samplesValues, array: m.sampling, place: 0 });
+    if (modes !== null) {
+        calls.push({ values: functions.decidingValues, array: modes, place: modes[at.modes.numbers] });
+        calls.push({ values: functions.fittingValues, array: modes, place: modes[at.modes.projection] });
+    }
     if (jumps !== null) {
         const problem = jumps[at.jumps.problem];
         calls.push({ values: functions.strikeValues, array: jumps, place: problem + jumps[problem + at.strike.numbers] });
@@ -66,6 +74,7 @@ function makeSimulation() {
         block.set(state, block[at.run.state_old]);
         kernels.rewindEvents?.(m, time);
         kernels.rewindSamples?.(m, time);
+        kernels.rewindModes?.(m, time);
         if (held !== null) showHeld(held.subarray(held[at.held.values]));
         kernels.note?.(m);
     }
@@ -107,6 +116,7 @@ function makeSimulation() {
         if (code === codes.FULL) code = codes.RUNNING;
         else if (code === codes.NO_EVENT_ROOM) makeRoom(2 * monitor[at.monitor.happened_room]);
         else if (code === codes.NO_SAMPLE_ROOM) forgetSamples();
+        else if (code === codes.NO_MODE_ROOM) forgetModeRows();
         else if (code === codes.FINISHED && jumps !== null) code = kernels.pass(m);
         if (!numbers.isFixed && block[at.run["counts.accepted"]] !== accepted) block[at.run.first_step] = Math.abs(block[at.run.step]);
     }
@@ -124,6 +134,11 @@ function makeSimulation() {
         const kept = held[at.held.room] / 2;
         m.recorded.copyWithin(0, kept * width);
         held[at.held.recorded] = kept;
+        code = codes.RUNNING;
+    }
+
+    function forgetModeRows() {
+        kernels.forgetRows(m);
         code = codes.RUNNING;
     }
 
@@ -363,6 +378,7 @@ function makeSimulation() {
 
     function refresh() {
         interrupt();
+        kernels.forgetModes?.(m);
         code = codes.RUNNING;
         return true;
     }
@@ -374,7 +390,7 @@ function makeSimulation() {
         block[at.run.first_step] = numbers.firstStep;
         block[at.run["breaks.next"]] = 0;
         refresh();
-        for (const name of ["monitor", "held", "jumps"]) m[name]?.set(numbers[name]);
+        for (const name of ["monitor", "held", "jumps", "modes"]) m[name]?.set(numbers[name]);
         if (monitor !== null) makeRoom(numbers.happenedRoom);
         if (held !== null) showHeld(held.subarray(held[at.held.values]));
         writeArguments();
@@ -385,7 +401,7 @@ function makeSimulation() {
         const found = [];
         for (let k = 0; monitor !== null && k < monitor[at.monitor.happened]; k += 1) {
             const [place, t] = m.happened.subarray(k * (n + 2));
-            if (t <= time) found.push({ name: numbers.events[place], t });
+            if (t <= time && place < numbers.eventCount) found.push({ name: numbers.events[place], t });
         }
         return found;
     }

@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes
 from symbody.errors import SymbodyError
 from symbody.kernels.block import Counts
 from symbody.simulation.hybrid.rate_jumps import may_jump
@@ -55,6 +54,7 @@ def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, c
     reasons = {
         f"values are sampled ({held})": bool(held),
         reason_for_python(eqs, laws, integrator, constraints): True,
+        "joints stick and slip, or ropes slacken": switches(eqs.formed),
         "prescribed rates may jump": may_jump(eqs),
     }
     return "; ".join(reason for reason, holds in reasons.items() if reason and holds)
@@ -70,7 +70,6 @@ def reason_for_python(eqs: EquationSet, laws: InputLaws, integrator: object, con
         f"{type(constraints).__name__} runs in Python": not isinstance(
             constraints, Projection | Baumgarte | None
         ),
-        "joints stick and slip, or ropes slacken": switches(eqs.formed) or bool(ropes(eqs.formed)),
         "pivots of dependent speeds are monitored": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),
