@@ -62,6 +62,14 @@ def note_looks(monitor: EventMonitor, look: Reals) -> None:
         seen[5] = event.waits_time
 
 
+def keep_samples(run: Run, verdict: Verdict, x: Reals, samples: Reals) -> None:
+    """Keep the samples of a case; a motion may stop behind all times that are wanted."""
+    size = run.room.times * run.states
+    kept = min(run.counts.samples, run.room.times)
+    verdict.counts.samples = kept
+    copy(kept * run.states, x, part(samples, run.cases.current * size, size))
+
+
 def run_watched_cases(
     f: Function, g: Function, e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor,
     watch_size: int, fresh: Reals, count: int, size: int, first: int, cases: Reals, times: Reals, t: Reals,
@@ -73,8 +81,6 @@ def run_watched_cases(
     `FULL` and `NO_EVENT_ROOM` want more room for steps, or for what happens. `fresh` is a watch that has not
     begun; `t` and `x` are room for the samples of one case and two more, `samples` holds those of all.
     """
-    n = run.states
-    times_of_case = run.room.times
     left = trials
     look_size = LOOK_EVENTS + LOOK_SIZE * monitor.event_count
     while run.cases.current < count:
@@ -95,10 +101,7 @@ def run_watched_cases(
             if code == FULL or code == NO_EVENT_ROOM:
                 return code
             conclude(run, code, verdict)
-            # a motion may stop behind all times that are wanted
-            kept = min(run.counts.samples, times_of_case)
-            verdict.counts.samples = kept
-            copy(kept * n, x, part(samples, k * times_of_case * n, times_of_case * n))
+            keep_samples(run, verdict, x, samples)
             if code == RUNNING:
                 return RUNNING
             note_looks(monitor, part(looks, k * look_size, look_size))

@@ -67,6 +67,7 @@ class ModeSwitch(RecordLayout):
     places: Reals = pointer("candidates")  # the element of each candidate, -1 for friction that does not switch
     normals: Reals = pointer("candidates")  # how many components of its reaction each candidate reads
     units: Reals = pointer("candidates")
+    are_lengths: Reals = pointer("candidates")  # whether these are lengths, not angles
     acting: Reals = pointer("candidates")  # the candidates of the mode problem
     sizes: Reals = pointer("speeds")  # displacements that count as large
     kept: Reals = pointer("count")

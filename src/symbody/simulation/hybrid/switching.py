@@ -369,7 +369,8 @@ def mode_block(
         states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names), out_size=deciding[1],
         moves_size=projecting[1], first_input=first_input, length=length, time=scales.time,
         fastest=1.0 / scales.time, elements=elements, places=places, normals=[*counts, *[0] * ropes],
-        units=units, sizes=scales.displacements(eqs), problem=problem, numbers=deciding[0],
+        units=units, are_lengths=[float(k >= len(laws) or not laws[k].turns) for k in range(n)],
+        sizes=scales.displacements(eqs), problem=problem, numbers=deciding[0],
         projection=projecting[0],
     )  # fmt: skip
 
