@@ -167,11 +167,29 @@ function makeSimulation() {
         if (k >= 0 && time < breaks[k + 1]) {
             const share = Math.max((time - breaks[k]) / (breaks[k + 1] - breaks[k]), 0);
             symbody_interpolate(n, rows, pieces, k * rows * n, share, state, 0);
-            if (isProjected) symbody_project(functions.projection, block, 0, time, state, 0);
+            if (isProjected) projectShown();
         } else {
             state.set(block.subarray(block[at.run.state_old], block[at.run.state_old] + n));
         }
         if (held !== null) showHeldAt();
+    }
+
+    // Bring the state shown onto the constraints of the modes that it has.
+    function projectShown() {
+        if (modes !== null) showModesOf(time);
+        symbody_project(functions.projection, block, 0, time, state, 0);
+        if (modes !== null) showModesOf(Infinity);
+    }
+
+    // Let what projects have the modes of a time, as far as they are written down.
+    function showModesOf(t) {
+        const size = 3 + elements + n, isShock = (row) => m.decided[row * size] !== 0;
+        let row = modes[at.modes.recorded] - 1;
+        while (row > 0 && (m.decided[row * size + 1] > t || isShock(row))) row -= 1;
+        if (row < 0) return;
+        const place = block[at.run.projection] + block[block[at.run.projection] + at.projection.numbers];
+        const first = place + block[place + at.numbers.inputs] + modes[at.modes.first_input];
+        for (let k = 0; k < elements; k += 1) block[first + k] = m.decided[row * size + 3 + k];
     }
 
     // Let the view have the held values of the time shown.
