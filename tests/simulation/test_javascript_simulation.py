@@ -245,11 +245,21 @@ def test_what_needs_python_is_refused(words: dict[str, Any], code: str) -> None:
     assert [problem.code for problem in caught.value.problems] == [code]
 
 
-def test_joints_that_stick_are_refused() -> None:
-    dry = sb.Friction(force=3.0)
-    model = sb.Model(
-        "block", [sb.Prismatic("slide", "ground", sb.Body("Block", 1), coordinate="x", friction=dry)]
-    )
-    with pytest.raises(UsageError) as caught:
-        program(sb.form_equations(model))
-    assert caught.value.problems[0].code == "animation.live_switching"
+@needs_node
+def test_stick_slip_belt_in_a_page_is_that_of_simulate(run: Callable[[SimulationText, str], Any]) -> None:
+    """A block on a belt, held by a spring: it sticks to the belt until the spring tears it off, again and again."""
+    parts = [
+        sb.Prismatic("belt", "ground", sb.Body("Belt", 1), coordinate="b", motion="0.1*t"),
+        sb.Prismatic("slide", "Belt", sb.Body("Block", 1), coordinate="x",
+                     friction=sb.Friction(force=2.0, static=3.0)),
+        sb.SpringDamper("spring", "ground", "Block", stiffness=20, free=0),
+    ]  # fmt: skip
+    eqs = sb.form_equations(sb.Model("belt", parts, initial={"x": 0.05, "x_dot": 0.0}))
+    times = np.linspace(0.0, 6.0, 61)
+    motion = sb.simulate(eqs, 6.0, times=times, rtol=1e-10)
+    assert sum(change.mode == "sticks" for change in motion.modes) > 2
+    place = eqs.state_names.index("x")
+    asked = f"{json.dumps(times[1:].tolist())}.map((t) => {{ s.advanceTo(t); return s.state[{place}]; }})"
+    shown = run(program(eqs, rtol=1e-10), f"result = {asked};")
+    assert np.abs(np.array(shown) - motion["x"][1:]).max() < 1e-8
+

@@ -138,9 +138,15 @@ def test_the_work_of_all_cases() -> None:
         assert np.isnan(sweep["work"][k, work.size :]).all()
 
 
-def test_single_outputs_of_changing_shape_are_refused_as_for_one_motion() -> None:
-    with pytest.raises(sb.UsageError, match="number of values"):
-        swept("ropes")["lambda"]
+def test_multipliers_of_idle_rows_are_zero() -> None:
+    """A rope that is slack has none; whatever the modes, there are as many."""
+    sweep = swept("ropes")
+    for k in range(len(sweep)):
+        run = sweep.trajectory(k)
+        assert sweep["lambda"][k].shape == (run["lambda"].shape[0], sweep.t.size)
+        slack = run["rope_tension rope"] == 0.0
+        assert slack.any() and (run["lambda_rope_1"][slack] == 0.0).all()
+
 
 
 def same(a: sb.Sweep, b: sb.Sweep) -> bool:

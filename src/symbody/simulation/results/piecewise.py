@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.errors import Problem, UsageError
 from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 
 Floats = NDArray[np.float64]
@@ -40,11 +39,6 @@ class Piecewise:
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; of two samples at a change the first belongs to the part before.
-
-        Raises
-        ------
-        UsageError
-            If the parts do not have the same number of values, as multipliers.
         """
         return self.together((name,), t, q, u)[0]
 
@@ -62,8 +56,6 @@ class Piecewise:
             for name, values in zip(names, computed, strict=True):
                 shape = values.shape[:-1]
                 array = whole.setdefault(name, np.empty((*shape, t.size)))
-                if array.shape[:-1] != shape:
-                    raise changing_shape(name)
                 array[..., inside] = values + self.work[k] if name == "work" else values
         return [whole.get(name, np.empty((0,))) for name in names]
 
@@ -72,13 +64,3 @@ def _outputs(part: Evaluate, names: Sequence[str], t: Floats, q: Floats, u: Floa
     if isinstance(part, EvaluateTogether):
         return part.together(names, t, q, u)
     return [part(name, t, q, u) for name in names]
-
-
-def changing_shape(name: str) -> UsageError:
-    """Return the error for an output whose number of values changes with the equations."""
-    return UsageError(
-        Problem("trajectory.changing_shape", repr(name), f"the number of values of {name} changes during "
-            f"the motion",
-                "joints that stick and ropes that are taut add constraints",
-                "read single values, or a reaction")
-    )  # fmt: skip
