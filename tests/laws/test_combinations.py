@@ -45,6 +45,7 @@ MODELS = (
 # In the fast tier with all models; the others take turns.
 ALWAYS = ("simulate",)
 
+
 def row(way: str, names: tuple[str, ...], substitute: bool, *, is_fast: bool) -> Any:
     """A consumer and fragments as a case."""
     marks = [] if is_fast else [pytest.mark.exhaustive]

@@ -23,6 +23,8 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler"),
     pytest.mark.skipif(shutil.which("node") is None, reason="needs Node"),
 ]
+
+
 def rows() -> Iterator[Any]:
     for k, (name, coupling) in enumerate(COUPLINGS.items()):
         for j, way in enumerate(WAYS):

@@ -12,8 +12,7 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.equations.solving.sticking import STICKS
 from symbody.expr.fingerprints import merging
 from symbody.expr.sequences import sequence
-from symbody.simulation.hybrid.modes import evaluate_outputs
-from symbody.simulation.hybrid.switching import hybrid_mechanism
+from symbody.simulation.hybrid.switching import SwitchingModes
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.simulation_problem import SimulationProblem
 from tests.equations.test_for_values import TYPED, tilted
@@ -35,20 +34,17 @@ def problem_of(eqs: sb.EquationSet) -> SimulationProblem:
     return SimulationProblem(eqs, {}, input_laws((), {}, (0.0, 1.0)), mechanism_scales(eqs, {}))
 
 
-def names_of_modes(eqs: sb.EquationSet) -> tuple[str, ...]:
-    (kind,) = hybrid_mechanism(problem_of(eqs)).kinds
-    return kind.outputs
-
-
 @pytest.mark.parametrize("modes", [(STICKS, 1, -1), (STICKS, STICKS, STICKS), (1, 1, -1)])
 def test_combined_outputs_are_those_alone(modes: tuple[int, ...]) -> None:
     """Eighty operations or so in sums that do not cancel: 1e-13 is a thousand roundings of the largest."""
     eqs = dry_chain(3)
-    problem = hybrid_mechanism(problem_of(eqs)).problem_in(modes)
-    names = names_of_modes(eqs)
+    switching = SwitchingModes(problem_of(eqs))
+    for element, mode in zip(switching.switch.elements, modes, strict=True):
+        element.mode = mode
+    problem, names = switching.problem, tuple(f"friction {joint}" for joint in switching.modal.joints)
     x = np.array([0.3, -0.2, 0.7, 0.4, 1.1, -0.6])
-    (together,) = evaluate_outputs(problem, (names,), 0.0, x)
-    alone = [float(evaluate_outputs(problem, (name,), 0.0, x)[0]) for name in names]
+    (together,) = problem.values_at((names,), 0.0, x)
+    alone = [float(problem.values_at((name,), 0.0, x)[0]) for name in names]
     assert together == pytest.approx(alone, abs=1e-13 * np.abs(alone).max())
 
 

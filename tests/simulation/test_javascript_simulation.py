@@ -262,4 +262,3 @@ def test_stick_slip_belt_in_a_page_is_that_of_simulate(run: Callable[[Simulation
     asked = f"{json.dumps(times[1:].tolist())}.map((t) => {{ s.advanceTo(t); return s.state[{place}]; }})"
     shown = run(program(eqs, rtol=1e-10), f"result = {asked};")
     assert np.abs(np.array(shown) - motion["x"][1:]).max() < 1e-8
-

@@ -28,8 +28,8 @@ from symbody.simulation.hybrid.rate_jumps import (
 )
 from symbody.simulation.hybrid.switching import (
     DeadEndError,
-    check_backwards,
     SwitchingModes,
+    check_backwards,
     check_strike,
     switching_modes,
 )

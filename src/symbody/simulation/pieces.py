@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.simulation.events.events import Event, EventSide, Occurrence
+from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.execution import MotionPiece, execute
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.dense_output import DenseOutput

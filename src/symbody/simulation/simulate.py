@@ -17,12 +17,12 @@ from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import switches
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
 from symbody.model.first_values import FirstValue, by_priority
 from symbody.simulation.drive import drive
 from symbody.simulation.events.events import Event, check_events
-from symbody.equations.solving.modal_equations import switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator

@@ -148,7 +148,6 @@ def test_multipliers_of_idle_rows_are_zero() -> None:
         assert slack.any() and (run["lambda_rope_1"][slack] == 0.0).all()
 
 
-
 def same(a: sb.Sweep, b: sb.Sweep) -> bool:
     return (
         a.x.tobytes() == b.x.tobytes()

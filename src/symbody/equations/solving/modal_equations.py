@@ -1,7 +1,7 @@
 """Joints that stick and slip, and ropes that slacken, as one set of equations with their modes as inputs.
 
-While a joint sticks a row holds it, and a taut rope is a row as well. Here all these rows are always among the
-equations, with zeros in place of those that do not hold: the solver leaves a row of zeros out, and its
+While a joint sticks a row holds it, and a taut rope is a row as well. Here all these rows are always among
+the equations, with zeros in place of those that do not hold: the solver leaves a row of zeros out, and its
 multiplier is 0.
 """
 

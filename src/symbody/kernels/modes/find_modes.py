@@ -28,7 +28,7 @@ from symbody.kernels.modes.mode_problem import (
     ModeElement,
     ModeProblem,
 )
-from symbody.kernels.modes.mode_trial import list_held, is_held, row_count, solve_modes
+from symbody.kernels.modes.mode_trial import is_held, list_held, row_count, solve_modes
 
 # What `find_modes` returns.
 ONE: Final = 0

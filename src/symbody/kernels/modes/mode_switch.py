@@ -1,4 +1,4 @@
-"""`ModeSwitch`: the modes of joints that stick and slip and of ropes along a motion, and what decides them."""
+"""`ModeSwitch`: the modes of joints that stick and slip and of ropes along a motion, and what decides."""
 
 from typing import Final
 
@@ -64,7 +64,9 @@ class ModeSwitch(RecordLayout):
     room: int  # rows of the record
 
     elements: Rows[SwitchingElement] = pointer("count")
-    places: Reals = pointer("candidates")  # the element of each candidate, -1 for friction that does not switch
+    places: Reals = pointer(
+        "candidates"
+    )  # the element of each candidate, -1 for friction that does not switch
     normals: Reals = pointer("candidates")  # how many components of its reaction each candidate reads
     units: Reals = pointer("candidates")
     are_lengths: Reals = pointer("candidates")  # whether these are lengths, not angles

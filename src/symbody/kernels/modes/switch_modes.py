@@ -208,8 +208,8 @@ def find_impulses(modes: ModeSwitch) -> int:
 def open_elements(modes: ModeSwitch, again: int) -> int:
     """Say what is known of each element before modes are decided; return 1 if that differs from before.
 
-    What moves has its mode. A rope is slack if it is shorter or its ends approach; `again` if the mode problem
-    holds accelerations of a first decision.
+    What moves has its mode. A rope is slack if it is shorter or its ends approach; `again` if the mode
+    problem holds accelerations of a first decision.
     """
     differs = 0
     for k in range(modes.count):

@@ -1,8 +1,8 @@
 """Many motions of one mechanism along which joints stick and slip and ropes go taut, one after the other.
 
-Rows of `cases` and `looks` are those of `watched_cases`. Behind what a row of `cases` holds there follow p and
-c of the function that decides about modes and of the one that projects speeds, and what counts as large; a row
-of `looks` ends with how many rows of the record of modes there were when its case ended.
+Rows of `cases` and `looks` are those of `watched_cases`. Behind what a row of `cases` holds there follow p
+and c of the function that decides about modes and of the one that projects speeds, and what counts as large;
+a row of `looks` ends with how many rows of the record of modes there were when its case ended.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def run_switching_cases(
 ) -> int:  # fmt: skip
     """Try up to so many steps of the cases without a verdict; return a code of `block`.
 
-    As `run_watched_cases`; numbers of modes begin at `behind` in a row, and `NO_MODE_ROOM` wants more room in Z.
+    As `run_watched_cases`; numbers of modes begin at `behind` in a row, `NO_MODE_ROOM` wants more room in Z.
     """
     left = trials
     look_size = LOOK_EVENTS + LOOK_SIZE * monitor.event_count + 1

@@ -52,7 +52,7 @@ MOST_ROWS: Final = 4  # of the record of modes that one step may take
 
 
 def show_all_modes(modes: ModeSwitch, run: Run, monitor: EventMonitor, Q: FunctionNumbers) -> None:
-    """Write the modes among the inputs of all functions of a motion, and what is taken from watched values."""
+    """Write the modes among the inputs of all functions, and what is taken from watched values."""
     show_modes(modes, run.numbers)
     if exists(run.projection):
         show_modes(modes, run.projection.numbers)
@@ -109,8 +109,8 @@ def run_code(code: int) -> int:
 
 
 def switch_at_cut(
-    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor,
-    held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
+    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, held: SampleHold,
+    Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Go on behind a cut in the modes that are decided there; return a code of `block`."""
     state = monitor.after
@@ -146,8 +146,8 @@ def have_ended(e: Function, run: Run, monitor: EventMonitor, modes: ModeSwitch) 
 
 
 def switch_at_sample(
-    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor,
-    held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
+    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, held: SampleHold,
+    Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Go on behind a sample in the modes that are decided there; return a code of `block`."""
     if have_ended(e, run, monitor, modes) == 0:
@@ -163,7 +163,8 @@ def switch_at_sample(
 
 def begin_switching(
     f: Function, h: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, held: SampleHold,
-    Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Y: Reals, Z: Reals,
+    Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Y: Reals,
+    Z: Reals,
 ) -> int:  # fmt: skip
     """Take the samples that are due where a motion begins, decide its modes, and begin it; return a code."""
     if is_due(held, run.time) != 0:
@@ -179,7 +180,9 @@ def begin_switching(
     return begin(f, run, times, t, x, breaks)
 
 
-def watch_switching(e: Function, run: Run, monitor: EventMonitor, held: SampleHold, modes: ModeSwitch) -> None:
+def watch_switching(
+    e: Function, run: Run, monitor: EventMonitor, held: SampleHold, modes: ModeSwitch
+) -> None:
     """Watch a motion that goes on anew, its state or its numbers changed."""
     show_watch(monitor, held)
     watch_again(e, run, monitor)
@@ -233,9 +236,7 @@ def advance_switching(
         if modes.recorded + MOST_ROWS > modes.room:
             return NO_MODE_ROOM
         is_sample = is_due(held, run.time)
-        code = happen_or_step(
-            f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y
-        )
+        code = happen_or_step(f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y)
         note_rates(modes, run.state_old)
         if is_sample != 0 and code == RUNNING:
             code = switch_at_sample(f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, Z)

@@ -158,7 +158,7 @@ def happen_or_step(
     monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, times: Reals, t: Reals, x: Reals,
     breaks: Reals, pieces: Reals, H: Reals, Y: Reals,
 ) -> int:  # fmt: skip
-    """Take the samples that are due, or try one step; return a code of `block`, `CUT` where an event acted."""
+    """Take samples that are due, or try one step; return a code of `block`, `CUT` where an event acted."""
     if is_due(held, run.time) != 0:
         return sample_watched(f, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y)
     return step_watched(f, g, e, a, c, run, monitor, held, times, t, x, breaks, pieces, H)
@@ -171,9 +171,7 @@ def advance_sampled_watched(
 ) -> int:  # fmt: skip
     """Try up to so many steps, take samples and let events happen; return one of the codes of `block`."""
     for _trial in range(trials):
-        code = happen_or_step(
-            f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y
-        )
+        code = happen_or_step(f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y)
         if code == CUT:
             code = go_on(f, run, monitor, times, t, x, breaks)
             if code == FINISHED and is_due(held, run.time) != 0:

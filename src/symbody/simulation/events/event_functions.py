@@ -19,8 +19,8 @@ from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Output
 from symbody.expr.sequences.sequence import Sequence as Operations
-from symbody.kernels.record_layout import exists
 from symbody.kernels.events.event_monitor import RECORDS, SETS, STOPS, SWITCHES, EventMonitor
+from symbody.kernels.record_layout import exists
 from symbody.simulation.events.events import Event, LevelEvent, ModeEnd
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction

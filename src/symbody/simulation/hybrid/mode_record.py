@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.kernels.modes.mode_problem import HOLDS
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch
-from symbody.equations.solving.modal_equations import ModalEquations
-from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.events.events import ModeChange, Occurrence
+from symbody.simulation.inputs.held_law import HeldRecord
 
 Floats = NDArray[np.float64]
 

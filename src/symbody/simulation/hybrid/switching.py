@@ -114,9 +114,7 @@ class SwitchingModes:
         self._source = problem
         self._block = self._make_block(problem)
         states = eqs.state_names
-        self.record = ModeRecord(
-            self.modal.modes, self.modal.joints, self.modal.ropes, states, self.switch
-        )
+        self.record = ModeRecord(self.modal.modes, self.modal.joints, self.modal.ropes, states, self.switch)
         self.ends = mode_ends(self.modal)
         self.use(problem)
 
@@ -145,11 +143,11 @@ class SwitchingModes:
         def make() -> EquationSet:
             return EquationSet(eqs.model, slacken(eqs.formed, self.modal.ropes), eqs.notes)
 
-        return replace(problem, eqs=eqs.plans.get("permanent equations", make)) if self.modal.ropes else problem
+        return (
+            replace(problem, eqs=eqs.plans.get("permanent equations", make)) if self.modal.ropes else problem
+        )
 
-    def _deciding(
-        self, problem: SimulationProblem
-    ) -> tuple[CompiledFunction, CallbackFunction | None, int]:
+    def _deciding(self, problem: SimulationProblem) -> tuple[CompiledFunction, CallbackFunction | None, int]:
         """Return the function of what decides, with what calls laws in Python, and where it lies."""
         function = problem.compile_outputs(deciding_outputs(self.modal))
         if not problem.laws.need_python:
@@ -159,7 +157,10 @@ class SwitchingModes:
 
     def _make_block(self, problem: SimulationProblem) -> Floats:
         first, tables = len(problem.laws.callbacks), problem.laws.table_numbers()
-        deciding, projecting = problem.compile_outputs(deciding_outputs(self.modal)), _projecting(problem, self.modal)
+        deciding, projecting = (
+            problem.compile_outputs(deciding_outputs(self.modal)),
+            _projecting(problem, self.modal),
+        )
         return mode_block(
             self.modal, problem.eqs, problem.scales, first,
             (_numbers(deciding, first, tables), _size(deciding)),
@@ -225,8 +226,8 @@ class SwitchingModes:
     def _too_long(self, label: str) -> str:
         name = self.modal.names[self.switch.culprit - 1]
         return (
-            f"the action of event {label!r} moves the ends of {name} farther apart than the rope is long; set coordinates within "
-            f"its length"
+            f"the action of event {label!r} moves the ends of {name} farther apart than the rope is long; "
+            f"set coordinates within its length"
         )
 
     def ending(self, code: int, actor: str) -> str:
@@ -255,7 +256,7 @@ class SwitchingModes:
             raise DeadEndError(t, Status.UNMET_ACTION, self._too_long(actor))
 
     def prepare(self, watch: Floats) -> None:
-        """Tell a search for events where the modes stand among inputs, and what is taken from watched values."""
+        """Tell a search for events where modes stand among inputs, and what is taken from watched values."""
         monitor, switch = EventMonitor(watch), self.switch
         monitor.mode_count, monitor.first_mode = switch.count, switch.first_input
         switch.first_event = monitor.event_count - switch.count
@@ -346,8 +347,8 @@ def mode_block(
     first_input : int
         The place of the modes among the inputs of all functions.
     deciding, projecting : (array, int)
-        Numbers of the function of `deciding_outputs`, and of what projects states in `modal`; how many numbers
-        each writes.
+        Numbers of the function of `deciding_outputs`, and of what projects states in `modal`; how many
+        numbers each writes.
     """
     laws = candidate_laws(eqs.formed)
     counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(eqs.formed))

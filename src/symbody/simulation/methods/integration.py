@@ -93,7 +93,7 @@ def integrate_motion(motion: Motion) -> Integration:
 
 
 def takes_steps_compiled(motion: Motion) -> bool:
-    """Return whether a motion is computed by the loop in which events act, samples are taken and modes change."""
+    """Return whether the loop computes a motion in which events act and modes change."""
     implicit = isinstance(motion.integrator, Stiff | GeneralizedAlpha)
     return not (implicit or isinstance(motion.constraints, GGL | Partition))
 
@@ -101,7 +101,6 @@ def takes_steps_compiled(motion: Motion) -> bool:
 def _fitting_constraints(motion: Motion) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
     constraints = motion.constraints or _PROJECTION
-    eqs = motion.eqs
     fits: tuple[type, ...]
     if isinstance(constraints, GGL):
         fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"

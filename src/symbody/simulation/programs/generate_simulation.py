@@ -37,7 +37,8 @@ def generate_simulation(
     """Return a program that computes a motion as `simulate` does, and needs nothing else.
 
     It holds the equations, the integrator with its projection, and the first state, and prints the samples:
-    time, speeds, coordinates, work. Joints stick and slip, and ropes go taut, as in `simulate`. Events are listed on the error output, name and time in each line. The
+    time, speeds, coordinates, work. Joints stick and slip, and ropes go taut, as in `simulate`. Events are
+    listed on the error output, name and time in each line. The
     programs in all languages print the same numbers to the last bit, as long as the equations use no function
     beyond sine, cosine, roots and whole powers, which languages compute in their own ways. They agree with
     `simulate` to the tolerance.

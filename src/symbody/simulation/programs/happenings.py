@@ -177,7 +177,9 @@ def make_happenings(motion: PosedMotion, block: Floats, closing: ProgramFunction
             hold, sampling = _no_samples(), function_numbers(functions[EVENTS].numbers)
     jumps = _jumps(motion, functions, block)
     events = motion.request.events
-    return Happenings(events, motion.events[len(events) :], motion.held, functions, monitor, hold, sampling, jumps, modes)
+    return Happenings(
+        events, motion.events[len(events) :], motion.held, functions, monitor, hold, sampling, jumps, modes
+    )
 
 
 def _modes(
@@ -189,7 +191,10 @@ def _modes(
         names += [output] if isinstance(output, str) else output
     functions[DECIDING] = program_function(motion, names, DECIDING, motion.modeless)
     functions[FITTING] = program_function(motion, PROJECTED, FITTING)
-    shapes = [(function_numbers(functions[name].numbers), sum(functions[name].sizes)) for name in (DECIDING, FITTING)]
+    shapes = [
+        (function_numbers(functions[name].numbers), sum(functions[name].sizes))
+        for name in (DECIDING, FITTING)
+    ]
     first = len(motion.input_names) - len(modal.modes)
     scales, eqs = motion.integration.problem.scales, motion.modeless or motion.eqs
     made = mode_block(modal, eqs, scales, first, *shapes)

@@ -183,7 +183,11 @@ def javascript_simulation(
         Run(block).room.steps = happens.steps
     functions |= happens.functions
     kernels: dict[str, KernelTree] = {}
-    for file, roots in (*happens.kernels, *_KERNELS, *(_ANEW[kind] for kind in sorted(happens.kinds) if kind in _ANEW)):
+    for file, roots in (
+        *happens.kernels,
+        *_KERNELS,
+        *(_ANEW[kind] for kind in sorted(happens.kinds) if kind in _ANEW),
+    ):
         kernels |= read_kernels(file, *roots)
     for function in functions.values():
         kernels |= function.kernels

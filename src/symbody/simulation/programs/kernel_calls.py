@@ -57,14 +57,21 @@ def kernel_calls(
         "BOUND": call("end_before_jump", [], ["block", "jumps"]),
     }
     if "modes" in happens.kinds:
-        sampling = [SAMPLES if SAMPLES in made else e]
-        modes, decisions = [DECIDING, FITTING], ["modes"]
-        written = ["recorded", "decided"]
+        sampling, modes = [SAMPLES if SAMPLES in made else e], [DECIDING, FITTING]
+        searched, written = ["block", "monitor", *held], ["recorded", "decided"]
         return common | {
-            "BEGIN": call("begin_switching", [f, *sampling, *modes], ["block", "monitor", *held, *decisions, *record, *written]),
-            "ADVANCE": call("advance_switching", [f, projection, *acting, *sampling, *modes], ["block", "monitor", *held, *decisions, *record, "pieces", "happened", *written], trials),
-            "PASS": call("pass_switching_jump", [f, STRIKE, e, *modes], ["block", "monitor", *held, "jumps", *decisions, *record, "pieces", "decided"]),
-            "WATCH": call("watch_switching", [e], ["block", "monitor", *held[:1], *decisions]),
+            "BEGIN": call(
+                happens.first_kernel, [f, *sampling, *modes], [*searched, "modes", *record, *written]
+            ),
+            "ADVANCE": call(
+                happens.loop_kernel, [f, projection, *acting, *sampling, *modes],
+                [*searched, "modes", *record, "pieces", "happened", *written], trials,
+            ),
+            "PASS": call(
+                happens.jump_kernel, [f, STRIKE, e, *modes],
+                [*searched, "jumps", "modes", *record, "pieces", "decided"],
+            ),
+            "WATCH": call("watch_switching", [e], ["block", "monitor", "held", "modes"]),
             "FORGET_ROWS": call("forget_rows", [], ["modes", "decided"]),
             "REWIND_MODES": call("rewind_modes", [], ["modes", "decided"], "time"),
             "FORGET_MODES": call("forget_modes", [], ["modes"]),

@@ -154,7 +154,8 @@ def _sizes(motion: PreparedMotion) -> dict[str, str]:
     numbers = {
         "SIZE": motion.block.size, "SAMPLES": run.room.samples, "N": len(motion.names),
         "PLACE_COUNT": np.count_nonzero(motion.block), "COUNT_PLACE": Run.layout["counts.samples"],
-        "BREAKS": happens.steps + 2, "PIECES": (happens.steps + 1) * rows, "FIRST_ROOM": 64 + 8 * len(happens.labels),
+        "BREAKS": happens.steps + 2, "PIECES": (happens.steps + 1) * rows,
+        "FIRST_ROOM": 64 + 8 * len(happens.labels),
         "RECORDED": STEPS * (len(happens.held) + 1), "TRIALS": _TRIALS,
         "DECIDED": STEPS * (3 + len(happens.ends) + len(motion.names)), "EVENT_COUNT": count,
         "ROOM_PLACE": EventMonitor.layout["happened_room"], "HAPPENED_PLACE": EventMonitor.layout["happened"],

@@ -38,8 +38,7 @@ class Piecewise:
         return found
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the output with time last; of two samples at a change the first belongs to the part before.
-        """
+        """Return the output with time last; of two samples at a change the first is of the part before."""
         return self.together((name,), t, q, u)[0]
 
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:

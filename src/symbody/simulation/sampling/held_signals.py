@@ -15,12 +15,12 @@ from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.formation.values import constant_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import switches
 from symbody.errors import Problem, UsageError
 from symbody.model.model import Model
 from symbody.model.signals.signal import Signal
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.equations.solving.modal_equations import switches
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord, join_records
 from symbody.simulation.inputs.input_laws import InputLaws

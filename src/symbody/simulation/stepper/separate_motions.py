@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
+from symbody.equations.solving.modal_equations import switches
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.drive import Driven, drive
 from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.equations.solving.modal_equations import switches
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained

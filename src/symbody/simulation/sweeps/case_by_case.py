@@ -9,17 +9,17 @@ from typing import Final
 import numpy as np
 
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import modal_equations, switches
 from symbody.errors import SymbodyError
 from symbody.kernels.block import Counts
+from symbody.simulation.hybrid.mode_record import held_modes
 from symbody.simulation.hybrid.rate_jumps import may_jump
-from symbody.equations.solving.modal_equations import modal_equations, switches
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldRecord, join_records
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.hybrid.mode_record import held_modes
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.records import NOT_STARTED, CaseDetails, Records
