@@ -40,7 +40,7 @@ from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import LoopCall, RightHandSide
-from symbody.simulation.sampling.sampled_loop import SampledLoop
+from symbody.simulation.native.segments import HeldValues
 from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 from symbody.simulation.status import Status
 from symbody.single_flight import once
@@ -61,7 +61,8 @@ _UNDETERMINED: Final = MappingProxyType(
 _STUCK: Final = "no speeds were found that keep the ropes taut"
 _SMOOTH: Final = "give friction a v0, and replace ropes by springs that only pull: their laws are smooth then"
 NO_SAMPLES: Final = pack(SampleHold, next=sys.float_info.max)
-_NO_NUMBERS: Final = function_numbers(RightHandSide(0, 0, *[np.zeros(0)] * 3, 0))
+_NOTHING: Final = np.zeros(0)
+_NO_NUMBERS: Final = function_numbers(RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0))
 
 
 class DeadEndError(Exception):
@@ -272,7 +273,7 @@ class SwitchingModes:
 
     def advance(
         self, call: LoopCall, functions: tuple[int, ...], watch: Floats, happened: Floats,
-        held: SampledLoop | None,
+        held: HeldValues | None,
     ) -> int:  # fmt: skip
         """Try up to so many steps of the compiled loop; return a code of `symbody.kernels.block`."""
         sampling = _Sampling(held)
@@ -383,7 +384,7 @@ def _size(function: CompiledFunction) -> int:
 class _Sampling:
     """What takes samples in the loop, or nothing."""
 
-    def __init__(self, held: SampledLoop | None) -> None:
+    def __init__(self, held: HeldValues | None) -> None:
         self._held = held
         self.address = 0 if held is None else held.address
         self.arrays = (NO_SAMPLES.copy(), _NO_NUMBERS) if held is None else held.arrays
@@ -391,7 +392,7 @@ class _Sampling:
     @property
     def rows(self) -> Floats:
         """Where samples are written down."""
-        return np.zeros(1) if self._held is None else self._held.sampler.record
+        return np.zeros(1) if self._held is None else self._held.rows
 
     def make_room(self, code: int) -> None:
         """Grow, or raise a fault, by the code of a loop."""

@@ -34,6 +34,29 @@ class Cut(NamedTuple):
 class HeldValues(Protocol):
     """Takes the samples of values that are held in between, in the compiled loop."""
 
+    @property
+    def address(self) -> int:
+        """Where the function of new values lies."""
+        ...
+
+    @property
+    def arrays(self) -> tuple[Floats, Floats]:
+        """The block of the held values, and the numbers of their function."""
+        ...
+
+    @property
+    def rows(self) -> Floats:
+        """Where samples are written down."""
+        ...
+
+    def show_watch(self, watch: Floats) -> None:
+        """Show the functions of events all values."""
+        ...
+
+    def make_room(self, code: int) -> None:
+        """Make room for as many more samples, or raise a fault, if the code of a loop asks for it."""
+        ...
+
     def begin(self, block: Floats) -> None:
         """Go back to where a motion begins, and show the right-hand side all values."""
         ...

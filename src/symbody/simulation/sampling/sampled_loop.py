@@ -131,6 +131,11 @@ class SampledLoop:
         """The block of the held values, and the numbers of their function."""
         return self.sampler.block, self._numbers
 
+    @property
+    def rows(self) -> Floats:
+        """Where samples are written down."""
+        return self.sampler.record
+
     def show_watch(self, watch: Floats) -> None:
         """Show the functions of events all values."""
         monitor = EventMonitor(watch)
