@@ -328,6 +328,24 @@ class BrokenExecutor(Executor):
         raise BrokenProcessPool("a worker was killed")
 
 
+class BreakingExecutor(Executor):
+    """Computes one part, breaks with the second, takes no third."""
+
+    def __init__(self) -> None:
+        self.parts = 0
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        task: Future[Any] = Future()
+        self.parts += bool(args)
+        if self.parts > 2:
+            raise BrokenProcessPool("it is broken")
+        if self.parts == 2 and args:
+            task.set_exception(BrokenProcessPool("the worker ran out of memory"))
+        else:
+            task.set_result(fn(*args, **kwargs))
+        return task
+
+
 class CountingExecutor(ThreadPoolExecutor):
     """Counts what is cancelled."""
 
@@ -345,17 +363,24 @@ class CountingExecutor(ThreadPoolExecutor):
         return task
 
 
-def test_an_executor_that_broke_is_replaced_with_a_note() -> None:
-    sweep = sb.sweep(oscillator(), 1, {"k": [1.0, 2.0]}, {"y": 1.0}, executor=BrokenExecutor())
-    assert sweep.success
-    assert any("the executor broke (BrokenProcessPool: a worker was killed)" in note for note in sweep.notes)
-
-
-@pytest.mark.xfail(strict=True, reason="processes of this machine continue for an executor that broke")
 def test_a_users_executor_is_never_replaced() -> None:
     """Whoever gives an executor has chosen where to compute: on machines with other memory, licences, limits."""
-    with pytest.raises(sb.EnvironmentFault):
+    with pytest.raises(sb.EnvironmentFault, match="sweep.no_worker") as fault:
         sb.sweep(oscillator(), 1, {"k": [1.0, 2.0]}, {"y": 1.0}, executor=BrokenExecutor())
+    assert "a worker was killed" in str(fault.value)
+
+
+def test_an_executor_that_breaks_on_the_way_costs_what_it_had_and_no_more(tmp_path: Path) -> None:
+    """It computes one case, takes a second and breaks with it; the third it never sees."""
+    call = {"times": [0.5, 1.0], "part": 1, "store": tmp_path}
+    given = {"k": [1.0, 2.0, 3.0]}, {"y": 1.0}
+    sweep = sb.sweep(oscillator(), 1, *given, executor=BreakingExecutor(), **call)
+    statuses = [sb.Status.SUCCESS, sb.Status.WORKER_LOST, sb.Status.INTERRUPTED]
+    assert list(sweep.status) == statuses and np.isfinite(sweep.x[0]).all()
+    assert "the worker ran out of memory" in sweep.case_notes[1] and 2 not in sweep.case_notes
+    assert any("the executor broke (BrokenProcessPool: the worker ran" in note for note in sweep.notes)
+    rest = sb.sweep(oscillator(), 1, *given, **call)
+    assert rest.success and rest.x[0].tobytes() == sweep.x[0].tobytes()
 
 
 def test_no_call_that_is_over_is_cancelled() -> None:

@@ -7,18 +7,9 @@ import os
 import pickle
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
-from multiprocessing import get_context
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -43,8 +34,6 @@ _WINDOW: Final = 64
 # A chunk that was lost so often is tried alone, and then given up.
 _SUSPECT: Final = 2
 _GIVEN_UP: Final = 4
-# Pools that may break before a chunk comes back: a case that ends every worker is found by halving its chunk.
-_BROKEN_POOLS: Final = 16
 # Many cases: lanes are full, and what is lost or repeated is little. Few: all workers work.
 _LARGEST_CHUNK: Final = 1024
 _CHUNKS: Final = 16
@@ -181,21 +170,23 @@ def compute_here(
 def compute_there(
     job: LoopJob | SweepJob, chunks: Sequence[Chunk], records: Records, workers: Workers, listener: Listener
 ) -> SweepOutcome:
-    """Compute chunks by the workers of an executor; chunks of workers that end too early are submitted anew.
+    """Compute chunks by the workers of the executor; chunks of workers that end too early are submitted anew.
 
     Raises
     ------
     EnvironmentFault
         If no worker began or could compute anything.
     """
-    dispatch = _Dispatch(job, chunks, records, workers, listener)
+    assert workers.executor is not None
+    if not chunks:
+        return SweepOutcome(False, {})
+    dispatch = _Dispatch(job, chunks, records, workers, workers.executor, listener)
     try:
         dispatch.run()
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, BrokenExecutor):
         return SweepOutcome(True, dispatch.lost)
     finally:
         dispatch.cancel()
-        dispatch.close()
     return SweepOutcome(False, dispatch.lost)
 
 
@@ -205,12 +196,12 @@ class _Probe:
     A chunk that has not come back may be a long one, and not all executors report whether one has begun.
     """
 
-    def __init__(self, executor: Executor | None, patience: float) -> None:
+    def __init__(self, executor: Executor, patience: float) -> None:
         self._task: Future[int] | None = None
         self._patience = patience
         self._sent = time.monotonic()
         try:
-            if executor is not None and patience < math.inf:
+            if patience < math.inf:
                 self._task = executor.submit(os.getpid)
         except Exception:  # what is wrong with an executor shows when it is given chunks
             self._task = None
@@ -253,6 +244,7 @@ class _Dispatch:
         chunks: Sequence[Chunk],
         records: Records,
         workers: Workers,
+        executor: Executor,
         listener: Listener,
     ) -> None:
         self.lost: dict[int, str] = {}
@@ -260,15 +252,14 @@ class _Dispatch:
         self._records = records
         self._threads = workers.threads
         self._listener = listener
-        self._executor = workers.executor
-        self._own: ProcessPoolExecutor | None = None
-        self._broken = 0
-        self._left = list(reversed(chunks))
+        self._executor = executor
+        self._queue = list(reversed(chunks))
         self._failures = dict.fromkeys((chunk.first for chunk in chunks), 0)
         self._waiting: dict[Future[Records | str], Chunk] = {}
         self._total = max(1, sum(chunk.count for chunk in chunks))
         self._done = 0
-        self._probe = _Probe(workers.executor if chunks else None, workers.patience)
+        self._broken = ""
+        self._probe = _Probe(executor, workers.patience)
 
     def run(self) -> None:
         """Submit chunks until all are back.
@@ -277,8 +268,10 @@ class _Dispatch:
         ------
         EnvironmentFault
             If no worker begins or can compute anything.
+        BrokenExecutor
+            If the executor broke after some chunks had come back.
         """
-        while self._left or self._waiting:
+        while self._waiting or (self._queue and not self._broken):
             self._submit()
             for task in wait(self._waiting, _TICK, FIRST_COMPLETED).done:
                 self._probe.forget()
@@ -287,6 +280,8 @@ class _Dispatch:
             progress = self._listener.progress
             if progress is not None and progress(self._done / self._total) is False:
                 raise KeyboardInterrupt
+        if self._broken:
+            self._end()
 
     def cancel(self) -> None:
         """Withdraw all chunks."""
@@ -294,50 +289,18 @@ class _Dispatch:
         for task in self._waiting:
             task.cancel()
 
-    def close(self) -> None:
-        """End the processes that were begun here."""
-        if self._own is not None:
-            self._own.shutdown(wait=True, cancel_futures=True)
-
     def _submit(self) -> None:
-        while self._left and len(self._waiting) < _WINDOW:
-            chunk = self._left[-1]
-            suspect = self._failures[chunk.first] >= _SUSPECT
-            if self._waiting and (suspect or self._is_alone()):
+        while self._queue and len(self._waiting) < _WINDOW and not self._broken:
+            chunk = self._queue[-1]
+            in_doubt = any(self._failures[each.first] >= _SUSPECT for each in (chunk, *self._waiting.values()))
+            if self._waiting and in_doubt:
                 return  # whose fault it is shows only where nothing else is computed
-            self._left.pop()
             try:
-                if self._executor is None:
-                    raise BrokenExecutor
                 task = self._executor.submit(compute_chunk, self._payload, chunk, self._threads)
-            except (AssertionError, BrokenExecutor, RuntimeError) as error:  # the first: may start no process
-                self._left.append(chunk)
-                self._replace_executor(error)
-                continue
-            self._waiting[task] = chunk
-
-    def _is_alone(self) -> bool:
-        return any(self._failures[chunk.first] >= _SUSPECT for chunk in self._waiting.values())
-
-    def _replace_executor(self, error: BaseException) -> None:
-        """Go on with processes of this machine where an executor has broken for good.
-
-        Raises
-        ------
-        EnvironmentFault
-            If these break, too, again and again.
-        """
-        if self._own is None:
-            self._listener.notes.append(
-                f"the executor broke ({type(error).__name__}: {error}): processes of this machine continue"
-            )
-        self._broken += 1
-        if self._broken > _BROKEN_POOLS:
-            raise _no_worker("processes end immediately after starting")
-        self.close()
-        # Not by forking: a lock that another thread holds just then would stay held in the copy for ever.
-        self._own = ProcessPoolExecutor(mp_context=get_context("spawn"))
-        self._executor = self._own
+            except (AssertionError, RuntimeError) as error:  # broken, closed, or not allowed to start processes
+                self._broken = f"{type(error).__name__}: {error}"
+                return
+            self._waiting[task] = self._queue.pop()
 
     def _take_back(self, task: Future[Records | str], chunk: Chunk) -> None:
         try:
@@ -346,28 +309,48 @@ class _Dispatch:
             raise
         except BaseException as error:  # cancelled, killed, unreachable: each executor has words of its own
             records = f"{type(error).__name__}: {error}"
+            self._broken = records if isinstance(error, BrokenExecutor) else self._broken
         if isinstance(records, Records):
             self._records.put(records)
-            self._broken = 0
             self._done += chunk.count
             self._listener.on_chunk(records)
             return
         self._failures[chunk.first] += 1
-        if self._failures[chunk.first] < _GIVEN_UP:
-            # Suspects come last, when everything else is safe.
-            self._left.insert(0, chunk)
-            return
-        if not self._done:
+        if self._broken:
+            self._give_up(chunk, records)
+        elif self._failures[chunk.first] < _GIVEN_UP:
+            self._queue.insert(0, chunk)  # suspects come last, when everything else is safe
+        elif not self._done:
             raise _no_worker(records)
-        if chunk.count > 1:  # whose fault it is
+        elif chunk.count > 1:  # whose fault it is
             for low, high in blocks(chunk.count, -(-chunk.count // 2)):
                 half = chunk.cut(low, high)
-                self._left.insert(0, half)
+                self._queue.insert(0, half)
                 self._failures[half.first] = _GIVEN_UP - 1
-            return
-        self._done += chunk.count
-        self.lost[chunk.first] = records
-        self._records.cut(chunk.first, chunk.first + 1).codes[:] = WORKER_LOST
+        else:
+            self._give_up(chunk, records)
+
+    def _give_up(self, chunk: Chunk, why: str) -> None:
+        self.lost |= dict.fromkeys(range(chunk.first, chunk.first + chunk.count), why)
+        self._records.cut(chunk.first, chunk.first + chunk.count).codes[:] = WORKER_LOST
+
+    def _end(self) -> NoReturn:
+        """End the work of an executor that broke: whoever gave it chose where to compute.
+
+        Raises
+        ------
+        EnvironmentFault
+            If nothing was computed.
+        BrokenExecutor
+            Otherwise.
+        """
+        if not self._done:
+            raise _no_worker(self._broken)
+        self._listener.notes.append(
+            f"the executor broke ({self._broken}): finished cases are kept; the same call with another "
+            f"executor continues where a store= was given"
+        )
+        raise BrokenExecutor(self._broken)
 
 
 def _no_worker(why: str) -> EnvironmentFault:
