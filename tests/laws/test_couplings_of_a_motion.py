@@ -10,6 +10,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -225,6 +226,18 @@ def test_a_store_refuses_a_law_without_content(tmp_path: Path) -> None:
     with pytest.raises(sb.UsageError, match="Law has no content that can be compared") as caught:
         sb.sweep(slide("F"), 0.1, {}, {"x": [0.5]}, inputs={"F": Law()}, store=tmp_path / "s")
     assert caught.value.problems[0].code == "sweep.store_function"
+    assert "key=" in caught.value.problems[0].fix
+    for key, is_refused in (("1", False), ("1", False), ("2", True)):
+        assert refused(tmp_path / "s", slide("F"), Law(), key=key) == is_refused
+
+
+def test_a_store_reads_no_module_of_a_user(tmp_path: Path) -> None:
+    """What stands in it may change from call to call; libraries are known by their release."""
+    gains = ModuleType("gains")
+    law = eval("lambda t, q, u: gains.k * math.cos(t)", {"gains": gains, "math": math})
+    gains.k = 2.0  # type: ignore[attr-defined]
+    with pytest.raises(sb.UsageError, match="module gains has no content that can be compared"):
+        sb.sweep(slide("F"), 0.1, {}, {"x": [0.5]}, inputs={"F": law}, store=tmp_path / "s")
 
 
 def test_a_stepper_restores_no_foreign_bytes() -> None:

@@ -50,6 +50,10 @@ class SimulationProblem:
         Where a motion starts, whose numbers need not be computed again.
     sampler : Sampler, optional
         Takes the samples of held values that the motion reads.
+    free : tuple of str
+        Parameters that are arguments of compiled functions, as in a sweep; the others are part of them.
+    p : (k,) or (N, k) array
+        Their values, for all samples or for each.
     """
 
     eqs: EquationSet
@@ -58,6 +62,8 @@ class SimulationProblem:
     scales: Scales
     first: State | None = None
     sampler: Sampler | None = None
+    free: tuple[str, ...] = ()
+    p: Floats = field(default_factory=lambda: NOTHING, compare=False)
     # Functions already compiled; they follow from the fields above.
     _functions: SingleFlight[tuple[EquationSet, tuple[OutputName, ...], bool, bool], CompiledFunction] = (
         field(default_factory=SingleFlight, repr=False, compare=False)
@@ -87,7 +93,7 @@ class SimulationProblem:
         def compile_function() -> CompiledFunction:
             eqs, words = self._combine(names)
             asked = words[0] if is_one else words
-            return bound_function(eqs, asked, self.parameters, (), self.laws.formulas, quick=quick)
+            return bound_function(eqs, asked, self.parameters, self.free, self.laws.formulas, quick=quick)
 
         return self._functions.get(key, compile_function)
 
@@ -97,7 +103,7 @@ class SimulationProblem:
         if words == names:
             return self.eqs, words
         # its formulas contain those rows alone that count with these values
-        eqs = parameter_set(self.eqs, self.parameters).eqs
+        eqs = parameter_set(self.eqs, self.parameters, self.free).eqs
 
         def make() -> EquationSet:
             roots = [
@@ -133,7 +139,8 @@ class SimulationProblem:
 
     def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
-        return function.at_states(t, q.T, u.T, self.laws.values(t, q, u))
+        r = self.laws.values(t, q, u)
+        return function(t, q.T, u.T, r, self.p) if self.free else function.at_states(t, q.T, u.T, r)
 
     def value(self, output: str, t: float, q: Floats, u: Floats) -> float:
         """Return a number at one state."""

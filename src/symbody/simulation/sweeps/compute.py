@@ -25,7 +25,7 @@ from symbody.simulation.native.description import Floats, Projector, RightHandSi
 from symbody.simulation.native.lane_blocks import make_lane_block
 from symbody.simulation.native.machine import lane_motions, many_motions
 from symbody.simulation.sweeps.case_by_case import compute_case
-from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, StopSignal, blocks
+from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.simulation.sweeps.watched_cases import (
     WatchedLoop,
@@ -44,7 +44,13 @@ _TOGETHER: Final = 256
 
 
 def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers, done: Integers) -> None:
-    """Compute the cases of a chunk that have not ended, in one thread, without the interpreter's lock."""
+    """Compute the cases of a chunk that have not ended, in one thread, without the interpreter's lock.
+
+    Parameters
+    ----------
+    stop, done : arrays of one int
+        Anything but 0 ends the loop; how many cases have ended.
+    """
     records.codes[~np.isfinite(chunk.states).all(axis=1)] = NOT_STARTED
     direction = 1.0 if job.span[1] >= job.span[0] else -1.0
     breaks = _break_rows(_breakpoints(job, chunk), direction)
@@ -159,9 +165,7 @@ def compute_chunk(payload: bytes, chunk: Chunk, threads: int) -> Records | str:
     """
     try:
         job = _JOBS.get(payload, partial(_unpack, payload))
-        options = job.options if isinstance(job, SweepJob) else job
-        states = len(job.eqs.state_names) if isinstance(job, SweepJob) else job.state_size
-        records = Records.empty(chunk.first, chunk.count, options.times.size, states)
+        records = Records.empty(chunk.first, chunk.count, job.times.size, job.state_size)
         if isinstance(job, SweepJob):
             for case in range(chunk.first, chunk.first + chunk.count):
                 compute_case(job, case, records)
@@ -173,19 +177,14 @@ def compute_chunk(payload: bytes, chunk: Chunk, threads: int) -> Records | str:
 
 
 def _compute_in_threads(job: LoopJob, chunk: Chunk, records: Records, threads: int) -> None:
-    signal = StopSignal.new()
+    stop = np.zeros(1, dtype=np.int64)
     ends = list(blocks(chunk.count, -(-chunk.count // max(threads, 1))))
-    if len(ends) == 1:
-        compute_in_loop(job, chunk, records, signal.stop, signal.done)
+    parts = [(chunk.cut(*both), records.cut(*both), stop, stop.copy()) for both in ends]
+    if len(parts) == 1:
+        compute_in_loop(job, *parts[0])
         return
-    with ThreadPoolExecutor(len(ends)) as pool:
-        futures = [
-            pool.submit(
-                compute_in_loop, job, chunk.cut(*both), records.cut(*both), signal.stop, StopSignal.new().done
-            )
-            for both in ends
-        ]
-        for future in futures:
+    with ThreadPoolExecutor(len(parts)) as pool:
+        for future in [pool.submit(compute_in_loop, job, *part) for part in parts]:
             future.result()
 
 

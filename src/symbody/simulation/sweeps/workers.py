@@ -22,7 +22,6 @@ from symbody.simulation.sweeps.records import (
     Chunk,
     LoopJob,
     Records,
-    StopSignal,
     blocks,
 )
 from symbody.simulation.sweeps.sweep_job import SweepJob
@@ -138,7 +137,7 @@ def compute_here(
     job: LoopJob, chunks: Sequence[Chunk], records: Records, threads: int, listener: Listener
 ) -> SweepOutcome:
     """Compute chunks in threads of this process; Ctrl-C ends it between two steps."""
-    signal, total = StopSignal.new(), max(1, sum(chunk.count for chunk in chunks))
+    stop, total = np.zeros(1, dtype=np.int64), max(1, sum(chunk.count for chunk in chunks))
     ended = [np.zeros(1, dtype=np.int64) for _ in chunks]
     interrupted = False
     if job.lanes:
@@ -148,7 +147,7 @@ def compute_here(
         try:
             for chunk, done in zip(chunks, ended, strict=True):
                 own = records.cut(chunk.first, chunk.first + chunk.count)
-                waiting[pool.submit(compute_in_loop, job, chunk, own, signal.stop, done)] = own
+                waiting[pool.submit(compute_in_loop, job, chunk, own, stop, done)] = own
             while waiting:
                 for task in wait(waiting, _TICK, FIRST_COMPLETED).done:
                     own = waiting.pop(task)
@@ -161,7 +160,7 @@ def compute_here(
         except KeyboardInterrupt:
             interrupted = True
         finally:
-            signal.stop[0] = 1  # leaving the pool waits for its threads
+            stop[0] = 1  # leaving the pool waits for its threads
             for task in waiting:
                 task.cancel()
     return SweepOutcome(interrupted, {})
@@ -292,12 +291,17 @@ class _Dispatch:
     def _submit(self) -> None:
         while self._queue and len(self._waiting) < _WINDOW and not self._broken:
             chunk = self._queue[-1]
-            in_doubt = any(self._failures[each.first] >= _SUSPECT for each in (chunk, *self._waiting.values()))
+            in_doubt = any(
+                self._failures[each.first] >= _SUSPECT for each in (chunk, *self._waiting.values())
+            )
             if self._waiting and in_doubt:
                 return  # whose fault it is shows only where nothing else is computed
             try:
                 task = self._executor.submit(compute_chunk, self._payload, chunk, self._threads)
-            except (AssertionError, RuntimeError) as error:  # broken, closed, or not allowed to start processes
+            except (
+                AssertionError,
+                RuntimeError,
+            ) as error:  # broken, closed, or not allowed to start processes
                 self._broken = f"{type(error).__name__}: {error}"
                 return
             self._waiting[task] = self._queue.pop()
