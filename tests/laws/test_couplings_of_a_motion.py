@@ -6,6 +6,7 @@ Each case has its derivation. What is not right yet is marked as a strict failur
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -359,6 +360,17 @@ class BreakingExecutor(Executor):
         return task
 
 
+class LosingExecutor(ThreadPoolExecutor):
+    """Its workers end with cases that `simulate` computes."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        if args and type(pickle.loads(args[0])).__name__ == "SweepJob":
+            task: Future[Any] = Future()
+            task.set_exception(ConnectionError("worker closed"))
+            return task
+        return super().submit(fn, *args, **kwargs)
+
+
 class CountingExecutor(ThreadPoolExecutor):
     """Counts what is cancelled."""
 
@@ -394,6 +406,15 @@ def test_an_executor_that_breaks_on_the_way_costs_what_it_had_and_no_more(tmp_pa
     assert any("the executor broke (BrokenProcessPool: the worker ran" in note for note in sweep.notes)
     rest = sb.sweep(oscillator(), 1, *given, **call)
     assert rest.success and rest.x[0].tobytes() == sweep.x[0].tobytes()
+
+
+def test_a_case_behind_the_loop_that_ends_its_worker_costs_no_other() -> None:
+    """The second case is stiff, so `simulate` is to compute it."""
+    eqs = oscillator(damping="2*sqrt(k)")
+    with LosingExecutor(1) as executor:
+        sweep = sb.sweep(eqs, 10, {"k": [1.0, 1e10]}, {"y": 1.0}, executor=executor)
+    assert list(sweep.status) == [sb.Status.SUCCESS, sb.Status.WORKER_LOST]
+    assert "worker closed" in sweep.case_notes[1]
 
 
 def test_no_call_that_is_over_is_cancelled() -> None:

@@ -20,7 +20,7 @@ from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.output_roots import OF_MOTIONS, OF_STEPS, combined_roots
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, search_ahead
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.native.dense_output import DenseOutput
@@ -132,10 +132,8 @@ class SimulationProblem:
 
     def _find_breakpoints(self, outputs: tuple[OutputName, ...], span: tuple[float, float]) -> Breakpoints:
         function = self.compile_outputs(outputs)
-        functions = function_of_time(function, self.laws.tables)
-        if functions is None:
-            return NO_BREAKPOINTS
-        return find_breakpoints(functions, span, function.bound_values[np.newaxis])[0]
+        functions = [function_of_time(function, self.laws.tables)]
+        return search_ahead(functions, span, function.bound_values[np.newaxis])[0]
 
     def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""

@@ -16,8 +16,7 @@ from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
 from symbody.kernels.block import Breakpoint, Run, Verdict
 from symbody.kernels.lanes.lane_block import LaneGroup
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
-from symbody.simulation.inputs.time_functions import time_functions
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, search_ahead
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
@@ -39,8 +38,6 @@ Integers = NDArray[np.int64]
 
 # Steps between two looks at whether the work is to stop.
 _SLICE: Final = 1000
-# Cases whose breakpoints are looked for at once.
-_TOGETHER: Final = 256
 
 
 def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers, done: Integers) -> None:
@@ -123,16 +120,8 @@ def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:
     """Return the breakpoints of all cases, or one for all."""
     if job.breakpoints is not None:
         return job.breakpoints
-    watched = () if job.watch is None else (job.watch.values,)
-    result: list[Breakpoints] = [NO_BREAKPOINTS] * chunk.count
-    for function in (job.function, *watched):
-        functions = time_functions(function.sequence, job.tables, with_parameters=True)
-        if functions is None:
-            continue
-        for first, last in blocks(chunk.count, _TOGETHER):
-            pieces = find_breakpoints(functions, job.span, chunk.parameters[first:last])
-            result[first:last] = [a.unite(b) for a, b in zip(result[first:last], pieces, strict=True)]
-    return [own.jumps_alone() if isinstance(job.method, FixedStep) else own for own in result]
+    found = search_ahead(job.functions_of_time(with_parameters=True), job.span, chunk.parameters)
+    return [own.jumps_alone() if isinstance(job.method, FixedStep) else own for own in found]
 
 
 def _break_rows(breakpoints: Sequence[Breakpoints], direction: float) -> Floats:

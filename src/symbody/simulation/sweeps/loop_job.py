@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -24,9 +25,7 @@ from symbody.simulation.events.event_functions import (
     numbers_of_events,
 )
 from symbody.simulation.events.events import Event
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
-from symbody.simulation.inputs.tables import Table
-from symbody.simulation.inputs.time_functions import time_functions
+from symbody.simulation.inputs.breakpoints import Breakpoints, search_ahead
 from symbody.simulation.methods.constraints import (
     PROJECTED,
     ROUNDED_PER_COORDINATE,
@@ -89,12 +88,12 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         sweep.max_steps,
         stop_when_stiff=sweep.integrator is None,
         lanes=table.count >= CASES_THAT_PAY if sweep.lanes is None else sweep.lanes,
-        breakpoints=_breakpoints(function, watch, method, span, laws.tables),
         rounding=rounding,
         limit=limit,
         tables=laws.tables,
         watch=watch,
     )
+    job = replace(job, breakpoints=_breakpoints(job))
     states = np.nan_to_num(first.states)
     tolerances, own_metric = first.scales.tolerances(eqs, states, sweep.atol), np.zeros((table.count, 0))
     if watch is not None:
@@ -146,24 +145,13 @@ def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, x: Floats, sca
     return np.minimum(np.maximum(usual, sweep.rtol * kinetic), sys.float_info.max)
 
 
-def _breakpoints(
-    function: CompiledFunction,
-    watch: CaseWatch | None,
-    method: Explicit | FixedStep,
-    span: tuple[float, float],
-    tables: Mapping[int, Table],
-) -> tuple[Breakpoints, ...] | None:
+def _breakpoints(job: LoopJob) -> tuple[Breakpoints, ...] | None:
     """Return the breakpoints of all cases, None if they follow from what varies; see `LoopJob`."""
-    sequences = [function.sequence] if watch is None else [function.sequence, watch.values.sequence]
-    every = [time_functions(sequence, tables, with_parameters=True) for sequence in sequences]
+    every = job.functions_of_time(with_parameters=True)
     if any(functions is not None and functions.needs_parameters() for functions in every):
         return None
-    pieces = NO_BREAKPOINTS
-    for sequence in sequences:
-        functions = time_functions(sequence, tables)
-        if functions is not None:
-            pieces = pieces.unite(find_breakpoints(functions, span)[0])
-    return (pieces.jumps_alone() if isinstance(method, FixedStep) else pieces,)
+    pieces = search_ahead(job.functions_of_time(with_parameters=False), job.span)[0]
+    return (pieces.jumps_alone() if isinstance(job.method, FixedStep) else pieces,)
 
 
 def _no_rows(values: Mapping[str, float]) -> tuple[bool, ...]:

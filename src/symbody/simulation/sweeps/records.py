@@ -21,6 +21,7 @@ from symbody.simulation.events.watch_arrays import WatchedEvent
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.tables import Table
+from symbody.simulation.inputs.time_functions import TimeFunctions, time_functions
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.closing import StateShape
@@ -105,6 +106,11 @@ class LoopJob:
     def state_size(self) -> int:
         """Number of speeds, coordinates and states of signals."""
         return len(self.function.signature.states)
+
+    def functions_of_time(self, *, with_parameters: bool) -> list[TimeFunctions | None]:
+        """Return what the derivative and the values of events compute from time, and perhaps what varies."""
+        sequences = [self.function.sequence, *([] if self.watch is None else [self.watch.values.sequence])]
+        return [time_functions(each, self.tables, with_parameters=with_parameters) for each in sequences]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -41,7 +41,6 @@ from symbody.simulation.sweeps.sweep_job import SweepJob, check_lanes, check_mem
 from symbody.simulation.sweeps.workers import (
     PATIENCE,
     Listener,
-    SweepOutcome,
     Workers,
     check_workers,
     compute_here,
@@ -162,45 +161,39 @@ def _run_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: P
     def again() -> list[int]:
         return sorted({*apart, *_worth_another_try(job, records)})
 
-    listener = Listener(_with_more(progress, records, again), keep)
+    def share_of_loop(share: float) -> float:
+        """Return the share of all cases: those that are computed again come behind the loop."""
+        more = len(again())
+        if share >= 1.0 and (records.codes == NOT_ENDED).any():
+            more = max(more, 1)  # how the last one ended shows at the next look
+        return share * records.count / (records.count + more)
+
+    listener = Listener(_rescaled(progress, share_of_loop), keep)
     if not _compute_in_loop(loop, chunk, records, workers, listener):
         cases = again()
         done = table.count / (table.count + len(cases))
-        second = Listener(_part_of(progress, done, 1.0), _ignore, listener.notes)
-        _compute_by_simulate(job, cases, records, workers, second)
+        second = Listener(
+            _rescaled(progress, lambda share: done + share * (1.0 - done)), _ignore, listener.notes
+        )
+        _compute_by_simulate(job, cases, records, workers, second, has_results=True)
         if progress is not None:
             progress(1.0)
     return sweep_result(job, records, (*_notes(job, apart), *listener.notes))
 
 
-def _with_more(
-    progress: Progress | None, records: Records, again: Callable[[], Sequence[int]]
-) -> Progress | None:
-    """Return what reports shares of the work with the cases that are computed `again` behind it."""
-    if progress is None:
-        return None
-
-    def report(share: float) -> bool | None:
-        more = len(again())
-        if share >= 1.0 and (records.codes == NOT_ENDED).any():
-            more = max(more, 1)  # how the last one ended shows at the next look
-        return progress(share * records.count / (records.count + more))
-
-    return report
-
-
-def _part_of(progress: Progress | None, first: float, last: float) -> Progress | None:
-    """Return what reports the shares of a part of the work as shares of all."""
-    return None if progress is None else lambda share: progress(first + share * (last - first))
+def _rescaled(progress: Progress | None, scale: Callable[[float], float]) -> Progress | None:
+    """Return what reports shares of a part of the work as shares of all."""
+    return None if progress is None else lambda share: progress(scale(share))
 
 
 def _compute_by_simulate(
-    job: SweepJob, cases: Sequence[int], records: Records, workers: Workers, listener: Listener
-) -> str:
+    job: SweepJob, cases: Sequence[int], records: Records, workers: Workers, listener: Listener,
+    *, has_results: bool = False,
+) -> str:  # fmt: skip
     """Compute cases by `simulate`, by the workers of an executor if there are any; return where."""
     if workers.executor is not None and cases and _is_portable(job):
         chunks = cut_chunks(Chunk.blank(records.count), _runs(cases), workers.part)
-        _note_lost(records, compute_there(job, chunks, records, workers, listener))
+        compute_there(job, chunks, records, workers, listener, has_results=has_results)
         return "by the workers"
     try:
         for count, case in enumerate(cases):
@@ -235,19 +228,12 @@ def _compute_in_loop(
     missing = _runs(np.flatnonzero(records.codes == NOT_ENDED).tolist())
     chunks = cut_chunks(chunk, missing, workers.part, _LEAST_IN_LANES if loop.lanes else 1)
     if workers.executor is None:
-        outcome = compute_here(loop, chunks, records, workers.threads, listener)
-    else:
-        outcome = compute_there(loop, chunks, records, workers, listener)
-    _note_lost(records, outcome)
-    return outcome.interrupted
+        return compute_here(loop, chunks, records, workers.threads, listener)
+    return compute_there(loop, chunks, records, workers, listener)
 
 
 def _ignore(records: Records) -> None:
     """Keep nothing."""
-
-
-def _note_lost(records: Records, outcome: SweepOutcome) -> None:
-    records.details.update({case: CaseDetails(f"lost: {why}") for case, why in outcome.lost.items()})
 
 
 def _runs(cases: Sequence[int]) -> list[tuple[int, int]]:

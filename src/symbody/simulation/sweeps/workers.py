@@ -8,6 +8,7 @@ import pickle
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, NoReturn
 
@@ -19,6 +20,7 @@ from symbody.simulation.sweeps.compute import compute_chunk, compute_in_loop
 from symbody.simulation.sweeps.records import (
     NOT_ENDED,
     WORKER_LOST,
+    CaseDetails,
     Chunk,
     LoopJob,
     Records,
@@ -80,13 +82,6 @@ class Listener:
     notes: list[str] = field(default_factory=list)
 
 
-class SweepOutcome(NamedTuple):
-    """How the work ended: whether it was interrupted, and what was lost, by number of the first case."""
-
-    interrupted: bool
-    lost: dict[int, str]
-
-
 def check_workers(
     executor: Executor | None, threads: int | None, part: int | None, patience: float
 ) -> Workers:
@@ -135,8 +130,8 @@ def cut_chunks(
 
 def compute_here(
     job: LoopJob, chunks: Sequence[Chunk], records: Records, threads: int, listener: Listener
-) -> SweepOutcome:
-    """Compute chunks in threads of this process; Ctrl-C ends it between two steps."""
+) -> bool:
+    """Compute chunks in threads of this process; return whether Ctrl-C ended it, between two steps."""
     stop, total = np.zeros(1, dtype=np.int64), max(1, sum(chunk.count for chunk in chunks))
     ended = [np.zeros(1, dtype=np.int64) for _ in chunks]
     interrupted = False
@@ -163,13 +158,21 @@ def compute_here(
             stop[0] = 1  # leaving the pool waits for its threads
             for task in waiting:
                 task.cancel()
-    return SweepOutcome(interrupted, {})
+    return interrupted
 
 
 def compute_there(
-    job: LoopJob | SweepJob, chunks: Sequence[Chunk], records: Records, workers: Workers, listener: Listener
-) -> SweepOutcome:
-    """Compute chunks by the workers of the executor; chunks of workers that end too early are submitted anew.
+    job: LoopJob | SweepJob, chunks: Sequence[Chunk], records: Records, workers: Workers, listener: Listener,
+    *, has_results: bool = False,
+) -> bool:  # fmt: skip
+    """Compute chunks by the workers of the executor; return whether Ctrl-C, or that it broke, ended it.
+
+    Chunks of workers that end too early are submitted anew.
+
+    Parameters
+    ----------
+    has_results : bool
+        Whether these workers have computed other cases, which are kept whatever happens now.
 
     Raises
     ------
@@ -178,64 +181,24 @@ def compute_there(
     """
     assert workers.executor is not None
     if not chunks:
-        return SweepOutcome(False, {})
+        return False
     dispatch = _Dispatch(job, chunks, records, workers, workers.executor, listener)
+    dispatch.has_results = has_results
     try:
         dispatch.run()
     except (KeyboardInterrupt, BrokenExecutor):
-        return SweepOutcome(True, dispatch.lost)
+        return True
     finally:
         dispatch.cancel()
-    return SweepOutcome(False, dispatch.lost)
-
-
-class _Probe:
-    """A call that takes no time, by which an executor shows whether it has a worker at all.
-
-    A chunk that has not come back may be a long one, and not all executors report whether one has begun.
-    """
-
-    def __init__(self, executor: Executor, patience: float) -> None:
-        self._task: Future[int] | None = None
-        self._patience = patience
-        self._sent = time.monotonic()
-        try:
-            if patience < math.inf:
-                self._task = executor.submit(os.getpid)
-        except Exception:  # what is wrong with an executor shows when it is given chunks
-            self._task = None
-
-    def check(self) -> None:
-        """Check that a worker has begun.
-
-        Raises
-        ------
-        EnvironmentFault
-            If none has for too long.
-        """
-        if self._task is None or self._task.done() or time.monotonic() - self._sent < self._patience:
-            return
-        raise EnvironmentFault(
-            Problem("sweep.no_worker_began", "executor",
-                    f"no worker of the executor has started any work for {self._patience:g} s",
-                    "it has no workers, or all of them are busy with something else",
-                    "check that its workers run and are connected, wait longer with patience=... in seconds "
-                    "or math.inf, or leave executor out")
-        )  # fmt: skip
-
-    def forget(self) -> None:
-        """Look at the call no more: a worker has begun, and the call is over in no time."""
-        self._task = None
-
-    def cancel(self) -> None:
-        """Withdraw the call, unless it is over: some executors report what is cancelled as a failure."""
-        if self._task is not None and not self._task.done():
-            self._task.cancel()
-        self._task = None
+    return False
 
 
 class _Dispatch:
-    """Chunks on their way to workers and back."""
+    """Chunks on their way to workers and back.
+
+    Before them goes a call that takes no time, by which an executor shows whether it has a worker at all: a
+    chunk that has not come back may be a long one, and not all executors report whether one has begun.
+    """
 
     def __init__(
         self,
@@ -246,7 +209,7 @@ class _Dispatch:
         executor: Executor,
         listener: Listener,
     ) -> None:
-        self.lost: dict[int, str] = {}
+        self.has_results = False
         self._payload = pickle.dumps(job)
         self._records = records
         self._threads = workers.threads
@@ -258,7 +221,11 @@ class _Dispatch:
         self._total = max(1, sum(chunk.count for chunk in chunks))
         self._done = 0
         self._broken = ""
-        self._probe = _Probe(executor, workers.patience)
+        self._patience, self._began = workers.patience, time.monotonic()
+        self._probe: Future[int] | None = None
+        if workers.patience < math.inf:
+            with suppress(Exception):  # what is wrong with an executor shows when it is given chunks
+                self._probe = executor.submit(os.getpid)
 
     def run(self) -> None:
         """Submit chunks until all are back.
@@ -273,9 +240,11 @@ class _Dispatch:
         while self._waiting or (self._queue and not self._broken):
             self._submit()
             for task in wait(self._waiting, _TICK, FIRST_COMPLETED).done:
-                self._probe.forget()
+                self._probe = None  # a worker has begun, and the call is over in no time
                 self._take_back(task, self._waiting.pop(task))
-            self._probe.check()
+            waited = time.monotonic() - self._began
+            if self._probe is not None and not self._probe.done() and waited >= self._patience:
+                raise _no_worker_began(self._patience)
             progress = self._listener.progress
             if progress is not None and progress(self._done / self._total) is False:
                 raise KeyboardInterrupt
@@ -284,9 +253,10 @@ class _Dispatch:
 
     def cancel(self) -> None:
         """Withdraw all chunks."""
-        self._probe.cancel()
         for task in self._waiting:
             task.cancel()
+        if self._probe is not None and not self._probe.done():  # some executors report that as a failure
+            self._probe.cancel()
 
     def _submit(self) -> None:
         while self._queue and len(self._waiting) < _WINDOW and not self._broken:
@@ -298,10 +268,7 @@ class _Dispatch:
                 return  # whose fault it is shows only where nothing else is computed
             try:
                 task = self._executor.submit(compute_chunk, self._payload, chunk, self._threads)
-            except (
-                AssertionError,
-                RuntimeError,
-            ) as error:  # broken, closed, or not allowed to start processes
+            except (AssertionError, RuntimeError) as error:  # broken, closed, or may start no processes
                 self._broken = f"{type(error).__name__}: {error}"
                 return
             self._waiting[task] = self._queue.pop()
@@ -316,7 +283,7 @@ class _Dispatch:
             self._broken = records if isinstance(error, BrokenExecutor) else self._broken
         if isinstance(records, Records):
             self._records.put(records)
-            self._done += chunk.count
+            self._done, self.has_results = self._done + chunk.count, True
             self._listener.on_chunk(records)
             return
         self._failures[chunk.first] += 1
@@ -324,7 +291,7 @@ class _Dispatch:
             self._give_up(chunk, records)
         elif self._failures[chunk.first] < _GIVEN_UP:
             self._queue.insert(0, chunk)  # suspects come last, when everything else is safe
-        elif not self._done:
+        elif not self.has_results:
             raise _no_worker(records)
         elif chunk.count > 1:  # whose fault it is
             for low, high in blocks(chunk.count, -(-chunk.count // 2)):
@@ -335,8 +302,11 @@ class _Dispatch:
             self._give_up(chunk, records)
 
     def _give_up(self, chunk: Chunk, why: str) -> None:
-        self.lost |= dict.fromkeys(range(chunk.first, chunk.first + chunk.count), why)
-        self._records.cut(chunk.first, chunk.first + chunk.count).codes[:] = WORKER_LOST
+        cases = range(chunk.first, chunk.first + chunk.count)
+        self._records.details.update(dict.fromkeys(cases, CaseDetails(f"lost: {why}")))
+        self._records.codes[cases.start - self._records.first : cases.stop - self._records.first] = (
+            WORKER_LOST
+        )
 
     def _end(self) -> NoReturn:
         """End the work of an executor that broke: whoever gave it chose where to compute.
@@ -348,7 +318,7 @@ class _Dispatch:
         BrokenExecutor
             Otherwise.
         """
-        if not self._done:
+        if not self.has_results:
             raise _no_worker(self._broken)
         self._listener.notes.append(
             f"the executor broke ({self._broken}): finished cases are kept; the same call with another "
@@ -363,4 +333,14 @@ def _no_worker(why: str) -> EnvironmentFault:
                 "install the same version of symbody and Python for all workers, give them memory for "
                 "fewer cases with part=..., call sweep under `if __name__ == '__main__':` where processes "
                 "are started, or leave executor out")
+    )  # fmt: skip
+
+
+def _no_worker_began(patience: float) -> EnvironmentFault:
+    return EnvironmentFault(
+        Problem("sweep.no_worker_began", "executor",
+                f"no worker of the executor has started any work for {patience:g} s",
+                "it has no workers, or all of them are busy with something else",
+                "check that its workers run and are connected, wait longer with patience=... in seconds "
+                "or math.inf, or leave executor out")
     )  # fmt: skip
