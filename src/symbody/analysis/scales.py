@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -69,10 +68,10 @@ class Scales:
     length: float = 1.0
     time: float = 1.0
     mass: float = 1.0
-    equations: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    equations: Mapping[str, float] = field(default_factory=FrozenMapping)
     has_length: bool = False
     has_time: bool = False
-    signals: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    signals: Mapping[str, float] = field(default_factory=FrozenMapping)
     numbers: Mapping[str, float] = field(default_factory=FrozenMapping)
 
     @property
@@ -131,6 +130,12 @@ class Scales:
         key = "sizes of signals", self.length, self.time, self.mass, tuple(self.numbers.items())
         sizes: Floats = eqs.plans.get(key, find)
         return sizes
+
+    def of_motion(self, k: int) -> Scales:
+        """Return the scales of one of N motions, without the values of its parameters."""
+        length, time, mass = (float(np.asarray(size)[k]) for size in (self.length, self.time, self.mass))
+        one = {name: float(np.asarray(sizes)[k]) for name, sizes in self.equations.items()}
+        return replace(self, length=length, time=time, mass=mass, equations=one, numbers={})
 
     def fit_span(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""

@@ -154,7 +154,9 @@ def search_ahead(
     count = 1 if parameters is None else len(parameters)
     found = [NO_BREAKPOINTS] * count
     for each in functions:
-        for first in range(0, 0 if each is None else count, _TOGETHER):
+        if each is None:
+            continue
+        for first in range(0, count, _TOGETHER):
             part = slice(first, first + _TOGETHER)
             pieces = find_breakpoints(each, span, None if parameters is None else parameters[part])
             found[part] = [a.unite(b) for a, b in zip(found[part], pieces, strict=True)]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,31 +47,29 @@ def scales_of_cases(
     given : mapping of name to float
         Scales, and sizes of states of signals, that the caller chose.
     """
-
-    def largest(formulas: Mapping[str, Value]) -> Floats:
-        return _largest(case_values(eqs, table, formulas), table.count)
-
-    def chosen(name: str, found: Floats) -> Floats:
-        return np.full(table.count, given[name]) if name in given else found
-
-    bodies, units = eqs.model.bodies, eqs.units
-    lengths = largest(geometry(eqs))
-    displacements = {name: values for name, values in near.items() if units.get(name) == "m"}
-    lengths = np.where(lengths > 0.0, lengths, _largest(displacements, table.count))
-    lengths = chosen("length", np.where(lengths > 0.0, lengths, 1.0))
-    pulls = case_values(eqs, table, number_formulas(eqs.model.gravity))
-    gravity = np.sqrt(sum((pull**2 for pull in pulls.values()), np.zeros(table.count)))
+    signals, bodies, units = checked_sizes(eqs, given), eqs.model.bodies, eqs.units
+    chosen = {name: np.full(table.count, size) for name, size in given.items() if name not in signals}
+    groups: list[dict[str, Value]] = [
+        geometry(eqs), number_formulas(eqs.model.gravity), number_formulas([body.mass for body in bodies]),
+        number_formulas([moment for body in bodies for moment in body.inertia]),
+    ]  # fmt: skip
+    names = eqs.parameter_names if eqs.signal_state_names else ()
+    groups.append({name: name for name in names})
+    together = {f"{k} {name}": formula for k, group in enumerate(groups) for name, formula in group.items()}
+    columns = iter(case_values(eqs, table, together).values())
+    geometric, pulls, masses, moments, numbers = ([next(columns) for _ in group] for group in groups)
+    lengths = _largest(geometric, table.count)
+    displacements = _largest([x for name, x in near.items() if units.get(name) == "m"], table.count)
+    lengths = np.where(lengths > 0.0, lengths, displacements)
+    lengths = chosen.get("length", np.where(lengths > 0.0, lengths, 1.0))
+    gravity = np.sqrt(sum((pull**2 for pull in pulls), np.zeros(table.count)))
     falls, usual = gravity > 0.0, TIME_OF_SPAN * abs(span[1] - span[0]) or 1.0
-    times = chosen("time", np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), usual))
-    masses = largest(number_formulas([body.mass for body in bodies]))
-    moments = largest(number_formulas([moment for body in bodies for moment in body.inertia]))
-    masses = np.where(masses > 0.0, masses, moments / lengths**2)
-    masses = chosen("mass", np.where(masses > 0.0, masses, 1.0))
-    numbers: dict[str, Value] = {}
-    if eqs.signal_state_names:
-        numbers = case_values(eqs, table, {name: name for name in eqs.parameter_names})
-    signals = checked_sizes(eqs, given)
-    scales = Scales(lengths, times, masses, signals=signals, numbers=numbers)  # type: ignore[arg-type]
+    times = np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), usual)
+    largest = _largest(masses, table.count)
+    largest = np.where(largest > 0.0, largest, _largest(moments, table.count) / lengths**2)
+    sizes: Any = lengths, chosen.get("time", times), chosen.get("mass", np.where(largest > 0.0, largest, 1.0))
+    values: Any = dict(zip(names, numbers, strict=True))
+    scales = Scales(sizes[0], sizes[1], sizes[2], signals=signals, numbers=values)
     return _with_equations(eqs, table, scales)
 
 
@@ -87,7 +86,8 @@ def _with_equations(eqs: EquationSet, table: CaseTable, scales: Scales) -> Scale
     rows = function(0.0, q, np.zeros_like(moves), (), table.parameters) * moves[:, np.newaxis]
     sizes, usual = np.abs(rows).max(axis=2, initial=0.0), scales.constraints(eqs)
     sizes = np.where((sizes > 0.0) & (sizes < math.inf), sizes, usual)
-    return replace(scales, equations={eqs.multiplier_names[k]: sizes[:, k] for k in written})  # type: ignore[arg-type]
+    equations: Any = {eqs.multiplier_names[k]: sizes[:, k] for k in written}
+    return replace(scales, equations=equations)
 
 
 def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value]) -> dict[str, Floats]:
@@ -104,6 +104,6 @@ def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value
     return {name: values[name] for name in formulas}
 
 
-def _largest(columns: Mapping[str, Floats], count: int) -> Floats:
+def _largest(columns: Sequence[Floats], count: int) -> Floats:
     """Return the largest absolute value in each case, 0 if there is none."""
-    return np.asarray(np.max(np.abs([np.zeros(count), *columns.values()]), axis=0))
+    return np.asarray(np.max(np.abs([np.zeros(count), *columns]), axis=0))

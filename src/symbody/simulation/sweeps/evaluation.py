@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.analysis.scales import Scales
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.hybrid.modes import HybridMechanism
 from symbody.simulation.hybrid.switching import hybrid_mechanism, switches
@@ -18,7 +18,8 @@ from symbody.simulation.results.evaluate import EvaluateTogether
 from symbody.simulation.results.measured_angles import count_turns
 from symbody.simulation.results.piecewise import Piecewise, changing_shape
 from symbody.simulation.results.provenance import Provenance, provenance_of
-from symbody.simulation.simulation_problem import VIOLATIONS, Evaluator, SimulationProblem
+from symbody.simulation.simulation_problem import VIOLATIONS, Evaluator
+from symbody.simulation.sweeps.case_scales import scales_of_cases
 from symbody.simulation.sweeps.records import CaseDetails
 from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.single_flight import SingleFlight
@@ -29,40 +30,37 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CaseOutputs:
-    """The equations of all cases, with what varies as arguments of the functions compiled.
+    """What computes the outputs of all cases of a sweep.
 
     Attributes
     ----------
     details : mapping of case to CaseDetails
         Of cases whose equations or held values changed on the way, among others.
-    problem : SimulationProblem
-        Of all cases, without values of what varies.
+    x : (cases, n, N) array
+        The samples.
     """
 
     job: SweepJob
     details: Mapping[int, CaseDetails]
-    problem: SimulationProblem
+    x: Floats
+    _scales: SingleFlight[None, Scales] = field(default_factory=SingleFlight, repr=False)
     _mechanism: SingleFlight[None, HybridMechanism] = field(default_factory=SingleFlight, repr=False)
-
-    @classmethod
-    def of_job(cls, job: SweepJob, details: Mapping[int, CaseDetails]) -> CaseOutputs:
-        """Return the outputs of a sweep."""
-        table = job.table
-        fixed = table.fixed_parameters
-        return cls(
-            job, details, SimulationProblem(job.eqs, fixed, job.laws, Scales(), free=table.parameter_names)
-        )
 
     @property
     def eqs(self) -> EquationSet:
         """The equations."""
         return self.job.eqs
 
-    def of_case(self, case: int, q: Floats) -> EvaluateTogether:
-        """Return what computes the outputs of one case, which starts at the coordinates q."""
+    def _find_scales(self) -> Scales:
+        places = enumerate(self.eqs.coordinate_names, len(self.eqs.speed_names))
+        near = {name: np.nan_to_num(self.x[:, k, 0]) for k, name in places}
+        job = self.job
+        return scales_of_cases(self.eqs, job.table, near, job.motion.span, job.scales)
+
+    def of_case(self, case: int) -> EvaluateTogether:
+        """Return what computes the outputs of one case."""
         job, details = self.job, self.details.get(case)
-        near = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=False))
-        scales = mechanism_scales(self.eqs, job.table.values(case)[0], job.scales, near).fit_span(*job.span)
+        problem, scales = job.motion.problem, self._scales.get(None, self._find_scales).of_motion(case)
         laws, p = job.laws, job.table.parameters[case]
         if details is not None and details.held is not None:
             held = {name: HeldLaw(details.held, name) for name in details.held.names}
@@ -71,27 +69,29 @@ class CaseOutputs:
             )
         own = partial(replace, laws=laws, scales=scales, p=p)
         if details is None or not details.modes:
-            return Evaluator(own(self.problem), None)
-        mechanism = self._mechanism.get(None, lambda: hybrid_mechanism(self.problem))
+            return Evaluator(own(problem), None)
+        mechanism = self._mechanism.get(None, lambda: hybrid_mechanism(problem))
         parts = tuple(Evaluator(own(mechanism.problem_in(modes)), None) for modes in details.modes)
         return Piecewise(np.array(details.starts), parts, np.zeros(len(parts)), details.modes)
 
-    def evaluate(self, name: str, t: Floats, x: Floats) -> Floats:
-        """Return an output with cases first and time last; x is (cases, n, N)."""
+    def evaluate(self, name: str) -> Floats:
+        """Return an output with cases first and time last."""
+        x, t = self.x, self.job.times
         known: Flags = np.asarray(np.isfinite(x).all(axis=1))
         if name == "work" and {*np.nonzero(known)[0].tolist()} <= {*self.details}:
             return self._work(known)
         is_serial = np.full(len(x), name in (*VIOLATIONS, *self.eqs.wrapped_angles))
         is_serial[[case for case, details in self.details.items() if details.modes or details.held]] = True
         case, sample = np.nonzero(known & ~is_serial[:, np.newaxis])
-        problem, n_u = replace(self.problem, p=self.job.table.parameters[case]), len(self.eqs.speed_names)
+        n_u, p = len(self.eqs.speed_names), self.job.table.parameters[case]
+        problem = replace(self.job.motion.problem, p=p)
         rows = x[case, :, sample].T
         parts = []
         if case.size or not (known.any(axis=1) & is_serial).any():
             parts.append((case, sample, Evaluator(problem, None)(name, t[sample], rows[n_u:], rows[:n_u])))
         for k in np.flatnonzero(known.any(axis=1) & is_serial).tolist():
             at, states = t[known[k]], x[k][:, known[k]]
-            q, u, evaluate = states[n_u:], states[:n_u], self.of_case(k, states[n_u:, 0])
+            q, u, evaluate = states[n_u:], states[:n_u], self.of_case(k)
             values = count_turns(evaluate, name, evaluate(name, at, q, u), at, q, u)
             parts.append((np.full(at.size, k), np.flatnonzero(known[k]), values))
         whole = np.full((len(x), *parts[0][2].shape[:-1], t.size), np.nan)

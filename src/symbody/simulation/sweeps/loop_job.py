@@ -60,15 +60,16 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     UsageError
         If an event does not watch a number.
     """
-    eqs, table, laws, constraints, span = sweep.eqs, sweep.table, sweep.laws, sweep.constraints, sweep.span
+    eqs, table, laws, motion = sweep.eqs, sweep.table, sweep.laws, sweep.motion
+    constraints, span = motion.constraints, motion.span
     first = first_states(eqs, table, sweep.guess, laws.formulas, span, sweep.scales)
     stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     values = table.fixed_parameters, table.parameter_names, laws.formulas
-    function = bound_function(stabilized, ("xdot", "power") if sweep.events else "xdot", *values)
+    function = bound_function(stabilized, ("xdot", "power") if motion.events else "xdot", *values)
     projection = constraints if isinstance(constraints, Projection) else Projection()
-    tolerance = residual_share(projection, sweep.atol)
-    watch = case_watch(stabilized, sweep.events, tolerance, *values) if sweep.events else None
-    method = sweep.integrator if isinstance(sweep.integrator, Explicit | FixedStep) else DEFAULT
+    tolerance = residual_share(projection, motion.atol)
+    watch = case_watch(stabilized, motion.events, tolerance, *values) if motion.events else None
+    method = motion.integrator if isinstance(motion.integrator, Explicit | FixedStep) else DEFAULT
     closing, scales, sizes = None, np.zeros((table.count, 0)), np.zeros((table.count, 0))
     rounding, limit = 0.0, np.inf
     if (eqs.multiplier_names or eqs.quaternions) and not isinstance(constraints, Baumgarte):
@@ -84,9 +85,9 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         span,
         sweep.times,
         method,
-        sweep.rtol,
-        sweep.max_steps,
-        stop_when_stiff=sweep.integrator is None,
+        motion.rtol,
+        motion.max_steps,
+        stop_when_stiff=motion.integrator is None,
         lanes=table.count >= CASES_THAT_PAY if sweep.lanes is None else sweep.lanes,
         rounding=rounding,
         limit=limit,
@@ -95,7 +96,7 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     )
     job = replace(job, breakpoints=_breakpoints(job))
     states = np.nan_to_num(first.states)
-    tolerances, own_metric = first.scales.tolerances(eqs, states, sweep.atol), np.zeros((table.count, 0))
+    tolerances, own_metric = first.scales.tolerances(eqs, states, motion.atol), np.zeros((table.count, 0))
     if watch is not None:
         energies = bound_function(stabilized, "kinetic_energy", *values, quick=True)
         tolerances = np.column_stack([tolerances, _work_tolerances(energies, sweep, states, first.scales)])
@@ -137,12 +138,12 @@ def case_watch(
 
 def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, x: Floats, scales: Scales) -> Floats:
     """Return how large a local error of the work may be in each case, as `integration.work_tolerance`."""
-    n_u, start = len(sweep.eqs.speed_names), np.full(len(x), sweep.span[0])
+    n_u, start = len(sweep.eqs.speed_names), np.full(len(x), sweep.motion.span[0])
     q, u = x[:, n_u:], x[:, :n_u]
     inputs = sweep.laws.values(start, q.T, u.T)
     kinetic = np.broadcast_to(energies(start, q, u, inputs, sweep.table.parameters), start.shape)
-    usual = CLOSED * scales.energy if sweep.atol is None else sweep.atol
-    return np.minimum(np.maximum(usual, sweep.rtol * kinetic), sys.float_info.max)
+    usual = CLOSED * scales.energy if sweep.motion.atol is None else sweep.motion.atol
+    return np.minimum(np.maximum(usual, sweep.motion.rtol * kinetic), sys.float_info.max)
 
 
 def _breakpoints(job: LoopJob) -> tuple[Breakpoints, ...] | None:

@@ -226,8 +226,9 @@ class Records:
 
     def cut(self, start: int, stop: int) -> Records:
         """Return some of the cases, the same memory."""
-        arrays = self.x, self.codes, self.counts, self.reached
-        return Records(self.first + start, *(array[start:stop] for array in arrays), self.details)
+        rows = slice(start, stop)
+        arrays = self.x[rows], self.codes[rows], self.counts[rows], self.reached[rows]
+        return Records(self.first + start, *arrays, self.details)
 
     def has_room_for(self, other: Records) -> bool:
         """Return whether others are of some of these cases, in arrays of the same kinds."""

@@ -117,7 +117,7 @@ class Sweep(Displayed):
         formula = formula_of_samples(name, ())
         if formula is not None:
             return evaluate_samples(formula, self._samples, self.t, (len(self), self.t.size))
-        return self.evaluation.evaluate(name, self.t, self.x)
+        return self.evaluation.evaluate(name)
 
     def _ipython_key_completions_(self) -> list[str]:
         """Return what notebooks offer behind ``sweep["``: what varied, then all outputs by their kinds."""
@@ -161,7 +161,7 @@ class Sweep(Displayed):
             self.speed_names,
             self.status[case],
             Statistics(accepted, rejected, evaluations, 0.0),
-            self.evaluation.of_case(case, self.x[case, n_u:n, 0]),
+            self.evaluation.of_case(case),
             units=self.units,
             notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
             name=self.name,
@@ -216,19 +216,19 @@ class Sweep(Displayed):
 
 def sweep_result(job: SweepJob, records: Records, notes: tuple[str, ...]) -> Sweep:
     """Return the motions of a sweep from the records of its cases."""
-    eqs = job.eqs
+    eqs, x = job.eqs, np.moveaxis(records.x, 1, 2)
     codes = records.codes.tolist()
     verdicts = {code: _status(code) for code in {*codes}}
     case_notes = {case: details.notes for case, details in records.details.items() if details.notes}
     case_notes = {**_stop_notes(records, eqs.state_names), **case_notes}
     return Sweep(
         job.times,
-        np.moveaxis(records.x, 1, 2),
+        x,
         job.table.columns(),
         tuple(verdicts[code] for code in codes),
         records.counts[:, _COLUMNS],
         records.reached,
-        CaseOutputs.of_job(job, records.details),
+        CaseOutputs(job, records.details, x),
         eqs.coordinate_names,
         eqs.speed_names,
         dict(sorted(case_notes.items())),

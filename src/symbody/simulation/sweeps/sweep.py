@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symbody.analysis.scales import mechanism_scales, scales_by_name
+from symbody.analysis.scales import Scales, mechanism_scales, scales_by_name
 from symbody.arguments import checked_arguments
 from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
@@ -24,8 +24,9 @@ from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
-from symbody.simulation.methods.explicit import check_rtol, check_single_atol, check_span
+from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.motion import NOTHING, Motion
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -106,13 +107,17 @@ def sweep(
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     inputs = {**laws_of_tables(eqs), **(inputs or {})}
     laws = _laws(eqs, inputs, span)
-    method = sample_times(times, span), integrator, constraints, check_rtol(rtol), check_single_atol(atol)
-    choices = int(max_steps), check_lanes(lanes), scales_by_name(eqs, scales)
+    stored, wants_lanes, sizes = sample_times(times, span), check_lanes(lanes), scales_by_name(eqs, scales)
     workers = check_workers(executor, threads, part, patience)
-    check = partial(check_memory, samples=method[0].size, states=len(eqs.state_names))
+    check = partial(check_memory, samples=stored.size, states=len(eqs.state_names))
     fixed, near = _first_values(initial or {}, guess or {})
     table = case_table(parameters or {}, fixed, combine, samples, seed, check)
-    job = SweepJob(eqs, table, near, inputs, laws, check_events(events, eqs), span, *method, *choices)
+    problem = SimulationProblem(eqs, table.fixed_parameters, laws, Scales(), free=table.parameter_names)
+    motion = Motion(
+        problem, NOTHING, span, stored, rtol, atol, int(max_steps), None, check_events(events, eqs),
+        integrator, constraints,
+    )  # fmt: skip
+    job = SweepJob(motion, table, near, inputs, wants_lanes, sizes)
     with show_progress(progress, "sweep") as report:
         return _run_sweep(job, workers, None if store is None else Store(store, job.digest(key)), report)
 
@@ -140,7 +145,7 @@ def _run_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: P
     eqs, table = job.eqs, job.table
     records = Records.empty(0, table.count, job.times.size, job.state_size)
     keep = _ignore if store is None else store.keep
-    reason = reason_for_simulate(eqs, job.laws, job.integrator, job.constraints)
+    reason = reason_for_simulate(eqs, job.laws, job.motion.integrator, job.motion.constraints)
     if reason:
         check_names(eqs, table, job.guess)
     else:
@@ -155,11 +160,11 @@ def _run_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: P
         note = f"cases are computed one after the other {where}: {reason}"
         return sweep_result(job, records, (note, *job.laws.notes, *listener.notes))
     records.details.update({case: CaseDetails(note) for case, note in first_notes.items()})
-    apart = serial_cases(eqs, table)
-    chunk.states[apart] = np.nan
+    serial = serial_cases(eqs, table)
+    chunk.states[serial] = np.nan
 
     def again() -> list[int]:
-        return sorted({*apart, *_worth_another_try(job, records)})
+        return sorted({*serial, *_worth_another_try(job, records)})
 
     def share_of_loop(share: float) -> float:
         """Return the share of all cases: those that are computed again come behind the loop."""
@@ -178,7 +183,7 @@ def _run_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: P
         _compute_by_simulate(job, cases, records, workers, second, has_results=True)
         if progress is not None:
             progress(1.0)
-    return sweep_result(job, records, (*_notes(job, apart), *listener.notes))
+    return sweep_result(job, records, (*_notes(job, serial), *listener.notes))
 
 
 def _rescaled(progress: Progress | None, scale: Callable[[float], float]) -> Progress | None:
@@ -252,10 +257,10 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     case, x = started[0], chunk.states[started[0]]
     values = job.table.values(case)[0]
     q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=False))
-    scales = mechanism_scales(eqs, values, job.scales, q).fit_span(*job.span)
+    scales = mechanism_scales(eqs, values, job.scales, q).fit_span(*job.motion.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
     try:
-        if is_overconstrained(problem, job.span[0], x):
+        if is_overconstrained(problem, job.motion.span[0], x):
             return "some constraints are redundant only where all loops are closed"
         notes = job.simulate_case(case).notes
     except SymbodyError:
@@ -268,21 +273,21 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
 def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
     """Return cases that `simulate` integrates by another method than the loop over many cases."""
     codes = [at.STIFF]
-    if job.eqs.multiplier_names and job.constraints is None:
+    if job.eqs.multiplier_names and job.motion.constraints is None:
         codes += [at.COLLAPSED, at.SINGULAR, at.NOT_FINITE]
     return np.flatnonzero(np.isin(records.codes, codes)).tolist()
 
 
-def _notes(job: SweepJob, apart: Sequence[int]) -> tuple[str, ...]:
+def _notes(job: SweepJob, serial: Sequence[int]) -> tuple[str, ...]:
     silent = sorted(set(job.eqs.input_names).difference(job.inputs, job.laws.callbacks))
     notes = [*job.laws.notes, *(silent_input_note(job.eqs.units, name) for name in silent)]
-    if job.eqs.multiplier_names and job.constraints is None:
+    if job.eqs.multiplier_names and job.motion.constraints is None:
         notes.append(
             "sweeps do not search for change points: if constraints become dependent during the motion, "
             "pass constraints=sb.Partition()"
         )
-    if apart:
+    if serial:
         notes.append(
-            f"{len(apart)} cases, whose values satisfy a constraint identically, were computed one by one"
+            f"{len(serial)} cases, whose values satisfy a constraint identically, were computed one by one"
         )
     return tuple(notes)

@@ -14,10 +14,9 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels.block import Counts
-from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.input_laws import InputLaws, Law
 from symbody.simulation.methods.explicit import check_times
-from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.motion import Motion
 from symbody.simulation.motion_identity import missing_content, motion_digest
 from symbody.simulation.native.run import memory_limit
 from symbody.simulation.results.trajectory import Trajectory
@@ -36,25 +35,39 @@ class SweepJob:
 
     Attributes
     ----------
-    times : (N,) array
-        The samples to store.
+    motion : Motion
+        Of all cases: what varies is free in its equations, and it has no first state.
+    guess : mapping of name to number or formula
+        Near which first states are looked for.
+    inputs : mapping of name to law
+        As they were given.
+    lanes : bool, optional
+        Whether cases are computed side by side.
+    scales : mapping of name to float
+        Those that were given.
     """
 
-    eqs: EquationSet
+    motion: Motion
     table: CaseTable
     guess: Mapping[str, Value]
     inputs: Mapping[str, Law]
-    laws: InputLaws
-    events: tuple[Event, ...]
-    span: tuple[float, float]
-    times: Floats
-    integrator: Integrator | None
-    constraints: Constraints | None
-    rtol: float
-    atol: float | None
-    max_steps: int
     lanes: bool | None
     scales: Mapping[str, float]
+
+    @property
+    def eqs(self) -> EquationSet:
+        """The equations."""
+        return self.motion.eqs
+
+    @property
+    def laws(self) -> InputLaws:
+        """The laws of inputs; what each case samples for itself is not known yet."""
+        return self.motion.problem.laws
+
+    @property
+    def times(self) -> Floats:
+        """The samples to store (N,)."""
+        return np.asarray(self.motion.times, dtype=np.float64)
 
     @property
     def state_size(self) -> int:
@@ -63,11 +76,11 @@ class SweepJob:
 
     def simulate_case(self, case: int) -> Trajectory:
         """Return the motion of one case."""
-        parameters, initial = self.table.values(case)
+        motion, (parameters, initial) = self.motion, self.table.values(case)
         return simulate(
-            self.eqs, self.span, initial, self.guess, parameters, self.inputs, self.times, self.integrator,
-            self.constraints, self.events, rtol=self.rtol, atol=self.atol, scales=self.scales,
-            max_steps=self.max_steps,
+            self.eqs, motion.span, initial, self.guess, parameters, self.inputs, motion.times,
+            motion.integrator, motion.constraints, motion.events, rtol=motion.rtol, atol=motion.atol,
+            scales=self.scales, max_steps=motion.max_steps,
         )  # fmt: skip
 
     def digest(self, key: str | None) -> str:
@@ -88,11 +101,10 @@ class SweepJob:
         ]  # fmt: skip
         if problems:
             raise UsageError(*problems)
-        choices = (
-            self.span, self.times, self.integrator, self.constraints, self.rtol, self.atol, self.max_steps,
-            self.scales,
-        )  # fmt: skip
-        return motion_digest(self.eqs, self.inputs, self.table, self.guess, self.events, choices, key=key)
+        motion = self.motion
+        choices = motion.span, motion.times, motion.rtol, motion.atol, motion.max_steps, motion.events
+        method = motion.integrator, motion.constraints, self.scales
+        return motion_digest(self.eqs, self.inputs, self.table, self.guess, choices, method, key=key)
 
 
 def sample_times(times: ArrayLike | None, span: tuple[float, float]) -> Floats:
