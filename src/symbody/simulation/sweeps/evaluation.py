@@ -77,23 +77,23 @@ class CaseOutputs:
     def evaluate(self, name: str) -> Floats:
         """Return an output with cases first and time last."""
         x, t = self.x, self.job.times
-        known: Flags = np.asarray(np.isfinite(x).all(axis=1))
-        if name == "work" and {*np.nonzero(known)[0].tolist()} <= {*self.details}:
-            return self._work(known)
+        is_known: Flags = np.asarray(np.isfinite(x).all(axis=1))
+        if name == "work" and {*np.nonzero(is_known)[0].tolist()} <= {*self.details}:
+            return self._work(is_known)
         is_serial = np.full(len(x), name in (*VIOLATIONS, *self.eqs.wrapped_angles))
         is_serial[[case for case, details in self.details.items() if details.modes or details.held]] = True
-        case, sample = np.nonzero(known & ~is_serial[:, np.newaxis])
+        case, sample = np.nonzero(is_known & ~is_serial[:, np.newaxis])
         n_u, p = len(self.eqs.speed_names), self.job.table.parameters[case]
         problem = replace(self.job.motion.problem, p=p)
         rows = x[case, :, sample].T
         parts = []
-        if case.size or not (known.any(axis=1) & is_serial).any():
+        if case.size or not (is_known.any(axis=1) & is_serial).any():
             parts.append((case, sample, Evaluator(problem, None)(name, t[sample], rows[n_u:], rows[:n_u])))
-        for k in np.flatnonzero(known.any(axis=1) & is_serial).tolist():
-            at, states = t[known[k]], x[k][:, known[k]]
+        for k in np.flatnonzero(is_known.any(axis=1) & is_serial).tolist():
+            at, states = t[is_known[k]], x[k][:, is_known[k]]
             q, u, evaluate = states[n_u:], states[:n_u], self.of_case(k)
             values = count_turns(evaluate, name, evaluate(name, at, q, u), at, q, u)
-            parts.append((np.full(at.size, k), np.flatnonzero(known[k]), values))
+            parts.append((np.full(at.size, k), np.flatnonzero(is_known[k]), values))
         whole = np.full((len(x), *parts[0][2].shape[:-1], t.size), np.nan)
         for case, sample, values in parts:
             if values.shape[:-1] != whole.shape[1:-1]:

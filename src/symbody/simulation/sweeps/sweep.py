@@ -82,16 +82,14 @@ def sweep(
         How many values are drawn for each `Samples`, together, for every combination; and their seed.
     executor : concurrent.futures.Executor, optional
         Whose workers compute, by default threads of this process. Parts that workers lose are computed again.
-    threads : int, optional
-        Threads of this process, by default one a processor; with an executor those of each worker, 1.
-    part : int, optional
-        Cases a worker is given at a time.
+    threads, part : int, optional
+        Threads of this process, by default one a processor, with an executor of each worker, 1; cases a
+        worker is given at a time.
     lanes : bool, optional
         Whether each thread computes several cases side by side, by default for 256 or more.
-    store : path, optional
-        A folder that keeps finished parts; the same call continues where the last one ended.
-    key : str, optional
-        What stands in the store for inputs that have no content to compare, such as objects of your classes.
+    store, key : path and str, optional
+        A folder that keeps finished parts; the same call continues where the last one ended. `key` stands
+        in it for inputs that have no content to compare, such as objects of your classes.
     progress : bool or callable
         True shows a bar; a callable takes the share that is done, and ends the sweep by returning False.
     patience : float
@@ -105,21 +103,17 @@ def sweep(
         More samples than the memory holds; no worker that begins or can compute; a store that cannot be used.
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
-    inputs = {**laws_of_tables(eqs), **(inputs or {})}
-    laws = _laws(eqs, inputs, span)
+    laws = _laws(eqs, inputs := {**laws_of_tables(eqs), **(inputs or {})}, span)
     stored, wants_lanes, sizes = sample_times(times, span), check_lanes(lanes), scales_by_name(eqs, scales)
     workers = check_workers(executor, threads, part, patience)
-    check = partial(check_memory, samples=stored.size, states=len(eqs.state_names))
     fixed, near = _first_values(initial or {}, guess or {})
-    table = case_table(parameters or {}, fixed, combine, samples, seed, check)
+    fits = partial(check_memory, samples=stored.size, states=len(eqs.state_names))
+    table = case_table(parameters or {}, fixed, combine, samples, seed, fits)
     problem = SimulationProblem(eqs, table.fixed_parameters, laws, Scales(), free=table.parameter_names)
-    motion = Motion(
-        problem, NOTHING, span, stored, rtol, atol, int(max_steps), None, check_events(events, eqs),
-        integrator, constraints,
-    )  # fmt: skip
+    rest = None, check_events(events, eqs), integrator, constraints
+    motion = Motion(problem, NOTHING, span, stored, rtol, atol, int(max_steps), *rest)
     job = SweepJob(motion, table, near, inputs, wants_lanes, sizes)
-    with show_progress(progress, "sweep") as report:
-        return _run_sweep(job, workers, None if store is None else Store(store, job.digest(key)), report)
+    return _run_sweep(job, workers, None if store is None else Store(store, job.digest(key)), progress)
 
 
 def _laws(eqs: EquationSet, inputs: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
@@ -140,7 +134,15 @@ def _first_values(
     return {**varied, **fixed}, near
 
 
-def _run_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: Progress | None) -> Sweep:
+def _run_sweep(
+    job: SweepJob, workers: Workers, store: Store | None, progress: Progress | bool = False
+) -> Sweep:
+    """Return all motions, and show how far they are."""
+    with show_progress(progress, "sweep") as report:
+        return _compute_sweep(job, workers, store, report)
+
+
+def _compute_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: Progress | None) -> Sweep:
     """Return all motions: by the loop over many cases if it can compute them, else by `simulate`."""
     eqs, table = job.eqs, job.table
     records = Records.empty(0, table.count, job.times.size, job.state_size)
@@ -173,20 +175,19 @@ def _run_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: P
             more = max(more, 1)  # how the last one ended shows at the next look
         return share * records.count / (records.count + more)
 
-    listener = Listener(_rescaled(progress, share_of_loop), keep)
+    listener = Listener(_rescale_progress(progress, share_of_loop), keep)
     if not _compute_in_loop(loop, chunk, records, workers, listener):
         cases = again()
         done = table.count / (table.count + len(cases))
-        second = Listener(
-            _rescaled(progress, lambda share: done + share * (1.0 - done)), _ignore, listener.notes
-        )
+        report = _rescale_progress(progress, lambda share: done + share * (1.0 - done))
+        second = Listener(report, _ignore, listener.notes)
         _compute_by_simulate(job, cases, records, workers, second, has_results=True)
         if progress is not None:
             progress(1.0)
     return sweep_result(job, records, (*_notes(job, serial), *listener.notes))
 
 
-def _rescaled(progress: Progress | None, scale: Callable[[float], float]) -> Progress | None:
+def _rescale_progress(progress: Progress | None, scale: Callable[[float], float]) -> Progress | None:
     """Return what reports shares of a part of the work as shares of all."""
     return None if progress is None else lambda share: progress(scale(share))
 
