@@ -88,8 +88,8 @@ def sweep(
     lanes : bool, optional
         Whether each thread computes several cases side by side, by default for 256 or more.
     store, key : path and str, optional
-        A folder that keeps finished parts; the same call continues where the last one ended. `key` stands
-        in it for inputs that have no content to compare, such as objects of your classes.
+        A folder that keeps finished parts; the same call continues where the last one ended. `key` is a
+        text for inputs that have no content to compare, such as objects of your classes.
     progress : bool or callable
         True shows a bar; a callable takes the share that is done, and ends the sweep by returning False.
     patience : float
