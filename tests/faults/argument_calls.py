@@ -125,7 +125,7 @@ def _put_motions(put: Callable[..., None], eqs: sb.EquationSet) -> None:
              "max_steps": 100}  # fmt: skip
     put("simulate", sb.simulate, parameters=None, times=None, progress=None, **usual)
     put("sweep", sb.sweep, parameters={"k": [1, 2]}, times=[0.1], combine="product", samples=None, seed=0,
-        executor=None, threads=1, part=None, lanes=None, store=None, progress=False, patience=1.0,
+        executor=None, threads=1, part=None, lanes=None, store=None, key=None, progress=False, patience=1.0,
         **usual)  # fmt: skip
     put("Stepper", sb.Stepper, eqs=eqs, dt=0.01, parameters=None, initial=None, guess=None, inputs=None,
         integrator=None, constraints=None, events=(), rtol=1e-8, atol=1e-10)  # fmt: skip

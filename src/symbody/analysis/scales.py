@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -45,7 +44,7 @@ _UNITS: Final = {"length": "m", "time": "s", "mass": "kg"}
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """The sizes of a mechanism.
+    """The sizes of a mechanism; those of N motions are arrays (N,), and what follows has the motions first.
 
     Attributes
     ----------
@@ -69,10 +68,10 @@ class Scales:
     length: float = 1.0
     time: float = 1.0
     mass: float = 1.0
-    equations: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    equations: Mapping[str, float] = field(default_factory=FrozenMapping)
     has_length: bool = False
     has_time: bool = False
-    signals: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    signals: Mapping[str, float] = field(default_factory=FrozenMapping)
     numbers: Mapping[str, float] = field(default_factory=FrozenMapping)
 
     @property
@@ -87,43 +86,56 @@ class Scales:
 
     def coordinates(self, eqs: EquationSet) -> Floats:
         """Return the sizes of the coordinates (n_q,): 1 rad, or the length."""
-        return np.where(_unit_plan(eqs).lengths_of_coordinates, self.length, 1.0)
+        return self._sizes(_unit_plan(eqs).lengths_of_coordinates)
 
     def displacements(self, eqs: EquationSet) -> Floats:
         """Return the sizes of displacements along the speeds (n_u,): 1 rad, or the length."""
-        return np.where(_unit_plan(eqs).lengths_of_speeds, self.length, 1.0)
+        return self._sizes(_unit_plan(eqs).lengths_of_speeds)
 
     def constraints(self, eqs: EquationSet) -> Floats:
         """Return the sizes of the constraints (n_c,): the length, or 1 for angles.
 
         Those on positions come first, as in ``eqs.formed.holonomic``.
         """
-        sizes = np.where(_unit_plan(eqs).lengths_of_constraints, self.length, 1.0)
+        sizes = self._sizes(_unit_plan(eqs).lengths_of_constraints)
         for k, name in enumerate(eqs.multiplier_names if self.equations else ()):
-            sizes[k] = self.equations.get(name, sizes[k])
+            sizes[..., k] = self.equations.get(name, sizes[..., k])
         return sizes
+
+    def _sizes(self, are_lengths: Flags) -> Floats:
+        """Return the length where a mask says so, else 1."""
+        return np.where(are_lengths, np.asarray(self.length)[..., np.newaxis], 1.0)
 
     def tolerances(self, eqs: EquationSet, x: Floats, atol: float | None = None) -> Floats:
         """Return the absolute tolerance of each state (n_u + n_q + n_s,); `atol` if it is given.
 
         Parameters
         ----------
-        x : (n_u + n_q + n_s,) array
+        x : (n_u + n_q + n_s,) array, or (N, n_u + n_q + n_s)
             The first state.
         """
         if atol is not None:
-            return np.full(x.size, atol)
-        lengths, times = np.array([self.length]), np.array([self.time])
-        own = self._sizes_of_signals(eqs)[np.newaxis]
-        return np.asarray(state_tolerances(eqs, lengths, times, x[np.newaxis], own, self.signals)[0])
+            return np.full_like(x, atol)
+        lengths, times = np.atleast_1d(self.length), np.atleast_1d(self.time)
+        driven = self._sizes_of_signals(eqs, lengths, times)
+        return state_tolerances(eqs, lengths, times, np.atleast_2d(x), driven, self.signals).reshape(x.shape)
 
-    def _sizes_of_signals(self, eqs: EquationSet) -> Floats:
+    def _sizes_of_signals(self, eqs: EquationSet, lengths: Floats, times: Floats) -> Floats:
+        """Return the sizes of the states of signals by what goes into them, (N, n_s)."""
         if not eqs.signal_state_names:
-            return np.zeros(0)
-        numbers = np.array([self.length, self.time, self.mass])[:, np.newaxis]
+            return np.zeros((lengths.size, 0))
+        find = partial(signal_sizes, eqs, self.numbers, lengths, times, np.atleast_1d(self.mass))
+        if np.ndim(self.length):
+            return find()
         key = "sizes of signals", self.length, self.time, self.mass, tuple(self.numbers.items())
-        sizes: Floats = eqs.plans.get(key, lambda: signal_sizes(eqs, self.numbers, *numbers)[0])
+        sizes: Floats = eqs.plans.get(key, find)
         return sizes
+
+    def of_motion(self, k: int) -> Scales:
+        """Return the scales of one of N motions, without the values of its parameters."""
+        length, time, mass = (float(np.asarray(size)[k]) for size in (self.length, self.time, self.mass))
+        one = {name: float(np.asarray(sizes)[k]) for name, sizes in self.equations.items()}
+        return replace(self, length=length, time=time, mass=mass, equations=one, numbers={})
 
     def fit_span(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""

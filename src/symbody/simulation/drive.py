@@ -209,7 +209,7 @@ class _MotionByPieces:
             if piece.after is not None:
                 return self._act(t, piece, piece.after)
             self._pieces.leave_out(t)
-            return PieceStart(t, run.dense_output.at_end())
+            return PieceStart(t, np.zeros(0) if run.dense_output is None else run.dense_output.at_end())
         if run.status is not Status.SUCCESS:
             return None
         x = np.zeros(0) if run.dense_output is None else run.dense_output.at_end()

@@ -1,7 +1,9 @@
-"""What a motion follows from, as a hash: for stores and saved states, which must not serve another one."""
+"""`motion_digest`: what a motion follows from, as a hash; stores and saved states serve no other motion."""
 
 from __future__ import annotations
 
+import platform
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from decimal import Decimal
@@ -13,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+import symbody
 from symbody.arguments import is_sympy
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
@@ -27,16 +30,40 @@ class NoIdentityError(Exception):
     """Something has no content that could be compared, as an object of a user's class."""
 
 
-def content_hash(*values: object) -> str:
-    """Return a hash of all that values consist of.
+def motion_digest(
+    eqs: EquationSet, laws: Mapping[str, object], *others: object, key: str | None = None
+) -> str:
+    """Return a hash of equations, laws of inputs and all else that a motion follows from.
 
-    A Python function counts by its code, its defaults, and the closure values and globals that it reads.
+    The release of symbody is part of it, and what of the machine decides bits: processor and C library, which
+    compute sines. A Python function counts by its code, its defaults, and the closure values and globals that
+    it reads: numbers, texts, tuples, arrays, libraries and such functions.
+
+    Parameters
+    ----------
+    key : str, optional
+        What stands for laws without content, as functions that read objects of a user's class.
 
     Raises
     ------
     NoIdentityError
-        If something has no content that could be compared.
+        If something has no content that could be compared, and no key.
     """
+    machine = platform.machine(), sys.platform, platform.libc_ver()
+    known = {name: law if key is None or not missing_content(law) else (key,) for name, law in laws.items()}
+    return _content_hash(symbody.__version__, machine, eqs, known, *others)
+
+
+def missing_content(law: object) -> str:
+    """Return what in a law cannot be compared, empty if all can."""
+    try:
+        _content_hash(law)
+    except NoIdentityError as error:
+        return str(error)
+    return ""
+
+
+def _content_hash(*values: object) -> str:
     digest = sha256()
     for piece in _pieces(values, set()):
         digest.update(len(piece).to_bytes(8, "little") + piece)
@@ -64,11 +91,20 @@ def _pieces(value: object, inside: set[int]) -> Iterator[bytes]:
     elif isinstance(value, FunctionType):
         yield from _function_pieces(value, inside)
     elif isinstance(value, ModuleType):
-        yield f"{value.__name__} {getattr(value, '__version__', '')}".encode()
+        yield _library(value).encode()
     elif isinstance(value, BuiltinFunctionType | np.ufunc):
         yield f"{getattr(value, '__module__', '')}.{value.__name__}".encode()
     else:
         yield from _items(value, inside)
+
+
+def _library(module: ModuleType) -> str:
+    """Return the name and release of a library; modules of users may change, and are not looked at."""
+    library = module.__name__.partition(".")[0]
+    version = getattr(sys.modules.get(library), "__version__", "")
+    if not version and library not in sys.stdlib_module_names:
+        raise NoIdentityError(f"module {module.__name__}")
+    return f"{module.__name__} {version}"
 
 
 def _items(value: object, inside: set[int]) -> Iterator[bytes]:
@@ -84,13 +120,20 @@ def _items(value: object, inside: set[int]) -> Iterator[bytes]:
     elif is_dataclass(value) and type(value).__module__.startswith(_OURS):
         parts = [getattr(value, each.name) for each in fields(value) if not each.name.startswith("_")]
         if isinstance(value, FmuInput):
-            with open(value.path, "rb") as file:
-                yield sha256(file.read()).digest()
+            yield _file_hash(value)
     else:
         raise NoIdentityError(type(value).__name__)
     yield str(len(parts)).encode()
     for part in parts:
         yield from _pieces(part, inside)
+
+
+def _file_hash(fmu: FmuInput) -> bytes:
+    try:
+        with open(fmu.path, "rb") as file:
+            return sha256(file.read()).digest()
+    except OSError as error:
+        raise NoIdentityError(f"{fmu.path!r} ({error.strerror or error})") from error
 
 
 def _equation_pieces(eqs: EquationSet, inside: set[int]) -> Iterator[bytes]:

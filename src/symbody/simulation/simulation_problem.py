@@ -20,7 +20,7 @@ from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.output_roots import OF_MOTIONS, OF_STEPS, combined_roots
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, search_ahead
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.native.dense_output import DenseOutput
@@ -52,6 +52,10 @@ class SimulationProblem:
         Takes the samples of held values that the motion reads.
     permanent : SimulationProblem, optional
         The same without constraints that hold in some modes only; None where all hold.
+    free : tuple of str
+        Parameters that are arguments of compiled functions, as in a sweep; the others are part of them.
+    p : (k,) or (N, k) array
+        Their values, for all samples or for each.
     """
 
     eqs: EquationSet
@@ -61,6 +65,8 @@ class SimulationProblem:
     first: State | None = None
     sampler: Sampler | None = None
     permanent: SimulationProblem | None = None
+    free: tuple[str, ...] = ()
+    p: Floats = field(default_factory=lambda: NOTHING, compare=False)
     # Functions already compiled; they follow from the fields above.
     _functions: SingleFlight[tuple[EquationSet, tuple[OutputName, ...], bool, bool], CompiledFunction] = (
         field(default_factory=SingleFlight, repr=False, compare=False)
@@ -90,7 +96,7 @@ class SimulationProblem:
         def compile_function() -> CompiledFunction:
             eqs, words = self._combine(names)
             asked = words[0] if is_one else words
-            return bound_function(eqs, asked, self.parameters, (), self.laws.formulas, quick=quick)
+            return bound_function(eqs, asked, self.parameters, self.free, self.laws.formulas, quick=quick)
 
         return self._functions.get(key, compile_function)
 
@@ -100,7 +106,7 @@ class SimulationProblem:
         if words == names:
             return self.eqs, words
         # its formulas contain those rows alone that count with these values
-        eqs = parameter_set(self.eqs, self.parameters).eqs
+        eqs = parameter_set(self.eqs, self.parameters, self.free).eqs
 
         def make() -> EquationSet:
             roots = [
@@ -129,14 +135,13 @@ class SimulationProblem:
 
     def _find_breakpoints(self, outputs: tuple[OutputName, ...], span: tuple[float, float]) -> Breakpoints:
         function = self.compile_outputs(outputs)
-        functions = function_of_time(function, self.laws.tables)
-        if functions is None:
-            return NO_BREAKPOINTS
-        return find_breakpoints(functions, span, function.bound_values[np.newaxis])[0]
+        functions = [function_of_time(function, self.laws.tables)]
+        return search_ahead(functions, span, function.bound_values[np.newaxis])[0]
 
     def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
-        return function.at_states(t, q.T, u.T, self.laws.values(t, q, u))
+        r = self.laws.values(t, q, u)
+        return function(t, q.T, u.T, r, self.p) if self.free else function.at_states(t, q.T, u.T, r)
 
     def values_at(self, names: Sequence[OutputName], t: float, x: Floats) -> tuple[Any, ...]:
         """Return outputs at one time and state x = (u, q); those of a tuple of names as one array."""

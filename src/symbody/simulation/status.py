@@ -43,8 +43,7 @@ class Status(Enum):
     )
     NOT_STARTED = "the motion cannot start with these values: look for the reason in the notes of the case"
     WORKER_LOST = (
-        "the workers that computed this case ended repeatedly: check their memory and log, or pass "
-        "executor=None"
+        "the workers that computed this case ended: check their memory and log, or pass executor=None"
     )
     INTERRUPTED = "the run was interrupted: the results computed so far are available"
     OUT_OF_MEMORY = (

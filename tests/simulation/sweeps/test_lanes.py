@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from symbody.codegen.formation.parameter_set import ParameterSet
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.machine import lanes
-from symbody.simulation.sweeps import first_states
 from symbody.simulation.sweeps.loop_job import CASES_THAT_PAY
 from tests.simulation.sweeps.test_sweep import equations, same_bits
 
@@ -74,7 +74,7 @@ def cranks(**options: object) -> sb.Sweep:
 @pytest.fixture(autouse=True)
 def _masses_are_not_judged(monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative masses, which sweeps refuse, are what makes linear systems singular on the way."""
-    monkeypatch.setattr(first_states, "impossible_cases", lambda eqs, table: {})
+    monkeypatch.setattr(ParameterSet, "require_possible", lambda values: None)
 
 
 SWEEPS = [tops, duffing, runaways, roots, dampers, cranks]

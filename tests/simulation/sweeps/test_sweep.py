@@ -163,9 +163,14 @@ def test_an_executor_that_can_compute_nothing_is_an_error() -> None:
 
 
 @pytest.mark.exhaustive
-def test_a_killed_process_loses_no_case(monkeypatch: pytest.MonkeyPatch) -> None:
-    usual = sb.sweep(equations("spinning_top"), 5.0, {"m": MASSES}, samples=None, times=[5.0])
-    with concurrent.futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+def test_a_killed_process_costs_its_pool_and_no_finished_case(tmp_path: Path) -> None:
+    def call(**options: object) -> sb.Sweep:
+        return sb.sweep(
+            equations("spinning_top"), 5.0, {"m": MASSES * 40}, times=[5.0], part=1, store=tmp_path, **options
+        )
+
+    spawn = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(2, spawn) as pool:
         told: list[float] = []
 
         def kill(share: float) -> None:
@@ -173,10 +178,14 @@ def test_a_killed_process_loses_no_case(monkeypatch: pytest.MonkeyPatch) -> None
                 told.append(share)
                 os.kill(next(iter(pool._processes)), signal.SIGKILL)
 
-        result = sb.sweep(
-            equations("spinning_top"), 5.0, {"m": MASSES}, times=[5.0], executor=pool, part=1, progress=kill
-        )
-    assert told and same_bits(usual, result)
+        result = call(executor=pool, progress=kill)
+    assert told and 0 < result.succeeded.sum() < len(result)
+    assert any("the executor broke (BrokenProcessPool" in note for note in result.notes)
+    lost = [k for k, status in enumerate(result.status) if status is sb.Status.WORKER_LOST]
+    assert lost and all("BrokenProcessPool" in result.case_notes[k] for k in lost)
+    with concurrent.futures.ProcessPoolExecutor(2, spawn) as pool:
+        rest = call(executor=pool)
+    assert same_bits(sb.sweep(equations("spinning_top"), 5.0, {"m": MASSES * 40}, times=[5.0]), rest)
 
 
 @pytest.mark.exhaustive

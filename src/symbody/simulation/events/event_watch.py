@@ -228,9 +228,10 @@ class EventWatch:
         self._note_ending()
         return code
 
-    def _advance_modes(self, call: LoopCall, functions: tuple[int, ...], held: HeldValues | None) -> int:
+    def _advance_modes(
+        self, modes: SwitchingModes, call: LoopCall, functions: tuple[int, ...], held: HeldValues | None
+    ) -> int:
         """Try up to so many steps along which modes change."""
-        modes = self.modes
         if held is not None:
             held.show_watch(self._block)
         code = modes.advance(call, functions, self._block, self._happened, held)

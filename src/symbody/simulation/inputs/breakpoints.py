@@ -7,6 +7,7 @@ values that its operand takes between them. Conditions divide the span where the
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -35,6 +36,7 @@ _JUMP: Final = 1e-9
 _DEEPEST: Final = 40  # halvings of the span
 _MOST_PIECES: Final = 4096  # of one span
 _WIDENINGS: Final = 16
+_TOGETHER: Final = 256  # cases that are searched at once
 _MOST_WHOLE: Final = 4096  # whole numbers that a rounded value passes
 
 
@@ -137,6 +139,28 @@ def find_breakpoints(
     search = _PieceSearch(functions, span, np.ascontiguousarray(p.T))
     search.divide()
     return search.results()
+
+
+def search_ahead(
+    functions: Iterable[TimeFunctions | None], span: tuple[float, float], parameters: Floats | None = None
+) -> list[Breakpoints]:
+    """Return the pieces of several functions together, for each case, or one for all.
+
+    Parameters
+    ----------
+    parameters : (cases, n_p) array, optional
+        Those that the functions read.
+    """
+    count = 1 if parameters is None else len(parameters)
+    found = [NO_BREAKPOINTS] * count
+    for each in functions:
+        if each is None:
+            continue
+        for first in range(0, count, _TOGETHER):
+            part = slice(first, first + _TOGETHER)
+            pieces = find_breakpoints(each, span, None if parameters is None else parameters[part])
+            found[part] = [a.unite(b) for a, b in zip(found[part], pieces, strict=True)]
+    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)

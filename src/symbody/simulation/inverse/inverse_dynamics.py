@@ -26,7 +26,7 @@ from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.inputs.tables import Table
-from symbody.simulation.inverse.motion_laws import Motion, motion_laws
+from symbody.simulation.inverse.motion_laws import MotionLaw, motion_laws
 from symbody.simulation.inverse.prescribed_motion import PrescribedStates, prescribe_motion
 from symbody.simulation.inverse.unknowns import InputSolver, influence
 from symbody.simulation.native.run import Statistics
@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 @checked_arguments
 def inverse_dynamics(
     eqs: EquationSet,
-    motion: Mapping[str, Motion],
+    motion: Mapping[str, MotionLaw],
     unknowns: str | Sequence[str],
     times: ArrayLike,
     parameters: Mapping[str, Value] | None = None,

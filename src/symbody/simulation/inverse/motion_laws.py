@@ -21,11 +21,11 @@ from symbody.simulation.inputs.tables import Table
 
 # A function of time returns the coordinate, its rate and its acceleration. SymPy's expressions, which have no
 # types, are taken too.
-Motion = Value | Table | tuple[ArrayLike, ArrayLike] | Callable[[float], tuple[float, float, float]]
+MotionLaw = Value | Table | tuple[ArrayLike, ArrayLike] | Callable[[float], tuple[float, float, float]]
 
 
 def motion_laws(
-    motion: Mapping[str, Motion], span: tuple[float, float]
+    motion: Mapping[str, MotionLaw], span: tuple[float, float]
 ) -> tuple[dict[str, Value], dict[str, Law]]:
     """Return the motions that are formulas, and the others as functions of time with two derivatives.
 

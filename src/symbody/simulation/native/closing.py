@@ -88,10 +88,10 @@ def _state_shape(eqs: EquationSet) -> StateShape:
 
 
 def metric(eqs: EquationSet, scales: Scales) -> Floats:
-    """Return the sizes of all states (u, q), then those of the constraints on positions."""
+    """Return the sizes of all states (u, q), then of the constraints on positions; of N motions (N, n)."""
     count = len(eqs.formed.holonomic)
-    sizes = scales.displacements(eqs), scales.coordinates(eqs), scales.constraints(eqs)[:count]
-    return np.concatenate(sizes)
+    sizes = scales.displacements(eqs), scales.coordinates(eqs), scales.constraints(eqs)[..., :count]
+    return np.concatenate(sizes, axis=-1)
 
 
 def closing_block(

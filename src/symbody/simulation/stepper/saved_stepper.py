@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from symbody.codegen.formation.names import Value
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Occurrence
-from symbody.simulation.motion_identity import NoIdentityError, content_hash
+from symbody.simulation.motion_identity import missing_content, motion_digest
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.settings import StepperSettings
 
@@ -92,17 +92,15 @@ def kind_of(settings: StepperSettings) -> str:
         settings.atol, settings.scales, settings.max_steps, settings.fmus,
     )  # fmt: skip
     laws = {name: _law_content(law) for name, law in settings.laws.items()}
-    return content_hash(settings.eqs, laws, fixed)
+    return motion_digest(settings.eqs, laws, *fixed)
 
 
 def _law_content(law: object) -> object:
     """Return a law, or its name and place where it has no content that could be compared."""
-    try:
-        content_hash(law)
-    except NoIdentityError:
-        kind = type(law)
-        return getattr(law, "__module__", kind.__module__), getattr(law, "__qualname__", kind.__qualname__)
-    return law
+    if not missing_content(law):
+        return law
+    kind = type(law)
+    return getattr(law, "__module__", kind.__module__), getattr(law, "__qualname__", kind.__qualname__)
 
 
 def _read_content(header: Mapping[str, Any], values: Floats) -> SavedStepper:

@@ -24,6 +24,7 @@ Law = Literal["uniform", "loguniform", "normal"]
 Combine = Literal["product", "list"]
 
 _LAWS: Final = ("uniform", "loguniform", "normal")
+_KINDS: Final = ("parameters", "initial")
 
 
 @checked_fields
@@ -137,32 +138,27 @@ def case_table(
             Problem("sweep.seed", "seed", f"seed = {seed!r} is not a whole number, 0 or greater",
                     "the seed determines the random numbers", "give such a number, or leave it out")
         )  # fmt: skip
-    given = [("parameters", name, value) for name, value in parameters.items()]
-    given += [("initial", name, value) for name, value in initial.items()]
-    lists = {(kind, name): value for kind, name, value in given if _varies(value)}
-    drawn = {(kind, name): value for kind, name, value in given if isinstance(value, Samples)}
+    entries = {("parameters", name): value for name, value in parameters.items()}
+    entries |= {("initial", name): value for name, value in initial.items()}
+    lists = {key: value for key, value in entries.items() if _varies(value)}
+    drawn = {key: value for key, value in entries.items() if isinstance(value, Samples)}
     columns = _check_columns(lists, combine, bool(drawn), samples)
     count, each = _count(columns, combine), samples if drawn and samples is not None else 1
-    keys = [*columns, *drawn]
     if check is not None:
-        check(count * each, len(keys))
-    table = np.empty((count * each, len(keys)))
-    for place, column in enumerate(_combine(columns, combine, count)):
-        table[:, place] = np.repeat(column, each)
-    for place, ((_, name), value) in enumerate(drawn.items(), start=len(columns)):
-        if isinstance(value, Samples) and samples is not None:
-            table[:, place] = np.tile(value.draw(name, samples, seed), count)
+        check(count * each, len(columns) + len(drawn))
+    rows: dict[tuple[str, str], Floats] = {}
+    for key, column in zip(columns, _combine(columns, combine, count), strict=True):
+        rows[key] = np.repeat(column, each)
+    for key, value in drawn.items():
+        rows[key] = np.tile(value.draw(key[1], each, seed), count)
     # In the order of the mappings, so that the same cases have the same names in the same places.
-    order = [(kind, name) for kind, name, _ in given if (kind, name) in keys]
-    own = {kind: [keys.index(key) for key in order if key[0] == kind] for kind in ("parameters", "initial")}
-    return CaseTable(
-        tuple(keys[k][1] for k in own["parameters"]),
-        tuple(keys[k][1] for k in own["initial"]),
-        np.ascontiguousarray(table[:, own["parameters"]]),
-        np.ascontiguousarray(table[:, own["initial"]]),
-        _constants(parameters),
-        _constants(initial),
+    names = {kind: tuple(key[1] for key in entries if key in rows and key[0] == kind) for kind in _KINDS}
+    nothing = np.empty((count * each, 0))
+    first, second = (
+        np.column_stack([nothing, *(rows[kind, name] for name in names[kind])]) for kind in _KINDS
     )
+    constants = _constants(parameters), _constants(initial)
+    return CaseTable(names["parameters"], names["initial"], first, second, *constants)
 
 
 def _varies(value: Varied) -> bool:
@@ -173,8 +169,8 @@ def _is_constant(value: Varied) -> TypeGuard[Value]:
     return isinstance(value, Real | str | Formula | Decimal) or is_sympy(value)
 
 
-def _constants(given: Mapping[str, Varied]) -> dict[str, Value]:
-    return {name: value for name, value in given.items() if _is_constant(value)}
+def _constants(values: Mapping[str, Varied]) -> dict[str, Value]:
+    return {name: value for name, value in values.items() if _is_constant(value)}
 
 
 def _check_columns(

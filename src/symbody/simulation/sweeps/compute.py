@@ -16,8 +16,7 @@ from symbody.codegen.llvm.machine import lanes
 from symbody.kernels import block as at
 from symbody.kernels.block import Breakpoint, Run, Verdict
 from symbody.kernels.lanes.lane_block import LaneGroup
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
-from symbody.simulation.inputs.time_functions import time_functions
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, search_ahead
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
@@ -25,7 +24,7 @@ from symbody.simulation.native.description import Floats, Projector, RightHandSi
 from symbody.simulation.native.lane_blocks import make_lane_block
 from symbody.simulation.native.machine import lane_motions, many_motions
 from symbody.simulation.sweeps.case_by_case import compute_case
-from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, StopSignal, blocks
+from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.simulation.sweeps.watched_cases import (
     WatchedLoop,
@@ -39,12 +38,16 @@ Integers = NDArray[np.int64]
 
 # Steps between two looks at whether the work is to stop.
 _SLICE: Final = 1000
-# Cases whose breakpoints are looked for at once.
-_TOGETHER: Final = 256
 
 
 def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers, done: Integers) -> None:
-    """Compute the cases of a chunk that have not ended, in one thread, without the interpreter's lock."""
+    """Compute the cases of a chunk that have not ended, in one thread, without the interpreter's lock.
+
+    Parameters
+    ----------
+    stop, done : arrays of one int
+        Anything but 0 ends the loop; how many cases have ended.
+    """
     records.codes[~np.isfinite(chunk.states).all(axis=1)] = NOT_STARTED
     direction = 1.0 if job.span[1] >= job.span[0] else -1.0
     breaks = _break_rows(_breakpoints(job, chunk), direction)
@@ -117,16 +120,8 @@ def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:
     """Return the breakpoints of all cases, or one for all."""
     if job.breakpoints is not None:
         return job.breakpoints
-    watched = () if job.watch is None else (job.watch.values,)
-    result: list[Breakpoints] = [NO_BREAKPOINTS] * chunk.count
-    for function in (job.function, *watched):
-        functions = time_functions(function.sequence, job.tables, with_parameters=True)
-        if functions is None:
-            continue
-        for first, last in blocks(chunk.count, _TOGETHER):
-            pieces = find_breakpoints(functions, job.span, chunk.parameters[first:last])
-            result[first:last] = [a.unite(b) for a, b in zip(result[first:last], pieces, strict=True)]
-    return [own.jumps_alone() if isinstance(job.method, FixedStep) else own for own in result]
+    found = search_ahead(job.functions_of_time(with_parameters=True), job.span, chunk.parameters)
+    return [own.jumps_alone() if isinstance(job.method, FixedStep) else own for own in found]
 
 
 def _break_rows(breakpoints: Sequence[Breakpoints], direction: float) -> Floats:
@@ -159,9 +154,7 @@ def compute_chunk(payload: bytes, chunk: Chunk, threads: int) -> Records | str:
     """
     try:
         job = _JOBS.get(payload, partial(_unpack, payload))
-        options = job.options if isinstance(job, SweepJob) else job
-        states = len(job.eqs.state_names) if isinstance(job, SweepJob) else job.state_size
-        records = Records.empty(chunk.first, chunk.count, options.times.size, states)
+        records = Records.empty(chunk.first, chunk.count, job.times.size, job.state_size)
         if isinstance(job, SweepJob):
             for case in range(chunk.first, chunk.first + chunk.count):
                 compute_case(job, case, records)
@@ -173,19 +166,14 @@ def compute_chunk(payload: bytes, chunk: Chunk, threads: int) -> Records | str:
 
 
 def _compute_in_threads(job: LoopJob, chunk: Chunk, records: Records, threads: int) -> None:
-    signal = StopSignal.new()
+    stop = np.zeros(1, dtype=np.int64)
     ends = list(blocks(chunk.count, -(-chunk.count // max(threads, 1))))
-    if len(ends) == 1:
-        compute_in_loop(job, chunk, records, signal.stop, signal.done)
+    parts = [(chunk.cut(*both), records.cut(*both), stop, stop.copy()) for both in ends]
+    if len(parts) == 1:
+        compute_in_loop(job, *parts[0])
         return
-    with ThreadPoolExecutor(len(ends)) as pool:
-        futures = [
-            pool.submit(
-                compute_in_loop, job, chunk.cut(*both), records.cut(*both), signal.stop, StopSignal.new().done
-            )
-            for both in ends
-        ]
-        for future in futures:
+    with ThreadPoolExecutor(len(parts)) as pool:
+        for future in [pool.submit(compute_in_loop, job, *part) for part in parts]:
             future.result()
 
 

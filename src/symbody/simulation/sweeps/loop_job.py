@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.scales import Scales
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.rounding_rows import RoundingRows
@@ -24,9 +25,7 @@ from symbody.simulation.events.event_functions import (
     numbers_of_events,
 )
 from symbody.simulation.events.events import Event
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
-from symbody.simulation.inputs.tables import Table
-from symbody.simulation.inputs.time_functions import time_functions
+from symbody.simulation.inputs.breakpoints import Breakpoints, search_ahead
 from symbody.simulation.methods.constraints import (
     PROJECTED,
     ROUNDED_PER_COORDINATE,
@@ -37,10 +36,10 @@ from symbody.simulation.methods.constraints import (
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
-from symbody.simulation.native.closing import closing_of
+from symbody.simulation.native.closing import closing_of, metric
 from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
-from symbody.simulation.sweeps.first_states import FirstStates, first_states
+from symbody.simulation.sweeps.first_states import first_states
 from symbody.simulation.sweeps.records import CaseWatch, Chunk, LoopJob
 from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.tolerances import CLOSED
@@ -61,50 +60,48 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     UsageError
         If an event does not watch a number.
     """
-    eqs, table, laws, options = sweep.eqs, sweep.table, sweep.laws, sweep.options
-    constraints = options.constraints
-    first = first_states(eqs, table, sweep.guess, laws.formulas, options.span, options.scales)
+    eqs, table, laws, motion = sweep.eqs, sweep.table, sweep.laws, sweep.motion
+    constraints, span = motion.constraints, motion.span
+    first = first_states(eqs, table, sweep.guess, laws.formulas, span, sweep.scales)
     stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     values = table.fixed_parameters, table.parameter_names, laws.formulas
-    function = bound_function(stabilized, ("xdot", "power") if sweep.events else "xdot", *values)
+    function = bound_function(stabilized, ("xdot", "power") if motion.events else "xdot", *values)
     projection = constraints if isinstance(constraints, Projection) else Projection()
-    tolerance = residual_share(projection, options.atol)
-    watch = case_watch(stabilized, sweep.events, tolerance, *values) if sweep.events else None
-    method = options.integrator if isinstance(options.integrator, Explicit | FixedStep) else DEFAULT
+    tolerance = residual_share(projection, motion.atol)
+    watch = case_watch(stabilized, motion.events, tolerance, *values) if motion.events else None
+    method = motion.integrator if isinstance(motion.integrator, Explicit | FixedStep) else DEFAULT
     closing, scales, sizes = None, np.zeros((table.count, 0)), np.zeros((table.count, 0))
     rounding, limit = 0.0, np.inf
     if (eqs.multiplier_names or eqs.quaternions) and not isinstance(constraints, Baumgarte):
         closing = bound_function(eqs, PROJECTED, *values)
-        own_scales = first.scales.constraints()
         scales = np.ones((table.count, closing.outputs[0].shape[0]))  # norms of quaternions come last
-        scales[:, : own_scales.shape[1]] = own_scales
-        scales, sizes = tolerance * scales, first.scales.coordinates()
+        scales[:, : len(eqs.formed.holonomic)] = first.scales.constraints(eqs)[:, : len(eqs.formed.holonomic)]
+        scales, sizes = tolerance * scales, first.scales.coordinates(eqs)
         rounding = ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance
         limit = np.inf if isinstance(method, FixedStep) else projection.limit
     job = LoopJob(
         function,
         closing,
-        options.span,
-        options.times,
+        span,
+        sweep.times,
         method,
-        options.rtol,
-        options.max_steps,
-        stop_when_stiff=options.integrator is None,
-        lanes=table.count >= CASES_THAT_PAY if options.lanes is None else options.lanes,
-        breakpoints=_breakpoints(function, watch, method, options.span, laws.tables),
+        motion.rtol,
+        motion.max_steps,
+        stop_when_stiff=motion.integrator is None,
+        lanes=table.count >= CASES_THAT_PAY if sweep.lanes is None else sweep.lanes,
         rounding=rounding,
         limit=limit,
         tables=laws.tables,
         watch=watch,
     )
-    tolerances = first.scales.tolerances(first.states, options.atol)
+    job = replace(job, breakpoints=_breakpoints(job))
+    states = np.nan_to_num(first.states)
+    tolerances, own_metric = first.scales.tolerances(eqs, states, motion.atol), np.zeros((table.count, 0))
     if watch is not None:
         energies = bound_function(stabilized, "kinetic_energy", *values, quick=True)
-        tolerances = np.column_stack([tolerances, _work_tolerances(energies, sweep, first)])
-    own_metric = np.zeros((table.count, 0))
+        tolerances = np.column_stack([tolerances, _work_tolerances(energies, sweep, states, first.scales)])
     if watch is not None and watch.closing is not None:
-        close = closing_of(stabilized, holds=watch.actions is not None)
-        own_metric = replace(first.scales, eqs=close.eqs).metric()
+        own_metric = metric(closing_of(stabilized, holds=watch.actions is not None).eqs, first.scales)
     chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances, own_metric)
     return job, chunk, dict(first.notes)
 
@@ -139,44 +136,30 @@ def case_watch(
     )  # fmt: skip
 
 
-def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, first: FirstStates) -> Floats:
+def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, x: Floats, scales: Scales) -> Floats:
     """Return how large a local error of the work may be in each case, as `integration.work_tolerance`."""
-    options, n_u = sweep.options, len(sweep.eqs.speed_names)
-    states = np.nan_to_num(first.states)
-    q, u = states[:, n_u:], states[:, :n_u]
-    start = np.full(len(states), options.span[0])
+    n_u, start = len(sweep.eqs.speed_names), np.full(len(x), sweep.motion.span[0])
+    q, u = x[:, n_u:], x[:, :n_u]
     inputs = sweep.laws.values(start, q.T, u.T)
     kinetic = np.broadcast_to(energies(start, q, u, inputs, sweep.table.parameters), start.shape)
-    scales = [first.scales.of_case(k).energy for k in range(len(states))]
-    usual = CLOSED * np.array(scales) if options.atol is None else np.full(len(states), options.atol)
-    return np.minimum(np.maximum(usual, options.rtol * kinetic), sys.float_info.max)
+    usual = CLOSED * scales.energy if sweep.motion.atol is None else sweep.motion.atol
+    return np.minimum(np.maximum(usual, sweep.motion.rtol * kinetic), sys.float_info.max)
 
 
-def _breakpoints(
-    function: CompiledFunction,
-    watch: CaseWatch | None,
-    method: Explicit | FixedStep,
-    span: tuple[float, float],
-    tables: Mapping[int, Table],
-) -> tuple[Breakpoints, ...] | None:
+def _breakpoints(job: LoopJob) -> tuple[Breakpoints, ...] | None:
     """Return the breakpoints of all cases, None if they follow from what varies; see `LoopJob`."""
-    sequences = [function.sequence] if watch is None else [function.sequence, watch.values.sequence]
-    every = [time_functions(sequence, tables, with_parameters=True) for sequence in sequences]
+    every = job.functions_of_time(with_parameters=True)
     if any(functions is not None and functions.needs_parameters() for functions in every):
         return None
-    pieces = NO_BREAKPOINTS
-    for sequence in sequences:
-        functions = time_functions(sequence, tables)
-        if functions is not None:
-            pieces = pieces.unite(find_breakpoints(functions, span)[0])
-    return (pieces.jumps_alone() if isinstance(method, FixedStep) else pieces,)
+    pieces = search_ahead(job.functions_of_time(with_parameters=False), job.span)[0]
+    return (pieces.jumps_alone() if isinstance(job.method, FixedStep) else pieces,)
 
 
 def _no_rows(values: Mapping[str, float]) -> tuple[bool, ...]:
     return ()
 
 
-def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:
+def serial_cases(eqs: EquationSet, table: CaseTable) -> list[int]:
     """Return the cases whose values fulfil constraints that others do not; `simulate` treats these.
 
     A constraint that is zero but for rounding at some values of the parameters would be taken for one.

@@ -21,6 +21,7 @@ from symbody.simulation.events.watch_arrays import WatchedEvent
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.inputs.tables import Table
+from symbody.simulation.inputs.time_functions import TimeFunctions, time_functions
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.closing import StateShape
@@ -106,6 +107,11 @@ class LoopJob:
         """Number of speeds, coordinates and states of signals."""
         return len(self.function.signature.states)
 
+    def functions_of_time(self, *, with_parameters: bool) -> list[TimeFunctions | None]:
+        """Return what the derivative and the values of events compute from time, and perhaps what varies."""
+        sequences = [self.function.sequence, *([] if self.watch is None else [self.watch.values.sequence])]
+        return [time_functions(each, self.tables, with_parameters=with_parameters) for each in sequences]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chunk:
@@ -147,16 +153,8 @@ class Chunk:
 
     def cut(self, start: int, stop: int) -> Chunk:
         """Return some of the cases."""
-        rows = slice(start, stop)
-        return Chunk(
-            self.first + start,
-            self.states[rows],
-            self.parameters[rows],
-            self.scales[rows],
-            self.sizes[rows],
-            self.atol[rows],
-            self.metric[rows],
-        )
+        arrays = self.states, self.parameters, self.scales, self.sizes, self.atol, self.metric
+        return Chunk(self.first + start, *(array[start:stop] for array in arrays))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -228,26 +226,16 @@ class Records:
     def cut(self, start: int, stop: int) -> Records:
         """Return some of the cases, the same memory."""
         rows = slice(start, stop)
-        return Records(
-            self.first + start,
-            self.x[rows],
-            self.codes[rows],
-            self.counts[rows],
-            self.reached[rows],
-            self.details,
-        )
+        arrays = self.x[rows], self.codes[rows], self.counts[rows], self.reached[rows]
+        return Records(self.first + start, *arrays, self.details)
 
     def has_room_for(self, other: Records) -> bool:
         """Return whether others are of some of these cases, in arrays of the same kinds."""
-        start, stop = other.first - self.first, other.first - self.first + other.codes.size
-        return 0 <= start <= stop <= self.count and all(
-            theirs.shape == (stop - start, *own.shape[1:]) and theirs.dtype == own.dtype
-            for own, theirs in (
-                (self.x, other.x),
-                (self.codes, other.codes),
-                (self.counts, other.counts),
-                (self.reached, other.reached),
-            )
+        start, count = other.first - self.first, other.codes.size
+        pairs = [(self.x, other.x), (self.codes, other.codes), (self.counts, other.counts)]
+        return 0 <= start <= start + count <= self.count and all(
+            theirs.shape == (count, *ours.shape[1:]) and theirs.dtype == ours.dtype
+            for ours, theirs in (*pairs, (self.reached, other.reached))
         )
 
     def put(self, other: Records) -> None:
@@ -256,27 +244,6 @@ class Records:
         self.x[rows], self.codes[rows] = other.x, other.codes
         self.counts[rows], self.reached[rows] = other.counts, other.reached
         self.details.update(other.details)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class StopSignal:
-    """Numbers that the compiled loop shares with the thread that waits for it.
-
-    Attributes
-    ----------
-    stop : array of one int
-        Anything but 0 ends the loop.
-    done : array of one int
-        How many cases have ended.
-    """
-
-    stop: Integers
-    done: Integers
-
-    @classmethod
-    def new(cls) -> StopSignal:
-        """Return a signal for a loop that has not begun."""
-        return cls(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
 
 
 def blocks(count: int, size: int) -> Iterator[tuple[int, int]]:

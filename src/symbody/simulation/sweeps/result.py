@@ -19,7 +19,7 @@ from symbody.simulation.results.sample_formulas import evaluate_samples, formula
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.case_by_case import STATUSES
-from symbody.simulation.sweeps.evaluation import CaseEvaluator, Evaluation
+from symbody.simulation.sweeps.evaluation import CaseOutputs
 from symbody.simulation.sweeps.records import NOT_ENDED, NOT_STARTED, WORKER_LOST, Records
 from symbody.simulation.sweeps.sweep_job import SweepJob
 
@@ -65,7 +65,7 @@ class Sweep(Displayed):
     status: tuple[Status, ...]
     counts: NDArray[np.int64]
     reached: Floats
-    evaluation: Evaluation
+    evaluation: CaseOutputs
     coordinate_names: tuple[str, ...]
     speed_names: tuple[str, ...]
     case_notes: Mapping[int, str] = field(default_factory=dict)
@@ -110,12 +110,14 @@ class Sweep(Displayed):
         if name in self.state_names:
             row: Floats = self.x[:, self.state_names.index(name)]
             return row
-        if name in self.cases and name not in {law.name for law in self.evaluation.laws.held_laws.values()}:
+        if name in self.cases and name not in {
+            law.name for law in self.evaluation.job.laws.held_laws.values()
+        }:
             return self.cases[name]
         formula = formula_of_samples(name, ())
         if formula is not None:
             return evaluate_samples(formula, self._samples, self.t, (len(self), self.t.size))
-        return self.evaluation.evaluate(name, self.t, self.x)
+        return self.evaluation.evaluate(name)
 
     def _ipython_key_completions_(self) -> list[str]:
         """Return what notebooks offer behind ``sweep["``: what varied, then all outputs by their kinds."""
@@ -159,7 +161,7 @@ class Sweep(Displayed):
             self.speed_names,
             self.status[case],
             Statistics(accepted, rejected, evaluations, 0.0),
-            CaseEvaluator(self.evaluation, case),
+            self.evaluation.of_case(case),
             units=self.units,
             notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
             name=self.name,
@@ -214,19 +216,19 @@ class Sweep(Displayed):
 
 def sweep_result(job: SweepJob, records: Records, notes: tuple[str, ...]) -> Sweep:
     """Return the motions of a sweep from the records of its cases."""
-    eqs, options = job.eqs, job.options
+    eqs, x = job.eqs, np.moveaxis(records.x, 1, 2)
     codes = records.codes.tolist()
     verdicts = {code: _status(code) for code in {*codes}}
     case_notes = {case: details.notes for case, details in records.details.items() if details.notes}
     case_notes = {**_stop_notes(records, eqs.state_names), **case_notes}
     return Sweep(
-        options.times,
-        np.moveaxis(records.x, 1, 2),
+        job.times,
+        x,
         job.table.columns(),
         tuple(verdicts[code] for code in codes),
         records.counts[:, _COLUMNS],
         records.reached,
-        Evaluation(eqs, job.table, job.laws, options.span, records.details, options.scales),
+        CaseOutputs(job, records.details, x),
         eqs.coordinate_names,
         eqs.speed_names,
         dict(sorted(case_notes.items())),

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symbody.analysis.scales import mechanism_scales, scales_by_name
+from symbody.analysis.scales import Scales, mechanism_scales, scales_by_name
 from symbody.arguments import checked_arguments
 from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
@@ -26,6 +26,7 @@ from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, law
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.motion import NOTHING, Motion
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -33,15 +34,14 @@ from symbody.simulation.status import Status
 from symbody.simulation.sweeps.case_by_case import CODES, compute_case, reason_for_simulate
 from symbody.simulation.sweeps.case_table import Combine, Varied, case_table
 from symbody.simulation.sweeps.first_states import check_names
-from symbody.simulation.sweeps.loop_job import cases_apart, prepare_loop
+from symbody.simulation.sweeps.loop_job import prepare_loop, serial_cases
 from symbody.simulation.sweeps.records import NOT_ENDED, CaseDetails, Chunk, LoopJob, Records
 from symbody.simulation.sweeps.result import Sweep, sweep_result
 from symbody.simulation.sweeps.store import Store
-from symbody.simulation.sweeps.sweep_job import MotionOptions, SweepJob, check_memory
+from symbody.simulation.sweeps.sweep_job import SweepJob, check_lanes, check_memory, sample_times
 from symbody.simulation.sweeps.workers import (
     PATIENCE,
     Listener,
-    SweepOutcome,
     Workers,
     check_workers,
     compute_here,
@@ -61,9 +61,9 @@ def sweep(
     integrator: Integrator | None = None, constraints: Constraints | None = None,
     events: Event | Sequence[Event] = (), *, combine: Combine = "product", samples: int | None = None,
     seed: int = 0, executor: Executor | None = None, threads: int | None = None, part: int | None = None,
-    lanes: bool | None = None, store: str | os.PathLike[str] | None = None, rtol: float = 1e-8,
-    atol: float | None = None, scales: Mapping[str, float] | None = None, max_steps: int = 1_000_000,
-    progress: Progress | bool = False, patience: float = PATIENCE,
+    lanes: bool | None = None, store: str | os.PathLike[str] | None = None, key: str | None = None,
+    rtol: float = 1e-8, atol: float | None = None, scales: Mapping[str, float] | None = None,
+    max_steps: int = 1_000_000, progress: Progress | bool = False, patience: float = PATIENCE,
 ) -> Sweep:  # fmt: skip
     """Return the motions of a mechanism for many parameters and initial values.
 
@@ -82,14 +82,14 @@ def sweep(
         How many values are drawn for each `Samples`, together, for every combination; and their seed.
     executor : concurrent.futures.Executor, optional
         Whose workers compute, by default threads of this process. Parts that workers lose are computed again.
-    threads : int, optional
-        Threads of this process, by default one a processor; with an executor those of each worker, 1.
-    part : int, optional
-        Cases a worker is given at a time.
+    threads, part : int, optional
+        Threads of this process, by default one a processor, with an executor of each worker, 1; cases a
+        worker is given at a time.
     lanes : bool, optional
         Whether each thread computes several cases side by side, by default for 256 or more.
-    store : path, optional
-        A folder that keeps finished parts; the same call continues where the last one ended.
+    store, key : path and str, optional
+        A folder that keeps finished parts; the same call continues where the last one ended. `key` is a
+        text for inputs that have no content to compare, such as objects of your classes.
     progress : bool or callable
         True shows a bar; a callable takes the share that is done, and ends the sweep by returning False.
     patience : float
@@ -103,17 +103,17 @@ def sweep(
         More samples than the memory holds; no worker that begins or can compute; a store that cannot be used.
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
-    inputs = {**laws_of_tables(eqs), **(inputs or {})}
-    laws = _laws(eqs, inputs, span)
-    limits = (rtol, atol), max_steps, lanes, scales_by_name(eqs, scales)
-    options = MotionOptions.check(span, times, integrator, constraints, *limits)
+    laws = _laws(eqs, inputs := {**laws_of_tables(eqs), **(inputs or {})}, span)
+    stored, wants_lanes, sizes = sample_times(times, span), check_lanes(lanes), scales_by_name(eqs, scales)
     workers = check_workers(executor, threads, part, patience)
-    check = partial(check_memory, samples=options.times.size, states=len(eqs.state_names))
     fixed, near = _first_values(initial or {}, guess or {})
-    table = case_table(parameters or {}, fixed, combine, samples, seed, check)
-    job = SweepJob(eqs, table, near, dict(inputs), laws, options, check_events(events, eqs))
-    with show_progress(progress, "sweep") as report:
-        return _run_sweep(job, workers, store, report)
+    fits = partial(check_memory, samples=stored.size, states=len(eqs.state_names))
+    table = case_table(parameters or {}, fixed, combine, samples, seed, fits)
+    problem = SimulationProblem(eqs, table.fixed_parameters, laws, Scales(), free=table.parameter_names)
+    rest = None, check_events(events, eqs), integrator, constraints
+    motion = Motion(problem, NOTHING, span, stored, rtol, atol, int(max_steps), *rest)
+    job = SweepJob(motion, table, near, inputs, wants_lanes, sizes)
+    return _run_sweep(job, workers, None if store is None else Store(store, job.digest(key)), progress)
 
 
 def _laws(eqs: EquationSet, inputs: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
@@ -135,85 +135,71 @@ def _first_values(
 
 
 def _run_sweep(
-    job: SweepJob, workers: Workers, store: str | os.PathLike[str] | None, progress: Progress | None
+    job: SweepJob, workers: Workers, store: Store | None, progress: Progress | bool = False
 ) -> Sweep:
+    """Return all motions, and show how far they are."""
+    with show_progress(progress, "sweep") as report:
+        return _compute_sweep(job, workers, store, report)
+
+
+def _compute_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: Progress | None) -> Sweep:
     """Return all motions: by the loop over many cases if it can compute them, else by `simulate`."""
-    eqs, table, options = job.eqs, job.table, job.options
-    records = Records.empty(0, table.count, options.times.size, len(eqs.state_names))
-    reason = reason_for_simulate(eqs, job.laws, options.integrator, options.constraints)
+    eqs, table = job.eqs, job.table
+    records = Records.empty(0, table.count, job.times.size, job.state_size)
+    keep = _ignore if store is None else store.keep
+    reason = reason_for_simulate(eqs, job.laws, job.motion.integrator, job.motion.constraints)
     if reason:
         check_names(eqs, table, job.guess)
-        return _run_by_simulate(job, records, reason, workers, store, progress)
-    loop, chunk, first_notes = prepare_loop(job)
-    reason = _reason_of_branch(job, chunk)
+    else:
+        loop, chunk, first_notes = prepare_loop(job)
+        reason = _reason_of_branch(job, chunk)
+    for finished in () if store is None else store.read_finished(records):
+        records.put(finished)
     if reason:
-        return _run_by_simulate(job, records, reason, workers, store, progress)
+        listener = Listener(progress, keep)
+        cases = np.flatnonzero(records.codes == NOT_ENDED).tolist()
+        where = _compute_by_simulate(job, cases, records, workers, listener)
+        note = f"cases are computed one after the other {where}: {reason}"
+        return sweep_result(job, records, (note, *job.laws.notes, *listener.notes))
     records.details.update({case: CaseDetails(note) for case, note in first_notes.items()})
-    apart = cases_apart(eqs, table)
-    chunk.states[apart] = np.nan
-    kept = None if store is None else Store(store, job.digest())
+    serial = serial_cases(eqs, table)
+    chunk.states[serial] = np.nan
 
     def again() -> list[int]:
-        return sorted({*apart, *_worth_another_try(job, records)})
+        return sorted({*serial, *_worth_another_try(job, records)})
 
-    listener = Listener(_with_more(progress, records, again), _ignore if kept is None else kept.keep)
-    if not _compute_in_loop(loop, chunk, records, workers, kept, listener):
-        cases = again()
-        done = table.count / (table.count + len(cases))
-        second = Listener(_part_of(progress, done, 1.0), _ignore, listener.notes)
-        _compute_by_simulate(job, cases, records, workers, second)
-        if progress is not None:
-            progress(1.0)
-    return sweep_result(job, records, (*_notes(job, apart), *listener.notes))
-
-
-def _with_more(
-    progress: Progress | None, records: Records, again: Callable[[], Sequence[int]]
-) -> Progress | None:
-    """Return what reports shares of the work with the cases that are computed `again` behind it."""
-    if progress is None:
-        return None
-
-    def report(share: float) -> bool | None:
+    def share_of_loop(share: float) -> float:
+        """Return the share of all cases: those that are computed again come behind the loop."""
         more = len(again())
         if share >= 1.0 and (records.codes == NOT_ENDED).any():
             more = max(more, 1)  # how the last one ended shows at the next look
-        return progress(share * records.count / (records.count + more))
+        return share * records.count / (records.count + more)
 
-    return report
+    listener = Listener(_rescale_progress(progress, share_of_loop), keep)
+    if not _compute_in_loop(loop, chunk, records, workers, listener):
+        cases = again()
+        done = table.count / (table.count + len(cases))
+        report = _rescale_progress(progress, lambda share: done + share * (1.0 - done))
+        second = Listener(report, _ignore, listener.notes)
+        _compute_by_simulate(job, cases, records, workers, second, has_results=True)
+        if progress is not None:
+            progress(1.0)
+    return sweep_result(job, records, (*_notes(job, serial), *listener.notes))
 
 
-def _part_of(progress: Progress | None, first: float, last: float) -> Progress | None:
-    """Return what reports the shares of a part of the work as shares of all."""
-    return None if progress is None else lambda share: progress(first + share * (last - first))
-
-
-def _run_by_simulate(
-    job: SweepJob,
-    records: Records,
-    reason: str,
-    workers: Workers,
-    store: str | os.PathLike[str] | None,
-    progress: Progress | None,
-) -> Sweep:
-    """Return motions of which each is computed by `simulate`."""
-    kept = None if store is None else Store(store, job.digest())
-    for finished in () if kept is None else kept.read_finished(records):
-        records.put(finished)
-    cases = np.flatnonzero(records.codes == NOT_ENDED).tolist()
-    listener = Listener(progress, _ignore if kept is None else kept.keep)
-    where = _compute_by_simulate(job, cases, records, workers, listener)
-    note = f"cases are computed one after the other {where}: {reason}"
-    return sweep_result(job, records, (note, *job.laws.notes, *listener.notes))
+def _rescale_progress(progress: Progress | None, scale: Callable[[float], float]) -> Progress | None:
+    """Return what reports shares of a part of the work as shares of all."""
+    return None if progress is None else lambda share: progress(scale(share))
 
 
 def _compute_by_simulate(
-    job: SweepJob, cases: Sequence[int], records: Records, workers: Workers, listener: Listener
-) -> str:
+    job: SweepJob, cases: Sequence[int], records: Records, workers: Workers, listener: Listener,
+    *, has_results: bool = False,
+) -> str:  # fmt: skip
     """Compute cases by `simulate`, by the workers of an executor if there are any; return where."""
     if workers.executor is not None and cases and _is_portable(job):
         chunks = cut_chunks(Chunk.blank(records.count), _runs(cases), workers.part)
-        _note_lost(records, compute_there(job, chunks, records, workers, listener))
+        compute_there(job, chunks, records, workers, listener, has_results=has_results)
         return "by the workers"
     try:
         for count, case in enumerate(cases):
@@ -242,28 +228,18 @@ def _compute_in_loop(
     chunk: Chunk,
     records: Records,
     workers: Workers,
-    kept: Store | None,
     listener: Listener,
 ) -> bool:
-    """Compute all cases that are not kept already; return whether it was interrupted."""
-    for finished in () if kept is None else kept.read_finished(records):
-        records.put(finished)
+    """Compute all cases that have not ended; return whether it was interrupted."""
     missing = _runs(np.flatnonzero(records.codes == NOT_ENDED).tolist())
     chunks = cut_chunks(chunk, missing, workers.part, _LEAST_IN_LANES if loop.lanes else 1)
     if workers.executor is None:
-        outcome = compute_here(loop, chunks, records, workers.threads, listener)
-    else:
-        outcome = compute_there(loop, chunks, records, workers, listener)
-    _note_lost(records, outcome)
-    return outcome.interrupted
+        return compute_here(loop, chunks, records, workers.threads, listener)
+    return compute_there(loop, chunks, records, workers, listener)
 
 
 def _ignore(records: Records) -> None:
     """Keep nothing."""
-
-
-def _note_lost(records: Records, outcome: SweepOutcome) -> None:
-    records.details.update({case: CaseDetails(f"lost: {why}") for case, why in outcome.lost.items()})
 
 
 def _runs(cases: Sequence[int]) -> list[tuple[int, int]]:
@@ -275,17 +251,17 @@ def _runs(cases: Sequence[int]) -> list[tuple[int, int]]:
 
 def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     """Return why the loop over many cases may leave the branches of motions, empty if it does not."""
-    eqs, options = job.eqs, job.options
+    eqs = job.eqs
     started = np.flatnonzero(np.isfinite(chunk.states).all(axis=1)).tolist()
     if not eqs.multiplier_names or not started:
         return ""
     case, x = started[0], chunk.states[started[0]]
     values = job.table.values(case)[0]
     q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=False))
-    scales = mechanism_scales(eqs, values, options.scales, q).fit_span(*options.span)
+    scales = mechanism_scales(eqs, values, job.scales, q).fit_span(*job.motion.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
     try:
-        if is_overconstrained(problem, options.span[0], x):
+        if is_overconstrained(problem, job.motion.span[0], x):
             return "some constraints are redundant only where all loops are closed"
         notes = job.simulate_case(case).notes
     except SymbodyError:
@@ -298,21 +274,21 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
 def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
     """Return cases that `simulate` integrates by another method than the loop over many cases."""
     codes = [at.STIFF]
-    if job.eqs.multiplier_names and job.options.constraints is None:
+    if job.eqs.multiplier_names and job.motion.constraints is None:
         codes += [at.COLLAPSED, at.SINGULAR, at.NOT_FINITE]
     return np.flatnonzero(np.isin(records.codes, codes)).tolist()
 
 
-def _notes(job: SweepJob, apart: Sequence[int]) -> tuple[str, ...]:
+def _notes(job: SweepJob, serial: Sequence[int]) -> tuple[str, ...]:
     silent = sorted(set(job.eqs.input_names).difference(job.inputs, job.laws.callbacks))
     notes = [*job.laws.notes, *(silent_input_note(job.eqs.units, name) for name in silent)]
-    if job.eqs.multiplier_names and job.options.constraints is None:
+    if job.eqs.multiplier_names and job.motion.constraints is None:
         notes.append(
             "sweeps do not search for change points: if constraints become dependent during the motion, "
             "pass constraints=sb.Partition()"
         )
-    if apart:
+    if serial:
         notes.append(
-            f"{len(apart)} cases, whose values satisfy a constraint identically, were computed one by one"
+            f"{len(serial)} cases, whose values satisfy a constraint identically, were computed one by one"
         )
     return tuple(notes)

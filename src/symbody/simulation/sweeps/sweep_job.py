@@ -5,23 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import symbody
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels.block import Counts
-from symbody.simulation.events.events import Event
-from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.input_laws import InputLaws, Law
-from symbody.simulation.methods.explicit import check_rtol, check_single_atol, check_times
-from symbody.simulation.methods.integration import Constraints, Integrator
-from symbody.simulation.motion_identity import NoIdentityError, content_hash
+from symbody.simulation.methods.explicit import check_times
+from symbody.simulation.motion import Motion
+from symbody.simulation.motion_identity import missing_content, motion_digest
 from symbody.simulation.native.run import memory_limit
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
@@ -34,63 +30,91 @@ USUAL_SAMPLES: Final = 101
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MotionOptions:
-    """How the motions are computed.
+class SweepJob:
+    """A sweep to compute; workers that `simulate` its cases receive it whole.
 
     Attributes
     ----------
-    span : (t0, t_end)
-        Ends of all motions [s].
-    times : (N,) array
-        The samples to store.
+    motion : Motion
+        Of all cases: what varies is free in its equations, and it has no first state.
+    guess : mapping of name to number or formula
+        Near which first states are looked for.
+    inputs : mapping of name to law
+        As they were given.
+    lanes : bool, optional
+        Whether cases are computed side by side.
+    scales : mapping of name to float
+        Those that were given.
     """
 
-    span: tuple[float, float]
-    times: Floats
-    integrator: Integrator | None
-    constraints: Constraints | None
-    rtol: float
-    atol: float | None
-    max_steps: int
+    motion: Motion
+    table: CaseTable
+    guess: Mapping[str, Value]
+    inputs: Mapping[str, Law]
     lanes: bool | None
     scales: Mapping[str, float]
 
-    @classmethod
-    def check(
-        cls,
-        span: tuple[float, float],
-        times: ArrayLike | None,
-        integrator: Integrator | None,
-        constraints: Constraints | None,
-        tolerances: tuple[float, float | None],
-        max_steps: int,
-        lanes: bool | None,
-        scales: Mapping[str, float],
-    ) -> MotionOptions:
-        """Return checked options, with usual times where none are given.
+    @property
+    def eqs(self) -> EquationSet:
+        """The equations."""
+        return self.motion.eqs
+
+    @property
+    def laws(self) -> InputLaws:
+        """The laws of inputs; what each case samples for itself is not known yet."""
+        return self.motion.problem.laws
+
+    @property
+    def times(self) -> Floats:
+        """The samples to store (N,)."""
+        return np.asarray(self.motion.times, dtype=np.float64)
+
+    @property
+    def state_size(self) -> int:
+        """Number of speeds, coordinates and states of signals."""
+        return len(self.eqs.state_names)
+
+    def simulate_case(self, case: int) -> Trajectory:
+        """Return the motion of one case."""
+        motion, (parameters, initial) = self.motion, self.table.values(case)
+        return simulate(
+            self.eqs, motion.span, initial, self.guess, parameters, self.inputs, motion.times,
+            motion.integrator, motion.constraints, motion.events, rtol=motion.rtol, atol=motion.atol,
+            scales=self.scales, max_steps=motion.max_steps,
+        )  # fmt: skip
+
+    def digest(self, key: str | None) -> str:
+        """Return what stands for all that results depend on; `key` for laws that have no content.
 
         Raises
         ------
         UsageError
-            If times, tolerances or lanes make no sense.
+            If a law has no content that could be compared with that of another call, and there is no key.
         """
-        usual = np.linspace(*span, USUAL_SAMPLES) if span[0] != span[1] else np.array(span[:1])
-        samples = check_times(usual if times is None else times, *span)
-        rtol, atol = tolerances
-        return cls(
-            span,
-            usual if samples is None else samples,
-            integrator,
-            constraints,
-            check_rtol(rtol),
-            check_single_atol(atol),
-            int(max_steps),
-            _check_lanes(lanes),
-            scales,
-        )
+        problems = [
+            Problem("sweep.store_function", f"input {name}",
+                    f"a store cannot identify this input: {fault} has no content that can be compared",
+                    "its results could be returned for a sweep with another input",
+                    "let it use only numbers, strings, arrays and functions, or give key='...', a text that "
+                    "you change whenever it changes")
+            for name, law in self.inputs.items() if key is None and (fault := missing_content(law))
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+        motion = self.motion
+        choices = motion.span, motion.times, motion.rtol, motion.atol, motion.max_steps, motion.events
+        method = motion.integrator, motion.constraints, self.scales
+        return motion_digest(self.eqs, self.inputs, self.table, self.guess, choices, method, key=key)
 
 
-def _check_lanes(lanes: bool | None) -> bool | None:
+def sample_times(times: ArrayLike | None, span: tuple[float, float]) -> Floats:
+    """Return the samples to store, the usual ones where none are given."""
+    usual = np.linspace(*span, USUAL_SAMPLES) if span[0] != span[1] else np.array(span[:1])
+    checked = check_times(usual if times is None else times, *span)
+    return usual if checked is None else checked
+
+
+def check_lanes(lanes: bool | None) -> bool | None:
     """Return whether lanes are wanted.
 
     Raises
@@ -98,85 +122,13 @@ def _check_lanes(lanes: bool | None) -> bool | None:
     UsageError
         Anything but True, False and None: a number of lanes would be taken for True.
     """
-    if lanes is None:
-        return None
-    if isinstance(lanes, bool | np.bool_):
-        return bool(lanes)
+    if lanes is None or isinstance(lanes, bool | np.bool_):
+        return None if lanes is None else bool(lanes)
     raise UsageError(
         Problem("sweep.lanes", "lanes", f"lanes = {lanes!r} is neither True, False nor None",
                 "the processor determines the number of lanes",
                 "give lanes=True or lanes=False, or leave it out")
     )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SweepJob:
-    """A sweep to compute; workers that `simulate` its cases receive it whole."""
-
-    eqs: EquationSet
-    table: CaseTable
-    guess: Mapping[str, Value]
-    inputs: Mapping[str, Law]
-    laws: InputLaws
-    options: MotionOptions
-    events: tuple[Event, ...]
-
-    def simulate_case(self, case: int) -> Trajectory:
-        """Return the motion of one case."""
-        options = self.options
-        parameters, initial = self.table.values(case)
-        return simulate(
-            self.eqs,
-            options.span,
-            initial,
-            self.guess,
-            parameters,
-            self.inputs,
-            options.times,
-            options.integrator,
-            options.constraints,
-            self.events,
-            rtol=options.rtol,
-            atol=options.atol,
-            scales=options.scales,
-            max_steps=options.max_steps,
-        )
-
-    def digest(self) -> str:
-        """Return what stands for all that results depend on.
-
-        Raises
-        ------
-        UsageError
-            If a law has no content that could be compared with that of another call.
-        """
-        problems = [
-            Problem("sweep.store_function", f"input {name}", f"a store cannot identify this input: {fault}",
-                    "its results could be returned for a sweep with another input",
-                    "let it use only numbers, strings, arrays and functions, or leave store out")
-            for name, law in self.inputs.items() if (fault := _missing_content(law))
-        ]  # fmt: skip
-        if problems:
-            raise UsageError(*problems)
-        options = self.options
-        choices = (
-            options.span, options.times, options.integrator, options.constraints, options.rtol, options.atol,
-            options.max_steps, options.scales,
-        )  # fmt: skip
-        fmus = {Path(law.path) for law in self.inputs.values() if isinstance(law, FmuInput)}
-        files = [path.read_bytes() for path in sorted(fmus)]
-        return content_hash(
-            symbody.__version__, self.eqs, self.table, self.guess, self.inputs, self.events, choices, files
-        )
-
-
-def _missing_content(law: Law) -> str:
-    """Return what in a law cannot be compared, empty if all can."""
-    try:
-        content_hash(law)
-    except NoIdentityError as error:
-        return f"{error} has no content that can be compared"
-    return ""
 
 
 def check_memory(cases: int, varied: int, samples: int, states: int) -> None:

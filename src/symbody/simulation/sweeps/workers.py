@@ -7,18 +7,10 @@ import os
 import pickle
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import dataclass, field
-from multiprocessing import get_context
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -28,10 +20,10 @@ from symbody.simulation.sweeps.compute import compute_chunk, compute_in_loop
 from symbody.simulation.sweeps.records import (
     NOT_ENDED,
     WORKER_LOST,
+    CaseDetails,
     Chunk,
     LoopJob,
     Records,
-    StopSignal,
     blocks,
 )
 from symbody.simulation.sweeps.sweep_job import SweepJob
@@ -43,8 +35,6 @@ _WINDOW: Final = 64
 # A chunk that was lost so often is tried alone, and then given up.
 _SUSPECT: Final = 2
 _GIVEN_UP: Final = 4
-# Pools that may break before a chunk comes back: a case that ends every worker is found by halving its chunk.
-_BROKEN_POOLS: Final = 16
 # Many cases: lanes are full, and what is lost or repeated is little. Few: all workers work.
 _LARGEST_CHUNK: Final = 1024
 _CHUNKS: Final = 16
@@ -90,13 +80,6 @@ class Listener:
     progress: Progress | None
     on_chunk: Callable[[Records], None]
     notes: list[str] = field(default_factory=list)
-
-
-class SweepOutcome(NamedTuple):
-    """How the work ended: whether it was interrupted, and what was lost, by number of the first case."""
-
-    interrupted: bool
-    lost: dict[int, str]
 
 
 def check_workers(
@@ -147,9 +130,9 @@ def cut_chunks(
 
 def compute_here(
     job: LoopJob, chunks: Sequence[Chunk], records: Records, threads: int, listener: Listener
-) -> SweepOutcome:
-    """Compute chunks in threads of this process; Ctrl-C ends it between two steps."""
-    signal, total = StopSignal.new(), max(1, sum(chunk.count for chunk in chunks))
+) -> bool:
+    """Compute chunks in threads of this process; return whether Ctrl-C ended it, between two steps."""
+    stop, total = np.zeros(1, dtype=np.int64), max(1, sum(chunk.count for chunk in chunks))
     ended = [np.zeros(1, dtype=np.int64) for _ in chunks]
     interrupted = False
     if job.lanes:
@@ -159,7 +142,7 @@ def compute_here(
         try:
             for chunk, done in zip(chunks, ended, strict=True):
                 own = records.cut(chunk.first, chunk.first + chunk.count)
-                waiting[pool.submit(compute_in_loop, job, chunk, own, signal.stop, done)] = own
+                waiting[pool.submit(compute_in_loop, job, chunk, own, stop, done)] = own
             while waiting:
                 for task in wait(waiting, _TICK, FIRST_COMPLETED).done:
                     own = waiting.pop(task)
@@ -172,80 +155,50 @@ def compute_here(
         except KeyboardInterrupt:
             interrupted = True
         finally:
-            signal.stop[0] = 1  # leaving the pool waits for its threads
+            stop[0] = 1  # leaving the pool waits for its threads
             for task in waiting:
                 task.cancel()
-    return SweepOutcome(interrupted, {})
+    return interrupted
 
 
 def compute_there(
-    job: LoopJob | SweepJob, chunks: Sequence[Chunk], records: Records, workers: Workers, listener: Listener
-) -> SweepOutcome:
-    """Compute chunks by the workers of an executor; chunks of workers that end too early are submitted anew.
+    job: LoopJob | SweepJob, chunks: Sequence[Chunk], records: Records, workers: Workers, listener: Listener,
+    *, has_results: bool = False,
+) -> bool:  # fmt: skip
+    """Compute chunks by the workers of the executor; return whether Ctrl-C, or that it broke, ended it.
+
+    Chunks of workers that end too early are submitted anew.
+
+    Parameters
+    ----------
+    has_results : bool
+        Whether these workers have computed other cases, which are kept whatever happens now.
 
     Raises
     ------
     EnvironmentFault
         If no worker began or could compute anything.
     """
-    dispatch = _Dispatch(job, chunks, records, workers, listener)
+    assert workers.executor is not None
+    if not chunks:
+        return False
+    dispatch = _Dispatch(job, chunks, records, workers, workers.executor, listener)
+    dispatch.has_results = has_results
     try:
         dispatch.run()
-    except KeyboardInterrupt:
-        return SweepOutcome(True, dispatch.lost)
+    except (KeyboardInterrupt, BrokenExecutor):
+        return True
     finally:
         dispatch.cancel()
-        dispatch.close()
-    return SweepOutcome(False, dispatch.lost)
-
-
-class _Probe:
-    """A call that takes no time, by which an executor shows whether it has a worker at all.
-
-    A chunk that has not come back may be a long one, and not all executors report whether one has begun.
-    """
-
-    def __init__(self, executor: Executor | None, patience: float) -> None:
-        self._task: Future[int] | None = None
-        self._patience = patience
-        self._sent = time.monotonic()
-        try:
-            if executor is not None and patience < math.inf:
-                self._task = executor.submit(os.getpid)
-        except Exception:  # what is wrong with an executor shows when it is given chunks
-            self._task = None
-
-    def check(self) -> None:
-        """Check that a worker has begun.
-
-        Raises
-        ------
-        EnvironmentFault
-            If none has for too long.
-        """
-        if self._task is None or self._task.done() or time.monotonic() - self._sent < self._patience:
-            return
-        raise EnvironmentFault(
-            Problem("sweep.no_worker_began", "executor",
-                    f"no worker of the executor has started any work for {self._patience:g} s",
-                    "it has no workers, or all of them are busy with something else",
-                    "check that its workers run and are connected, wait longer with patience=... in seconds "
-                    "or math.inf, or leave executor out")
-        )  # fmt: skip
-
-    def forget(self) -> None:
-        """Look at the call no more: a worker has begun, and the call is over in no time."""
-        self._task = None
-
-    def cancel(self) -> None:
-        """Withdraw the call, unless it is over: some executors report what is cancelled as a failure."""
-        if self._task is not None and not self._task.done():
-            self._task.cancel()
-        self._task = None
+    return False
 
 
 class _Dispatch:
-    """Chunks on their way to workers and back."""
+    """Chunks on their way to workers and back.
+
+    Before them goes a call that takes no time, by which an executor shows whether it has a worker at all: a
+    chunk that has not come back may be a long one, and not all executors report whether one has begun.
+    """
 
     def __init__(
         self,
@@ -253,22 +206,26 @@ class _Dispatch:
         chunks: Sequence[Chunk],
         records: Records,
         workers: Workers,
+        executor: Executor,
         listener: Listener,
     ) -> None:
-        self.lost: dict[int, str] = {}
+        self.has_results = False
         self._payload = pickle.dumps(job)
         self._records = records
         self._threads = workers.threads
         self._listener = listener
-        self._executor = workers.executor
-        self._own: ProcessPoolExecutor | None = None
-        self._broken = 0
-        self._left = list(reversed(chunks))
+        self._executor = executor
+        self._queue = list(reversed(chunks))
         self._failures = dict.fromkeys((chunk.first for chunk in chunks), 0)
         self._waiting: dict[Future[Records | str], Chunk] = {}
         self._total = max(1, sum(chunk.count for chunk in chunks))
         self._done = 0
-        self._probe = _Probe(workers.executor if chunks else None, workers.patience)
+        self._broken = ""
+        self._patience, self._began = workers.patience, time.monotonic()
+        self._probe: Future[int] | None = None
+        if workers.patience < math.inf:
+            with suppress(Exception):  # what is wrong with an executor shows when it is given chunks
+                self._probe = executor.submit(os.getpid)
 
     def run(self) -> None:
         """Submit chunks until all are back.
@@ -277,67 +234,44 @@ class _Dispatch:
         ------
         EnvironmentFault
             If no worker begins or can compute anything.
+        BrokenExecutor
+            If the executor broke after some chunks had come back.
         """
-        while self._left or self._waiting:
+        while self._waiting or (self._queue and not self._broken):
             self._submit()
             for task in wait(self._waiting, _TICK, FIRST_COMPLETED).done:
-                self._probe.forget()
+                self._probe = None  # a worker has begun, and the call is over in no time
                 self._take_back(task, self._waiting.pop(task))
-            self._probe.check()
+            waited = time.monotonic() - self._began
+            if self._probe is not None and not self._probe.done() and waited >= self._patience:
+                raise _no_worker_began(self._patience)
             progress = self._listener.progress
             if progress is not None and progress(self._done / self._total) is False:
                 raise KeyboardInterrupt
+        if self._broken:
+            self._end()
 
     def cancel(self) -> None:
         """Withdraw all chunks."""
-        self._probe.cancel()
         for task in self._waiting:
             task.cancel()
-
-    def close(self) -> None:
-        """End the processes that were begun here."""
-        if self._own is not None:
-            self._own.shutdown(wait=True, cancel_futures=True)
+        if self._probe is not None and not self._probe.done():  # some executors report that as a failure
+            self._probe.cancel()
 
     def _submit(self) -> None:
-        while self._left and len(self._waiting) < _WINDOW:
-            chunk = self._left[-1]
-            suspect = self._failures[chunk.first] >= _SUSPECT
-            if self._waiting and (suspect or self._is_alone()):
-                return  # whose fault it is shows only where nothing else is computed
-            self._left.pop()
-            try:
-                if self._executor is None:
-                    raise BrokenExecutor
-                task = self._executor.submit(compute_chunk, self._payload, chunk, self._threads)
-            except (AssertionError, BrokenExecutor, RuntimeError) as error:  # the first: may start no process
-                self._left.append(chunk)
-                self._replace_executor(error)
-                continue
-            self._waiting[task] = chunk
-
-    def _is_alone(self) -> bool:
-        return any(self._failures[chunk.first] >= _SUSPECT for chunk in self._waiting.values())
-
-    def _replace_executor(self, error: BaseException) -> None:
-        """Go on with processes of this machine where an executor has broken for good.
-
-        Raises
-        ------
-        EnvironmentFault
-            If these break, too, again and again.
-        """
-        if self._own is None:
-            self._listener.notes.append(
-                f"the executor broke ({type(error).__name__}: {error}): processes of this machine continue"
+        while self._queue and len(self._waiting) < _WINDOW and not self._broken:
+            chunk = self._queue[-1]
+            in_doubt = any(
+                self._failures[each.first] >= _SUSPECT for each in (chunk, *self._waiting.values())
             )
-        self._broken += 1
-        if self._broken > _BROKEN_POOLS:
-            raise _no_worker("processes end immediately after starting")
-        self.close()
-        # Not by forking: a lock that another thread holds just then would stay held in the copy for ever.
-        self._own = ProcessPoolExecutor(mp_context=get_context("spawn"))
-        self._executor = self._own
+            if self._waiting and in_doubt:
+                return  # whose fault it is shows only where nothing else is computed
+            try:
+                task = self._executor.submit(compute_chunk, self._payload, chunk, self._threads)
+            except (AssertionError, RuntimeError) as error:  # broken, closed, or may start no processes
+                self._broken = f"{type(error).__name__}: {error}"
+                return
+            self._waiting[task] = self._queue.pop()
 
     def _take_back(self, task: Future[Records | str], chunk: Chunk) -> None:
         try:
@@ -346,28 +280,51 @@ class _Dispatch:
             raise
         except BaseException as error:  # cancelled, killed, unreachable: each executor has words of its own
             records = f"{type(error).__name__}: {error}"
+            self._broken = records if isinstance(error, BrokenExecutor) else self._broken
         if isinstance(records, Records):
             self._records.put(records)
-            self._broken = 0
-            self._done += chunk.count
+            self._done, self.has_results = self._done + chunk.count, True
             self._listener.on_chunk(records)
             return
         self._failures[chunk.first] += 1
-        if self._failures[chunk.first] < _GIVEN_UP:
-            # Suspects come last, when everything else is safe.
-            self._left.insert(0, chunk)
-            return
-        if not self._done:
+        if self._broken:
+            self._give_up(chunk, records)
+        elif self._failures[chunk.first] < _GIVEN_UP:
+            self._queue.insert(0, chunk)  # suspects come last, when everything else is safe
+        elif not self.has_results:
             raise _no_worker(records)
-        if chunk.count > 1:  # whose fault it is
+        elif chunk.count > 1:  # whose fault it is
             for low, high in blocks(chunk.count, -(-chunk.count // 2)):
                 half = chunk.cut(low, high)
-                self._left.insert(0, half)
+                self._queue.insert(0, half)
                 self._failures[half.first] = _GIVEN_UP - 1
-            return
-        self._done += chunk.count
-        self.lost[chunk.first] = records
-        self._records.cut(chunk.first, chunk.first + 1).codes[:] = WORKER_LOST
+        else:
+            self._give_up(chunk, records)
+
+    def _give_up(self, chunk: Chunk, why: str) -> None:
+        cases = range(chunk.first, chunk.first + chunk.count)
+        self._records.details.update(dict.fromkeys(cases, CaseDetails(f"lost: {why}")))
+        self._records.codes[cases.start - self._records.first : cases.stop - self._records.first] = (
+            WORKER_LOST
+        )
+
+    def _end(self) -> NoReturn:
+        """End the work of an executor that broke: whoever gave it chose where to compute.
+
+        Raises
+        ------
+        EnvironmentFault
+            If nothing was computed.
+        BrokenExecutor
+            Otherwise.
+        """
+        if not self.has_results:
+            raise _no_worker(self._broken)
+        self._listener.notes.append(
+            f"the executor broke ({self._broken}): finished cases are kept; the same call with another "
+            f"executor continues where a store= was given"
+        )
+        raise BrokenExecutor(self._broken)
 
 
 def _no_worker(why: str) -> EnvironmentFault:
@@ -376,4 +333,14 @@ def _no_worker(why: str) -> EnvironmentFault:
                 "install the same version of symbody and Python for all workers, give them memory for "
                 "fewer cases with part=..., call sweep under `if __name__ == '__main__':` where processes "
                 "are started, or leave executor out")
+    )  # fmt: skip
+
+
+def _no_worker_began(patience: float) -> EnvironmentFault:
+    return EnvironmentFault(
+        Problem("sweep.no_worker_began", "executor",
+                f"no worker of the executor has started any work for {patience:g} s",
+                "it has no workers, or all of them are busy with something else",
+                "check that its workers run and are connected, wait longer with patience=... in seconds "
+                "or math.inf, or leave executor out")
     )  # fmt: skip
