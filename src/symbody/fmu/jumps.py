@@ -20,7 +20,7 @@ from symbody.simulation.simulation_problem import SimulationProblem
 
 _MOVED: Final = 0.37  # a value by a share of it, and as much of 1, is another; the next one by more
 # Up to so long after the start jumps are looked for, one span after the other [s]: how fast prescribed
-# motions are is known of spans in which they move. An FMU holds so many jumps; where the next one is, it ends.
+# motions are is known of spans in which they move. An FMU holds so many jumps; it ends where the next one is.
 _ENDS: Final = (6.0, 60.0, 600.0, 3600.0)
 _MOST_JUMPS: Final = 2000
 
