@@ -72,7 +72,7 @@ class Breakpoints:
             np.append(self.margins[::step], 0.0),
         )
 
-    def until(self, end: float) -> Breakpoints:
+    def truncate(self, end: float) -> Breakpoints:
         """Return those up to a time, for motions that do not pass it."""
         count = int(np.searchsorted(self.times, end, side="right"))
         first = slice(count)
