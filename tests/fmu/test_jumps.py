@@ -61,14 +61,15 @@ def on_rope() -> sb.EquationSet:
     return sb.form_equations(sb.Model("lifted", parts, (0, -9.81, 0), {}, [], start))
 
 
-@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("make", [carried, driven_loop, on_rope], ids=["tree", "loop", "rope"])
-def test_rates_that_jump_strike_as_in_simulate(make: object, kind: str, tmp_path: Path) -> None:
+def test_rates_that_jump_strike_as_in_simulate(make: object, tmp_path: Path) -> None:
     eqs = make()  # type: ignore[operator]
     run = sb.simulate(eqs, 1.0, times=np.linspace(0.0, 1.0, 21), rtol=1e-11)
     assert any("prescribed rates jump" in note for note in run.notes)
     made = sb.save_fmu(eqs, tmp_path / "struck.fmu", sources=False)
-    assert np.abs(simulate(made.path, kind, 1.0, eqs.state_names, 1e-9) - states(run)).max() < SCALE[kind]
+    for kind in KINDS:
+        moved = simulate(made.path, kind, 1.0, eqs.state_names, 1e-9)
+        assert np.abs(moved - states(run)).max() < SCALE[kind], kind
 
 
 def test_steps_of_one_length_end_at_a_jump(tmp_path: Path) -> None:

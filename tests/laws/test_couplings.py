@@ -50,7 +50,7 @@ def rows() -> Iterator[Any]:
             if WAYS[way].is_alone and coupling.inputs:
                 continue  # functions of Python and FMUs
             word = today(way, name)
-            marks = [] if way in ALWAYS or (j + k) % 9 == 0 else [pytest.mark.exhaustive]
+            marks = [] if way in ALWAYS or (j + k) % 18 == 0 else [pytest.mark.exhaustive]
             if word != "right":
                 marks.append(pytest.mark.xfail(strict=True, raises=NotYetError, reason=word))
             yield pytest.param(way, name, marks=marks, id=f"{way} - {name}")
