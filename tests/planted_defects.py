@@ -315,34 +315,58 @@ def plant(place: Place, package: Path) -> None:
 def judge(
     place: Place, files: Sequence[str], seconds: float, run: Callable[..., Any] = subprocess.run
 ) -> str:
-    """Return the first test that fails with a mistake; empty if none does, or the time is up."""
-    with tempfile.TemporaryDirectory() as folder:
-        shutil.copytree(PACKAGE, Path(folder, "symbody"), ignore=shutil.ignore_patterns("__pycache__"))
-        plant(place, Path(folder, "symbody"))
-        environment = {**os.environ, "PYTHONPATH": folder, "SYMBODY_CACHE": str(Path(folder, "code"))}
-        end = time.monotonic() + seconds
+    """Return the first test that fails with a mistake alone; empty if none does, or the time is up."""
+    end = time.monotonic() + seconds
+    with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
+        planted, control = (_copy_checkout(Path(folder)) for folder in (first, second))
+        plant(place, planted / "symbody")
+        elsewhere: list[str] = []  # tests that fail in any copy
         for part in _parts(files):
-            command = [
-                sys.executable,
-                "-m",
-                "pytest",
-                "-n",
-                "0",
-                "-x",
-                "-q",
-                "-rfE",
-                "-p",
-                "no:cacheprovider",
-            ]
-            try:
-                done = run([*command, *part], cwd=ROOT, env=environment, capture_output=True, text=True,
-                           timeout=end - time.monotonic())  # fmt: skip
-            except subprocess.TimeoutExpired:
-                return ""
-            if done.returncode not in (0, 5):  # 5: no test is left in the tier
-                lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-                return lines[0] if lines else f"pytest ended with {done.returncode} in {part}"
+            while True:
+                try:
+                    test = _first_failure(planted, [*part, *elsewhere], end, run)
+                    if not test:
+                        break
+                    if "::" not in test or not _first_failure(control, [test], end, run):
+                        return test
+                except subprocess.TimeoutExpired:
+                    return ""
+                elsewhere += ["--deselect", test]
     return ""
+
+
+def _copy_checkout(folder: Path) -> Path:
+    """Copy the package, and link what lies beside it; return the folder to import from."""
+    for path in ROOT.iterdir():
+        if path.name not in ("src", ".git"):
+            (folder / path.name).symlink_to(path)
+    shutil.copytree(PACKAGE, folder / "src" / "symbody", ignore=shutil.ignore_patterns("__pycache__"))
+    return folder / "src"
+
+
+def _first_failure(source: Path, tests: Sequence[str], end: float, run: Callable[..., Any]) -> str:
+    """Return the first test that fails with a copy of the package, or how pytest ends otherwise."""
+    environment = {**os.environ, "PYTHONPATH": str(source), "SYMBODY_CACHE": str(source / "code")}
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-n",
+        "0",
+        "-x",
+        "-q",
+        "-rfE",
+        "-p",
+        "no:cacheprovider",
+        *tests,
+    ]
+    done = run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=end - time.monotonic()
+    )
+    if done.returncode in (0, 5):  # 5: no test is left in the tier
+        return ""
+    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
+    return lines[0].split(" ", 1)[1].partition(" - ")[0] if lines else f"pytest ended with {done.returncode}"
 
 
 def _parts(files: Sequence[str]) -> list[Sequence[str]]:

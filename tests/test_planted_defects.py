@@ -98,16 +98,24 @@ def test_the_first_test_that_fails_finds_a_defect() -> None:
         if mistakes(path.read_text(), "")
     )
     place = mistakes(file.read_text(), str(file.relative_to(planted_defects.PACKAGE)))[0]
-    asked: list[list[str]] = []
+    asked: list[tuple[bool, list[str]]] = []
 
-    def run(command: list[str], **more: object) -> object:
-        asked.append([word for word in command if word.startswith("tests/")])
-        code = len(asked) - 1
-        return SimpleNamespace(returncode=code, stdout="FAILED tests/k.py::test_it - assert 0\n")
+    def run(command: list[str], *, env: dict[str, str], **more: object) -> object:
+        tests = [word for word in command if word.startswith("tests/")]
+        is_planted = (Path(env["PYTHONPATH"]) / "symbody" / place.file).read_bytes() != file.read_bytes()
+        asked.append((is_planted, tests))
+        fails = "tests/k.py" in tests[:3] or "tests/a.py::test_anywhere" in tests[:1]
+        name = "tests/k.py::test_it" if "tests/k.py" in tests else "tests/a.py::test_anywhere"
+        is_first = len(asked) == 1 or fails
+        return SimpleNamespace(returncode=int(is_first), stdout=f"FAILED {name} - assert 0\n")
 
     files = [f"tests/{letter}.py" for letter in "abcdefghijk"]
-    assert judge(place, files, 60.0, run) == "FAILED tests/k.py::test_it - assert 0"
-    assert asked == [files[:8], files[8:]]
+    assert judge(place, files, 60.0, run) == "tests/k.py::test_it"
+    anywhere = "tests/a.py::test_anywhere"
+    assert asked == [
+        (True, files[:8]), (False, [anywhere]), (True, [*files[:8], anywhere]),
+        (True, [*files[8:], anywhere]), (False, ["tests/k.py::test_it"]),
+    ]  # fmt: skip
 
     def wait(command: list[str], **more: object) -> object:
         raise subprocess.TimeoutExpired(command, 1.0)
