@@ -20,13 +20,12 @@ from symbody.expr.sequences.sequence import Output
 from tests.codegen.sequences import EXACT, LIBRARY, random_sequence
 from tests.problems.mechanisms import EXAMPLES, equations_of
 from tests.problems.test_mobility import parallelograms_inside
-from tests.tiers import cases
 
 rumoca = pytest.importorskip("rumoca", reason="needs the package rumoca")
 
 NAMES = sorted(f"{path.parent.name}/{path.stem}" for path in EXAMPLES.glob("*/*.toml") if path.stem != "leg")
 # Minutes of compiling on a slow machine.
-LARGE = {"four_legs/four_legs", "stewart_platform/stewart_platform"}
+LARGE = {"four_legs/four_legs", "stewart_platform/stewart_platform", "bicycle/bicycle"}
 CASES = [pytest.param(n, marks=[pytest.mark.exhaustive] if n in LARGE else []) for n in NAMES]
 
 
@@ -42,7 +41,7 @@ def simulate(text: str, inputs: dict[str, float], end: float, start: float = 0.0
     return model.simulate(t=(start, end), dt=(end - start) / 10, config=config)
 
 
-@pytest.mark.parametrize("name", cases(CASES, fast=lambda name: name != "bicycle/bicycle"))
+@pytest.mark.parametrize("name", CASES)
 def test_examples_move_as_in_simulate(name: str) -> None:
     eqs = sb.form_equations(sb.load_model(EXAMPLES / f"{name}.toml"))
     if eqs.model.held_signals:
