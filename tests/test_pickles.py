@@ -18,6 +18,7 @@ import symbody as sb
 from symbody.equations.equation_set import EquationSet
 from tests.equations.test_columns import random_tree
 from tests.formulations import FORMULATIONS
+from tests.tiers import cases
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*/*.toml"))
 SLIDER_CRANK = next(path for path in EXAMPLES if path.stem == "slider_crank")
@@ -112,7 +113,7 @@ def test_equations_of_the_examples(path: Path) -> None:
 WAYS = (None, *FORMULATIONS)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", cases(range(5), fast=[0]))
 def test_equations_of_random_trees(seed: int) -> None:
     model = random_tree(seed, 3, floating=bool(seed % 2), loads=("", "own", "tie")[seed % 3])
     check_whole(sb.form_equations(model, WAYS[seed % len(WAYS)]))

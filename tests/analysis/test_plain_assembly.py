@@ -12,13 +12,10 @@ import pytest
 import symbody as sb
 from symbody.analysis.configurations.assembly import assemble_taut
 from symbody.analysis.configurations.kept_values import kept_initial_values
+from tests.mechanisms import example
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PATHS = sorted(EXAMPLES.glob("*/*.toml"))
-
-
-def equations(name: str) -> sb.EquationSet:
-    return sb.form_equations(sb.load_model(EXAMPLES / name / f"{name}.toml"))
 
 
 def both(
@@ -53,7 +50,7 @@ def test_examples_start_as_by_python(path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["slider_crank", "four_bar", "spatial_four_bar"])
 def test_any_values_and_guesses_start_as_by_python(name: str) -> None:
-    eqs = equations(name)
+    eqs = example(name)
     random = np.random.default_rng(5)
     used = 0
     for _ in range(15):
@@ -71,7 +68,7 @@ def test_any_values_and_guesses_start_as_by_python(name: str) -> None:
 
 
 def test_new_values_of_parameters_and_inputs_count() -> None:
-    eqs = equations("slider_crank")
+    eqs = example("slider_crank")
     more = {"parameters": {"m2": 2.5}, "inputs": {eqs.input_names[0]: 3.0}}
     ours, theirs = both(eqs, {eqs.speed_names[0]: 1.0}, {}, **more)
     agree(ours, theirs)
@@ -79,7 +76,7 @@ def test_new_values_of_parameters_and_inputs_count() -> None:
 
 
 def test_quaternions_keep_norm_one() -> None:
-    eqs = equations("stewart_platform")
+    eqs = example("stewart_platform")
     names = eqs.quaternions[0]
     ours, theirs = both(eqs, {}, {names[1]: 0.4, names[2]: 0.1})
     agree(ours, theirs)
@@ -88,7 +85,7 @@ def test_quaternions_keep_norm_one() -> None:
 
 
 def test_what_is_not_plain_is_left_to_python() -> None:
-    eqs = equations("slider_crank")
+    eqs = example("slider_crank")
     rates = [f"{name}_dot" for name in eqs.coordinate_names]
     with pytest.raises(sb.AssemblyError) as caught:
         sb.assemble(eqs, dict.fromkeys(rates, 1.0))
@@ -100,7 +97,7 @@ def test_what_is_not_plain_is_left_to_python() -> None:
 
 
 def test_branches_are_those_of_python() -> None:
-    ours, theirs = both(equations("four_bar"), {"theta": 0.5}, {})
+    ours, theirs = both(example("four_bar"), {"theta": 0.5}, {})
     assert ours.plain is not None
     assert len(ours.branches) == len(theirs.branches) > 0
     for a, b in zip(ours.branches, theirs.branches, strict=True):

@@ -155,6 +155,7 @@ def test_a_slider_crank_is_built_with_the_keys_alone(visit: Any) -> None:
     assert_same_motion(builder)
 
 
+@pytest.mark.exhaustive
 def test_gestures_are_single_steps_and_escape_leaves_no_trace(visit: Any) -> None:
     builder = visit()
     page = builder.page
@@ -270,6 +271,7 @@ def test_a_file_is_saved_as_it_was_and_changes_outside_are_seen(visit: Any, sett
 THEMES = ("dark", "contrast", "light")  # from the last of them the button leads through the others
 
 
+@pytest.mark.exhaustive
 def test_axe_finds_nothing(visit: Any) -> None:
     builder = visit()
     found, seen = [], set()
@@ -287,6 +289,7 @@ def test_axe_finds_nothing(visit: Any) -> None:
     assert found == [] and seen == set(THEMES)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])
 def test_axe_finds_nothing_in_equations_and_curves(visit: Any, size: tuple[int, int]) -> None:
     builder = visit(viewport={"width": size[0], "height": size[1]})

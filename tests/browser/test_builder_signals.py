@@ -101,6 +101,7 @@ def test_a_cart_pole_with_a_pid_block_is_built_by_mouse_and_simulated(visit: Vis
     )
 
 
+@pytest.mark.exhaustive
 def test_wires_follow_names_and_names_follow_signals(visit: Visit) -> None:
     builder = visit()
     page = builder.page

@@ -63,6 +63,7 @@ def test_a_page_runs_pauses_steps_and_starts_anew(surfer: Surfer, tmp_path: Path
     assert "J" in page.locator(".sb-readings").inner_text()
 
 
+@pytest.mark.exhaustive
 def test_axe_finds_nothing(surfer: Surfer, tmp_path: Path) -> None:
     page = open_live(surfer, tmp_path, "slider_crank", SLIDERS)
     page.keyboard.press(" ")

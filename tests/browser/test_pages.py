@@ -62,6 +62,7 @@ def test_hostile_names_stay_names(surfer: Surfer, name: str) -> None:
     assert open_file(surfer, surfer.folder / "page.html").title() == name
 
 
+@pytest.mark.exhaustive
 def test_frames_of_notebooks_are_closed_and_work(surfer: Surfer) -> None:
     run = moving(EXAMPLES / "spring_mass_damper" / "spring_mass_damper.toml")
     shown = sb.animate(run, surfer.folder / "page.html")

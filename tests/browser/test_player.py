@@ -137,6 +137,7 @@ def test_views_and_fit(surfer: Surfer, four_bar: Any) -> None:
     )  # planar ones are without perspective
 
 
+@pytest.mark.exhaustive
 def test_what_is_shown(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar)
     plain = pixels(page, 1.0)
@@ -199,6 +200,7 @@ def on_screen_at_rest(page: Any, place: int) -> Any:
     return now
 
 
+@pytest.mark.exhaustive
 def test_curves_are_linked_with_the_time(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar, size=(1280, 900))
     page.evaluate("symbodyPlayer.setTime(1)")
@@ -266,6 +268,7 @@ def test_without_webgl_time_and_curves_go_on(playwright_driver: Any, four_bar: A
     assert not [each for each in surfer.complaints if "WebGL" not in each]
 
 
+@pytest.mark.exhaustive
 def test_axe_finds_nothing(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player({**four_bar, "options": {"theme": "light", "autoplay": False, "labels": True}})
     page.get_by_role("button", name="Display options").click()
@@ -352,6 +355,7 @@ def test_keys_are_listed(surfer: Surfer, four_bar: Any) -> None:
     assert not dialog.is_visible()
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("text", "reason"), [("{\"scene\":", "truncated"), ('{"scene": {"version": 9}}', "version 9"), ("null", "no mechanism")])  # fmt: skip
 def test_damaged_data_are_named(surfer: Surfer, text: str, reason: str) -> None:
     page = surfer.open_page(text)

@@ -12,6 +12,7 @@ import pytest
 import symbody as sb
 from symbody.codegen.direct_call import available
 from tests.problems.mechanisms import equations_of, random_values, state_of
+from tests.tiers import cases
 
 needs_direct = pytest.mark.skipif(not available(), reason="objects lie otherwise in memory here")
 NAMES = ("spinning_top", "slider_crank")
@@ -146,7 +147,7 @@ def pushed(*outputs: str) -> sb.CompiledFunction:
 
 @needs_direct
 @pytest.mark.usefixtures("often_switched")
-@pytest.mark.parametrize("count", [501, 1000])
+@pytest.mark.parametrize("count", cases([501, 1000], fast=[501]))
 def test_threads_with_parameters_of_their_own_get_their_own_results(count: int) -> None:
     # NumPy lets other threads run while it copies more than 500 numbers, which is how results up to 1,000 are
     # made: 4 of 100 calls gave results of another thread's parameters.

@@ -19,6 +19,7 @@ from symbody.expr.sequences.sequence import Output, Sequence
 from tests.codegen.native import call
 from tests.codegen.sequences import EXACT, LIBRARY, TRIGONOMETRIC, random_sequence, same_bits, single
 from tests.codegen.test_llvm import NUMBERS, kernels
+from tests.tiers import cases
 
 ALL = (*EXACT, *LIBRARY, *TRIGONOMETRIC)
 WIDTH = lanes()
@@ -49,7 +50,7 @@ def _widened(sequence: Sequence) -> Sequence:
     return replace(sequence, outputs=(Output("all", (len(values) * WIDTH,), values * WIDTH),))
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", cases(range(6), fast=range(2)))
 @pytest.mark.parametrize("piece_size", [17, 2000])
 def test_random_sequences_have_the_bits_of_scalars(seed: int, piece_size: int) -> None:
     sequence, inputs = random_sequence(seed, 200, ALL)

@@ -30,6 +30,7 @@ from tests.codegen.sequences import (
     same_bits,
     single,
 )
+from tests.tiers import cases
 
 ALL = (*EXACT, *LIBRARY, *TRIGONOMETRIC)
 
@@ -90,7 +91,7 @@ def test_random_sequences_agree_to_the_last_bit(seed: int, arithmetic: Arithmeti
     check(sequence, inputs, arithmetic, 2000)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", cases(range(12), fast=range(3)))
 def test_cutting_does_not_change_a_bit(seed: int, arithmetic: Arithmetic) -> None:
     sequence, inputs = random_sequence(seed, 300, ALL)
     assert pieces_of(sequence, 17) > 8

@@ -21,6 +21,7 @@ from symbody.codegen.signature import Signature
 from symbody.expr.expression import Expr, cos, saddle_entry, sin, sqrt, symbol
 from symbody.expr.graph import Graph, KernelNode, Symbol
 from symbody.expr.sequences.sequence import Input, Roots, build_sequence
+from tests.tiers import cases
 
 Floats = NDArray[np.float64]
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -146,7 +147,7 @@ def random_function(seed: int) -> sb.CompiledFunction:
     return sb.CompiledFunction(build_sequence(graph, roots, places), signature, portable=True)
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", cases(range(2), fast=[0]))
 def test_random_systems_have_the_same_bits_in_all_languages(seed: int, tmp_path: Path) -> None:
     f = random_function(seed)
     check_bits(f, random_points(f, 10, seed), tmp_path)

@@ -187,6 +187,7 @@ def chosen_kernel(arguments: Arguments) -> tuple[int, list[float]]:
     return kernel_at(address(name), ctypes.c_int64)(arguments)
 
 
+@pytest.mark.exhaustive
 def test_kernels_chosen_by_size_give_the_bits_of_the_reference() -> None:
     cases = edge_cases() + random_cases(6, 150)
     names = {saddle_function(len(F), len(gamma)) for _, _, F, gamma in cases}

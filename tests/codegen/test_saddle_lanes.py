@@ -99,6 +99,7 @@ def test_edge_cases_in_all_lanes_and_in_one(kernel: Kernel) -> None:
             check(kernel, [case] * (WIDTH - 1) + [other])
 
 
+@pytest.mark.exhaustive
 def test_lanes_of_a_known_size_have_the_bits_of_each_alone() -> None:
     """Also where rows depend on others, or one lane goes another way: then lane after lane is computed."""
     width = lanes()

@@ -23,6 +23,7 @@ from tests.codegen.sequences import EXACT, TRIGONOMETRIC, Inputs, random_sequenc
 from tests.codegen.test_items import points, random_programs
 from tests.codegen.texts.test_c import PLAIN, STRICT, load, needs_gcc
 from tests.equations.test_columns import random_tree
+from tests.tiers import cases
 
 # Of quiet and of signalling NaNs, the least subnormal number, those of whole numbers and of addresses, the greatest.
 PATTERNS = (
@@ -103,7 +104,7 @@ def test_what_the_scratch_held_changes_no_bit(kind: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize("kind", CASES)
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("width", cases(WIDTHS, fast=WIDTHS[:1]))
 def test_no_word_is_read_before_it_is_written(kind: str, width: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(native, "lanes", lambda: width)  # numbers in a register
     for seed in range(2):

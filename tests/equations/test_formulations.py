@@ -82,9 +82,12 @@ def check(
         )
 
 
+SLOW = ("stewart_platform", "bicycle", "four_legs")
+
+
 @pytest.mark.parametrize("formulation", CASES)
 @pytest.mark.parametrize(
-    "path", cases(EXAMPLES, fast=lambda path: path.stem != "stewart_platform"), ids=lambda path: path.stem
+    "path", cases(EXAMPLES, fast=lambda path: path.stem not in SLOW), ids=lambda path: path.stem
 )
 def test_examples_have_the_same_equations(path: Path, formulation: Formulation) -> None:
     check(sb.load_model(path), formulation)

@@ -10,6 +10,7 @@ import pytest
 
 import symbody as sb
 from symbody.equations.formulations.formulation import Formulation
+from tests.tiers import cases
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -18,7 +19,9 @@ def forces(eqs: sb.EquationSet, output: str, t: float, q: Any, u: Any) -> Any:
     return sb.compile(eqs, output)(t, q, u, np.zeros(len(eqs.input_names)))
 
 
-@pytest.mark.parametrize("name", ["four_bar", "bicycle", "spinning_top_omega", "rr_robot"])
+@pytest.mark.parametrize(
+    "name", cases(["four_bar", "bicycle", "spinning_top_omega", "rr_robot"], fast=["four_bar", "rr_robot"])
+)
 @pytest.mark.parametrize("formulation", [sb.VirtualWork(), sb.Lagrange(), None], ids=repr)
 def test_it_is_the_part_of_gravity(name: str, formulation: Formulation | None) -> None:
     model = sb.load_model(EXAMPLES / name / f"{name}.toml")

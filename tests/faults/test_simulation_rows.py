@@ -15,6 +15,7 @@ import symbody as sb
 from symbody.errors import SimulationError, SymbodyError, UsageError
 from symbody.simulation.native import run as native_run
 from tests.faults.refusals import refused
+from tests.mechanisms import pendulum
 from tests.simulation.test_stop_note import slider_crank
 
 Floats = NDArray[np.float64]
@@ -26,13 +27,6 @@ def cart() -> sb.EquationSet:
     joint = sb.Prismatic("j", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
     model = sb.Model("cart", [sb.Body("B", mass="m"), joint], parameters={"m": 1}, inputs=["F"])
     return sb.form_equations(model)
-
-
-@cache
-def pendulum() -> sb.EquationSet:
-    body = sb.Body("B", mass=1, inertia=(0, 0, 0), frames={"A": sb.Frame(at=(0, 1, 0))})
-    joint = sb.Revolute("j", "ground", "B.A", axis="z", coordinate="theta")
-    return sb.form_equations(sb.Model("pendulum", [body, joint], gravity=(0, "-9.81", 0)))
 
 
 def refused_run(problem: str, **call: object) -> None:

@@ -54,11 +54,6 @@ def check_archive(path: Path, version: str) -> None:
             schema.validate(archive.read(name).decode())
 
 
-def example(name: str) -> sb.EquationSet:
-    (path,) = EXAMPLES.glob(f"*/{name}.toml")
-    return sb.form_equations(sb.load_model(path))
-
-
 def pendulum() -> sb.EquationSet:
     rod = sb.Body("Rod", mass="m", inertia=(0, 0, "m*l^2/12"), frames={"pin": sb.Frame(at=("-l/2", 0, 0))})
     pin = sb.Revolute("pin", "ground", "Rod.pin", coordinate="theta", torque=sb.Drive(applied="T"))

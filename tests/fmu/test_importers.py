@@ -24,12 +24,12 @@ from tests.fmu.importer import (
     NAMES,
     VERSIONS,
     check_archive,
-    example,
     instance,
     pendulum,
     simulate,
     states,
 )
+from tests.mechanisms import example
 
 pytestmark = [
     pytest.mark.exhaustive,

@@ -11,7 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import symbody as sb
-from tests.fmu.importer import KINDS, NAMES, example, simulate, states
+from tests.fmu.importer import KINDS, NAMES, simulate, states
+from tests.mechanisms import example
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 END = 1.0

@@ -81,7 +81,7 @@ def check(seed: int, way: Way | None = None) -> None:
         assert difference(eqs, computed, exact) < allowed, (seed, way)
 
 
-@pytest.mark.parametrize("seed", cases([0, 2, 6, 7, 16], fast=[0, 2, 16]))
+@pytest.mark.parametrize("seed", cases([0, 2, 6, 7, 16], fast=[2, 16]))
 def test_linkages_pass_their_flat_poses(seed: int) -> None:
     """A scissor lift of two stages, a locomotive of two, parallelograms, and both branches of a slider-crank."""
     check(seed)
@@ -94,7 +94,7 @@ WAYS = [sb.Projection(), sb.GGL(), sb.Baumgarte(), sb.Stiff()]
 # In 18 five wheels on a rod stand still at a flat pose, after 9000 small steps. In 19 samples of four wheels
 # lie beside one; 51 starts where three cranks stand almost across their rod.
 @pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("seed", cases([4, 6, 7, 19, 51, 0, 18], fast=[4, 7, 51]))
+@pytest.mark.parametrize("seed", cases([4, 6, 7, 19, 51, 0, 18], fast=[7]))
 def test_other_ways_pass_or_say_why_not(seed: int, way: Way) -> None:
     check(seed, way)
 
@@ -115,12 +115,12 @@ def check_fixed_steps(seed: int, step: float) -> None:
 
 # With 10 ms 0, 7 and 12 end a radian and more off.
 @pytest.mark.parametrize("step", [1e-2, 1e-3])
-@pytest.mark.parametrize("seed", [0, 7, 12])
+@pytest.mark.parametrize("seed", cases([0, 7, 12], fast=[12]))
 def test_fixed_steps_pass_or_say_why_not(seed: int, step: float) -> None:
     check_fixed_steps(seed, step)
 
 
-@pytest.mark.parametrize("seed", cases([0, 3, 5, 6, 7, 8, 15, 18, 19, 28, 43, 51], fast=[0, 3, 6, 8, 43]))
+@pytest.mark.parametrize("seed", cases([0, 3, 5, 6, 7, 8, 15, 18, 19, 28, 43, 51], fast=[0, 8, 43]))
 def test_three_cranks_on_a_body_follow_from_each_other(seed: int) -> None:
     """And only these: by what is chosen without `constraints`, before the motion is looked at."""
     made, start = mechanism(seed)

@@ -30,7 +30,7 @@ def rows() -> Iterator[Any]:
         for j, way in enumerate(WAYS):
             if WAYS[way].is_alone and coupling.inputs:
                 continue  # functions of Python and FMUs
-            marks = [] if way in ALWAYS or (j + k) % 9 == 0 else [pytest.mark.exhaustive]
+            marks = [] if way in ALWAYS or (j + k) % 18 == 0 else [pytest.mark.exhaustive]
             yield pytest.param(way, name, marks=marks, id=f"{way} - {name}")
 
 

@@ -16,6 +16,7 @@ import pytest
 
 import symbody as sb
 from symbody.simulation.results.trajectory import Trajectory
+from tests.tiers import cases
 
 END = 0.25
 WIDTH = 0.1
@@ -100,7 +101,7 @@ def check_any_speeds(random: np.random.Generator) -> None:
         )
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", cases(range(30), fast=range(8)))
 def test_touching_balls_hit_as_balls_with_gaps_do(seed: int) -> None:
     check_two_speeds(np.random.default_rng(seed))
     check_any_speeds(np.random.default_rng(seed))

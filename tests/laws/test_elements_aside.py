@@ -18,7 +18,7 @@ from tests.laws.test_cradles import GAPS, first_values, hits, in_rounds, names_o
 from tests.simulation.test_random_events import END, assert_same, oscillator, random_events
 
 SEEDS = 500
-QUICK = 12
+QUICK = 4
 ELEMENTS = ("slack rope", "joint that sticks")
 
 

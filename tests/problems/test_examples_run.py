@@ -17,7 +17,7 @@ FOLDERS = sorted(path.name for path in EXAMPLES.iterdir() if (path / f"{path.nam
 
 
 # Examples of each kind: a tree, a loop, rolling, signals, a fit, an analysis.
-QUICK = {"projectile", "four_bar", "bicycle", "cart_pole_pid", "parameter_fit", "spinning_top", "robot_arm"}
+QUICK = {"projectile", "four_bar", "cart_pole_pid", "parameter_fit", "spinning_top"}
 
 
 @pytest.mark.parametrize("name", cases(FOLDERS, fast=QUICK))
@@ -72,7 +72,10 @@ def test_the_symbols_of_the_manual(name: str) -> None:
 
 
 # Free bodies for every leg of the platform: 20 s for its degrees of freedom.
-SLOW = {"stewart_platform", "bicycle", "four_legs", "spatial_four_bar"}
+SLOW = {
+    "stewart_platform", "bicycle", "four_legs", "spatial_four_bar", "four_bar", "cart_pole", "quarter_car", "parameter_fit",
+    "projectile",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", cases(FOLDERS, fast=lambda name: name not in SLOW))

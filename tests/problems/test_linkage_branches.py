@@ -29,6 +29,7 @@ from tests.problems.linkage_branches import (
 )
 from tests.problems.overconstrained import Link, lines, loop
 from tests.problems.test_mobility import ALPHA, RIGHT, altmann_links, trihedral_links, twist
+from tests.tiers import cases
 
 HALF = sin(ALPHA)
 
@@ -130,7 +131,7 @@ BRANCHES: dict[str, tuple[Callable[[], sb.Model], int]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", BRANCHES)
+@pytest.mark.parametrize("name", cases(BRANCHES, fast=list(BRANCHES)[::2]))
 def test_branches_of_plane_linkages_have_their_own_freedoms(name: str) -> None:
     make, expected = BRANCHES[name]
     assert freedoms(make()) == (expected, None, ())

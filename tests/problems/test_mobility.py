@@ -18,6 +18,7 @@ from scipy.optimize import least_squares
 import symbody as sb
 from tests.problems.focal_linkages import QUADRILATERAL, Focal, burmester, focal_linkage
 from tests.problems.overconstrained import Link, closed_angles, closing, lines, loop, plates
+from tests.tiers import cases
 
 RIGHT = pi / 2
 ALPHA = pi / 3
@@ -213,7 +214,14 @@ CASES: dict[str, tuple[Callable[[], sb.Model], int]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", CASES)
+# Of each family those with few links; all are in the exhaustive tier.
+LONG = {
+    "Bricard, plane-symmetric", "Bricard, line-symmetric", "Goldberg 6R", "Kempe focal", "six hinges in general",
+    "scissor, 3 stages", "scissor, 5 stages", "locomotive, 4 wheels", "locomotive, 6 wheels",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", cases(CASES, fast=lambda name: name not in LONG))
 def test_mobility_is_that_of_the_literature(name: str) -> None:
     make, freedoms = CASES[name]
     eqs = sb.form_equations(make())
@@ -224,7 +232,7 @@ def test_mobility_is_that_of_the_literature(name: str) -> None:
     assert len(found.kept) == len(eqs.speed_names) - freedoms
 
 
-@pytest.mark.parametrize("wheels", [2, 3, 4, 6])
+@pytest.mark.parametrize("wheels", cases([2, 3, 4, 6], fast=[2, 3]))
 def test_flat_wheels_have_two_freedoms_for_an_instant(wheels: int) -> None:
     """All cranks along the rod: the rod may turn a little, too, to first order."""
     count = sb.form_equations(locomotive(wheels, 0.0)).mobility

@@ -10,6 +10,7 @@ from scipy.special import ellipj, ellipk
 
 import symbody as sb
 from symbody.analysis.scales import mechanism_scales
+from tests.tiers import cases
 
 LENGTHS = (1e-9, 1.0, 1e6)
 GRAVITY = 9.81
@@ -34,7 +35,7 @@ def swing(t: float, length: float) -> float:
     return float(2 * np.arcsin(k * sn))
 
 
-@pytest.mark.parametrize("length", LENGTHS)
+@pytest.mark.parametrize("length", cases(LENGTHS, fast=[LENGTHS[0]]))
 @pytest.mark.parametrize(
     ("options", "bound"),
     [

@@ -19,6 +19,7 @@ from tests.problems.mechanisms import (
     random_values,
     state_of,
 )
+from tests.tiers import cases
 
 NAME = "spatial_four_bar"
 TREES: dict[str, TreeChoice] = {
@@ -83,7 +84,7 @@ def test_power_of_the_reactions_is_zero() -> None:
         assert power == pytest.approx(state.r[0] * state.u[0], abs=1e-14)
 
 
-@pytest.mark.parametrize("choice", TREES)
+@pytest.mark.parametrize("choice", cases(TREES, fast=["cut at the hinge", "absolute"]))
 def test_every_tree_gives_the_same_motion_and_reactions(choice: str) -> None:
     reference = equations_of(NAME)
     eqs = sb.form_equations(model_of(NAME), tree=TREES[choice])

@@ -10,6 +10,7 @@ import pytest
 
 import symbody as sb
 from tests.problems.mechanisms import EPS, Array, compiled, equations_of, model_of
+from tests.tiers import cases
 
 NAME = "stewart_platform"
 LENGTHS = {"L1": 1.0, "L2": 1.1, "L3": 1.05, "L4": 1.1, "L5": 1.0, "L6": 1.05}
@@ -137,7 +138,7 @@ def _quaternion(R: Array) -> Array:
     return np.array([w, *(np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / (4 * w))])
 
 
-@pytest.mark.parametrize("t", [0.0, 0.7])
+@pytest.mark.parametrize("t", cases([0.0, 0.7], fast=[0.7]))
 def test_driven_legs_are_rods(t: float) -> None:
     """No freedom left: place, acceleration and the forces in the legs follow from the lengths."""
     legs, rods = on_driven_legs(), on_rods()

@@ -11,14 +11,11 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from tests.mechanisms import example
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("*/*.toml") if path.stem == path.parent.name)
 FAST = ("slider_crank", "spinning_top", "dc_motor_arm")
-
-
-def load(name: str) -> sb.EquationSet:
-    return sb.form_equations(sb.load_model(EXAMPLES / name / f"{name}.toml"))
 
 
 class Page(HTMLParser):
@@ -46,7 +43,7 @@ def write(eqs: sb.EquationSet, path: Path, **words: object) -> str:
     "name", [*FAST, *(pytest.param(x, marks=pytest.mark.exhaustive) for x in NAMES if x not in FAST)]
 )
 def test_pages_of_examples(name: str, tmp_path: Path) -> None:
-    eqs = load(name)
+    eqs = example(name)
     text = write(eqs, tmp_path / "one.html")
     assert write(eqs, tmp_path / "two.html") == text
     page = Page(text)
@@ -58,7 +55,7 @@ def test_pages_of_examples(name: str, tmp_path: Path) -> None:
 
 def test_a_report_begins_with_a_summary_and_ends_with_costs(tmp_path: Path) -> None:
     """Face 46: a summary first, a capital letter, numbered equations, names typeset in notes, costs at the end."""
-    eqs = load("four_bar")
+    eqs = example("four_bar")
     text = write(eqs, tmp_path / "x.html")
     assert "<p>Four-bar has 1 degree of freedom.</p>" in text
     assert text.index("<td>Crank, Coupler, Rocker</td>") < text.index("<figure>")
@@ -73,7 +70,7 @@ def test_a_report_begins_with_a_summary_and_ends_with_costs(tmp_path: Path) -> N
 
 
 def test_every_kind_of_file(tmp_path: Path) -> None:
-    eqs = load("slider_crank")
+    eqs = example("slider_crank")
     run = sb.simulate(eqs, (0, 0.2))
     tex = write(eqs, tmp_path / "x.tex", run=run)
     for picture in re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", tex):
@@ -89,7 +86,7 @@ def test_every_kind_of_file(tmp_path: Path) -> None:
 
 
 def test_formulas_are_those_of_the_graph(tmp_path: Path) -> None:
-    eqs = load("slider_crank")
+    eqs = example("slider_crank")
     page = Page(write(eqs, tmp_path / "x.html", sections=["dynamics"]))
     parameters = {str(name): 0.5 + 0.1 * k for k, name in enumerate(eqs.parameters)}
     point = (0.0, [0.3, 0.4, 0.5], [0.6, 0.7, 0.8], [0.9])
@@ -114,7 +111,7 @@ def test_names_are_text(tmp_path: Path) -> None:
 
 def test_sections_are_chosen(tmp_path: Path) -> None:
     text = write(
-        load("slider_crank"), tmp_path / "x.html", sections=["equations", "parameters"], title="Mine"
+        example("slider_crank"), tmp_path / "x.html", sections=["equations", "parameters"], title="Mine"
     )
     assert re.findall(r'<section id="(\w+)"', text) == ["equations", "parameters"]
     assert "<h1>Mine</h1>" in text
@@ -153,9 +150,9 @@ def test_large_mechanisms_are_counted(tmp_path: Path) -> None:
     ],
 )
 def test_bad_arguments(words: dict[str, object], code: str, tmp_path: Path) -> None:
-    eqs = load("slider_crank")
+    eqs = example("slider_crank")
     if words.get("run"):
-        words["run"] = sb.simulate(load("spinning_top"), (0, 0.01))
+        words["run"] = sb.simulate(example("spinning_top"), (0, 0.01))
     path = tmp_path / str(words.pop("path"))
     with pytest.raises(sb.UsageError) as caught:
         sb.save_report(eqs, path, **words)  # type: ignore[arg-type]
@@ -165,7 +162,7 @@ def test_bad_arguments(words: dict[str, object], code: str, tmp_path: Path) -> N
 
 def test_folder_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(sb.EnvironmentFault, match=r"report\.unwritable"):
-        sb.save_report(load("slider_crank"), tmp_path / "none" / "x.html", sections=["parameters"])
+        sb.save_report(example("slider_crank"), tmp_path / "none" / "x.html", sections=["parameters"])
 
 
 @pytest.mark.parametrize("suffix", [".html", ".tex", ".md", ".ipynb"])
@@ -179,7 +176,7 @@ def test_mechanisms_without_speeds(suffix: str, tmp_path: Path) -> None:
 
 
 def test_odd_names_of_files(tmp_path: Path) -> None:
-    eqs = load("slider_crank")
+    eqs = example("slider_crank")
     markdown = write(eqs, tmp_path / "my crank (50%).md", sections=["mechanism"])
     (link,) = re.findall(r"!\[[^]]*\]\(([^ )]*)\)", markdown)
     assert (tmp_path / unquote(link)).is_file()
@@ -216,7 +213,7 @@ def test_no_equilibrium_of_a_hundred_speeds_and_more(tmp_path: Path) -> None:
     [("html", "<title>{{ title }}</title>"), ("tex", r"\section*{{{ title }}}"), ("md", "# Mine: {{title}}")],
 )
 def test_a_template_is_filled(suffix: str, head: str, tmp_path: Path) -> None:
-    eqs = load("spring_mass_damper")
+    eqs = example("spring_mass_damper")
     frame = tmp_path / "frame.txt"
     frame.write_text(
         f"first {head}\n{{{{ equations }}}} between {{{{motion}}}}{{{{ parts }}}} last", encoding="utf-8"
@@ -240,7 +237,7 @@ def test_templates_that_cannot_be_filled(content: str | None, code: str, tmp_pat
         frame.write_text(content, encoding="utf-8")
     with pytest.raises(sb.SymbodyError) as caught:
         sb.save_report(
-            load("spring_mass_damper"), tmp_path / "x.html", template=frame, sections=["parameters"]
+            example("spring_mass_damper"), tmp_path / "x.html", template=frame, sections=["parameters"]
         )
     assert [problem.code for problem in caught.value.problems] == [code]
     assert not (tmp_path / "x.html").exists()
@@ -277,7 +274,7 @@ def test_graphs_with_long_names_are_outlines(tmp_path: Path) -> None:
 
 
 def test_vectors_are_named_before_they_are_printed(tmp_path: Path) -> None:
-    eqs, chosen = load("slider_crank"), ["parts", "dynamics"]
+    eqs, chosen = example("slider_crank"), ["parts", "dynamics"]
     tex = write(eqs, tmp_path / "x.tex", sections=chosen)
     assert r"$\boldsymbol{u}$ = ($\dot{\theta}$, $\dot{\beta}$, $\dot{s}$)" in tex
     assert r"\dot{\boldsymbol{u}} = \boldsymbol{F}" in tex and tex.index("speeds") < tex.index("bmatrix")

@@ -21,6 +21,7 @@ from symbody.simulation.simulation_problem import SimulationProblem
 from tests.faults.test_constraint_rows import parallelogram, shaft, slider_crank
 from tests.problems.mechanisms import model_of
 from tests.problems.test_bennett import GUESS, linkage
+from tests.tiers import cases
 
 
 def overconstrained(eqs: sb.EquationSet, fixed: dict[str, float], guess: dict[str, float]) -> bool:
@@ -157,7 +158,11 @@ def test_three_wheels_on_a_rod(constraints: sb.Projection | sb.Partition | None)
 
 
 @pytest.mark.parametrize(
-    "way", [{"integrator": sb.FixedStep(0.01)}, {"constraints": sb.Baumgarte()}, {"integrator": sb.Stiff()}]
+    "way",
+    cases(
+        [{"integrator": sb.FixedStep(0.01)}, {"constraints": sb.Baumgarte()}, {"integrator": sb.Stiff()}],
+        fast=[{"integrator": sb.FixedStep(0.01)}],
+    ),
 )
 def test_constraints_that_follow_do_not_hold_the_mechanism(way: dict[str, Any]) -> None:
     """Stages and samples of Bennett's linkage are a little open, where its constraints are independent."""

@@ -11,15 +11,11 @@ from numpy.typing import NDArray
 from scipy.special import ellipj, ellipk
 
 import symbody as sb
+from tests.mechanisms import example
 
 Floats = NDArray[np.float64]
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MODULUS = 0.5  # sine of half the amplitude
-
-
-@cache
-def example(name: str) -> sb.EquationSet:
-    return sb.form_equations(sb.load_model(EXAMPLES / name / f"{name}.toml"))
 
 
 @cache

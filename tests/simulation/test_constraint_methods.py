@@ -12,6 +12,7 @@ from matplotlib import pyplot
 
 import symbody as sb
 from symbody.cli.summary import summary
+from tests.tiers import cases
 
 ALL = {
     "projection": {},
@@ -55,7 +56,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", cases(CASES, fast=lambda name: name != "four-bar"))  # as in test_ggl
 def test_all_ways_to_hold_constraints_give_one_motion(name: str) -> None:
     make, fixed, guess, freedoms = CASES[name]
     eqs = make()

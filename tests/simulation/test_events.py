@@ -11,6 +11,7 @@ import pytest
 import symbody as sb
 from symbody.errors import FormulationError, UsageError
 from symbody.simulation.results.trajectory import Trajectory
+from tests.mechanisms import pendulum
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 EPS = np.finfo(float).eps
@@ -29,13 +30,6 @@ def ball() -> sb.EquationSet:
     parts = [sb.Body("B", mass="m"), sb.Prismatic("j", "ground", "B", axis="y", coordinate="y")]
     parameters = {"m": 2, "e": "0.5"}
     return sb.form_equations(sb.Model("ball", parts, parameters=parameters, gravity=(0, "-9.81", 0)))
-
-
-@cache
-def pendulum() -> sb.EquationSet:
-    body = sb.Body("B", mass=1, inertia=(0, 0, 0), frames={"A": sb.Frame(at=(0, 1, 0))})
-    joint = sb.Revolute("j", "ground", "B.A", axis="z", coordinate="theta")
-    return sb.form_equations(sb.Model("pendulum", [body, joint], gravity=(0, "-9.81", 0)))
 
 
 @cache

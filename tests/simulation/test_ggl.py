@@ -13,6 +13,7 @@ from tests.simulation.loops import (
     turning_pendulum,
     twice_held_pendulum,
 )
+from tests.tiers import cases
 
 # IDA ends Newton's method where the weighted root mean square of what is left is below this (Hindmarsh et al.,
 # User Documentation for IDA, section 2.1, nonlinear solver convergence coefficient).
@@ -43,7 +44,7 @@ def test_pendulum_of_ten_seconds() -> None:
     assert force.max() < 6e-5 * 60.0
 
 
-@pytest.mark.parametrize("name", ["slider_crank", "spatial_four_bar"])
+@pytest.mark.parametrize("name", cases(["slider_crank", "spatial_four_bar"], fast=["slider_crank"]))
 def test_all_ways_to_hold_constraints_give_one_motion(name: str) -> None:
     eqs = example(name)
     times = np.linspace(0.0, 1.0, 6)

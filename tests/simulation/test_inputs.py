@@ -13,17 +13,12 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 import symbody as sb
 from symbody.errors import SimulationError, UsageError
 from symbody.simulation.inputs.tables import MOST_IN_FORMULAS
+from tests.mechanisms import cart
 from tests.simulation.interruption import ctrl_c
+from tests.tiers import cases
 
 Floats = NDArray[np.float64]
 EXAMPLES = Path(__file__).parents[2] / "examples"
-
-
-@cache
-def cart() -> sb.EquationSet:
-    """A unit mass on a line under the force F: x'' = F."""
-    joint = sb.Prismatic("j", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
-    return sb.form_equations(sb.Model("cart", [sb.Body("B", mass=1), joint], inputs=["F"]))
 
 
 @cache
@@ -31,7 +26,9 @@ def slider_crank() -> sb.EquationSet:
     return sb.form_equations(sb.load_model(EXAMPLES / "slider_crank" / "slider_crank.toml"))
 
 
-@pytest.mark.parametrize("count", [2, 3, 4, 17, MOST_IN_FORMULAS, MOST_IN_FORMULAS + 1])
+@pytest.mark.parametrize(
+    "count", cases([2, 3, 4, 17, MOST_IN_FORMULAS, MOST_IN_FORMULAS + 1], fast=[2, 3, MOST_IN_FORMULAS + 1])
+)
 @pytest.mark.parametrize("kind", ["linear", "pchip", "cubic"])
 def test_tables_go_through_their_points_and_are_held_beyond(count: int, kind: str) -> None:
     times = np.linspace(0.5, 2.5, count) ** 1.5

@@ -25,7 +25,7 @@ AXES: dict[str, dict[str, Any]] = {
     "free": {"angles": "123"},
 }
 JOINTS = straight_joints(*ENDS, AXES)
-FAST = ("revolute", "screw", "universal")
+FAST = ("screw", "universal")
 TIMES = np.linspace(0.0, 1.0, 11)
 
 

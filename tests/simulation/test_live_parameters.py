@@ -73,7 +73,7 @@ def sweep(eqs: sb.EquationSet, k: int) -> Any:
     ("call", "name", "times"),
     [
         (simulate, "slider_crank", CALLS), (assemble, "slider_crank", CALLS), (linearize, "slider_crank", CALLS),
-        (inverse_dynamics, "slider_crank", CALLS), (find_equilibrium, "spring_mass_damper", CALLS),
+        (inverse_dynamics, "slider_crank", CALLS), (find_equilibrium, "spring_mass_damper", CALLS // 4),
         (sweep, "slider_crank", CALLS // 4),
     ],
 )  # fmt: skip

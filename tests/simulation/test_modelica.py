@@ -25,7 +25,7 @@ rumoca = pytest.importorskip("rumoca", reason="needs the package rumoca")
 
 NAMES = sorted(f"{path.parent.name}/{path.stem}" for path in EXAMPLES.glob("*/*.toml") if path.stem != "leg")
 # Minutes of compiling on a slow machine.
-LARGE = {"four_legs/four_legs", "stewart_platform/stewart_platform"}
+LARGE = {"four_legs/four_legs", "stewart_platform/stewart_platform", "bicycle/bicycle"}
 CASES = [pytest.param(n, marks=[pytest.mark.exhaustive] if n in LARGE else []) for n in NAMES]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from tests.tiers import cases
 
 COMMANDS = {
     "c": ("m.c", [["cc", "-std=c99", "-O1", "-ffp-contract=off", "m.c", "-o", "m", "-lm"], ["./m"]]),
@@ -58,7 +59,7 @@ def test_events_happen_as_in_simulate_and_are_listed(language: str, tmp_path: Pa
     np.testing.assert_allclose(times, [event.t for event in run.events], rtol=1e-14)
 
 
-@pytest.mark.parametrize("language", COMMANDS)
+@pytest.mark.parametrize("language", cases(COMMANDS, fast=["c"]))
 def test_a_motion_ended_by_a_fault_of_an_event_fails(language: str, tmp_path: Path) -> None:
     """Bounces of a ball end: their times converge, which is chattering."""
     text = sb.generate_simulation(ball(), 20.0, language, {"z": 1.0}, times=[0, 20], events=FLOOR)
@@ -92,7 +93,7 @@ def test_functions_return_what_happened(tmp_path: Path) -> None:
     assert [tuple(each.values())[:2] for each in found["events"]] == [each[:2] for each in happened]
 
 
-@pytest.mark.parametrize("language", COMMANDS)
+@pytest.mark.parametrize("language", cases(COMMANDS, fast=["javascript"]))
 def test_thousands_of_steps_samples_and_events_fit_into_the_room(language: str, tmp_path: Path) -> None:
     """A fast clock, and a force that is sampled at it: room for steps, samples and events is used again."""
     count = 700 if language == "python" else 5000
@@ -121,7 +122,7 @@ def carried(as_constraint: bool) -> sb.EquationSet:
 
 @pytest.mark.parametrize("events", [(), sb.Event("th_dot - 1", 1, name="jumped")], ids=["plain", "watched"])
 @pytest.mark.parametrize("as_constraint", [False, True])
-@pytest.mark.parametrize("span", [(0.0, 2.0), (0.0, 1.0), (0.25, 1.5)], ids=str)
+@pytest.mark.parametrize("span", cases([(0.0, 2.0), (0.0, 1.0), (0.25, 1.5)], fast=[(0.25, 1.5)]), ids=str)
 def test_rates_that_jump_strike_as_in_simulate(
     events: sb.Event | tuple[()], as_constraint: bool, span: tuple[float, float], tmp_path: Path
 ) -> None:

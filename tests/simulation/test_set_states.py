@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -20,14 +19,10 @@ from symbody.simulation.programs.javascript_simulation import (
 )
 from symbody.simulation.programs.motion_request import MotionRequest
 from symbody.visual.scene.body_poses import chain_of
+from tests.mechanisms import example
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 WITH_SAMPLES = {"integrator": sb.Explicit()}
-
-
-@cache
-def example(name: str) -> sb.EquationSet:
-    return sb.form_equations(sb.load_model(EXAMPLES / name / f"{name}.toml"))
 
 
 def gears(substitute: bool) -> sb.EquationSet:

@@ -14,15 +14,10 @@ from symbody.simulation.inputs.breakpoints import find_breakpoints
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.simulation_problem import SimulationProblem
+from tests.mechanisms import cart
+from tests.tiers import cases
 
 Floats = NDArray[np.float64]
-
-
-@cache
-def cart() -> sb.EquationSet:
-    """A unit mass on a line under the force F: x'' = F."""
-    joint = sb.Prismatic("j", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"))
-    return sb.form_equations(sb.Model("cart", [sb.Body("B", mass=1), joint], inputs=["F"]))
 
 
 @cache
@@ -56,7 +51,9 @@ def end(law: object, **way: object) -> float:
 
 
 @pytest.mark.parametrize("name", AREAS)
-@pytest.mark.parametrize("way", ["explicit", "order 5", "stiff", "final value"])
+@pytest.mark.parametrize(
+    "way", cases(["explicit", "order 5", "stiff", "final value"], fast=["explicit", "stiff"])
+)
 def test_short_forces_after_a_rest_change_the_speed_by_their_area(name: str, way: str) -> None:
     chosen: dict[str, dict[str, object]] = {
         "explicit": {},

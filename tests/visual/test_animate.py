@@ -21,6 +21,7 @@ from symbody.errors import EnvironmentFault, SymbodyError, UsageError
 from symbody.visual.viewer import animation as animation_module
 from symbody.visual.viewer import page as page_module
 from symbody.visual.viewer.animation import LiveAnimation
+from tests.mechanisms import example
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TEMPLATE = (
@@ -41,13 +42,8 @@ def pages(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @cache
-def equations(name: str = "four_bar") -> sb.EquationSet:
-    return sb.form_equations(sb.load_model(EXAMPLES / name / f"{name}.toml"))
-
-
-@cache
 def four_bar() -> sb.Trajectory:
-    return sb.simulate(equations(), 0.5)
+    return sb.simulate(example("four_bar"), 0.5)
 
 
 def content(text: str) -> Any:
@@ -113,7 +109,7 @@ def test_names_cannot_leave_their_place(name: str, tmp_path: Path) -> None:
 
 
 def test_a_state_is_a_still_picture(tmp_path: Path) -> None:
-    state = sb.assemble(equations(), {"theta": 1.0})
+    state = sb.assemble(example("four_bar"), {"theta": 1.0})
     shown = sb.animate(state, tmp_path / "still.html", vectors="all")
     assert shown.motion.times.tolist() == [0.0]
     np.testing.assert_allclose(shown.motion.positions[0, 1], state["frame r Coupler"], atol=1e-12)
@@ -130,7 +126,7 @@ def test_motions_from_files_are_shown(tmp_path: Path) -> None:
 
 
 def test_cases_of_sweeps_are_shown(tmp_path: Path) -> None:
-    sweep = sb.sweep(equations(), 0.2, times=np.linspace(0.0, 0.2, 9), parameters={"L1": [0.1, 0.2]})
+    sweep = sb.sweep(example("four_bar"), 0.2, times=np.linspace(0.0, 0.2, 9), parameters={"L1": [0.1, 0.2]})
     shown = sb.animate(sweep.trajectory(0), tmp_path / "case.html")
     crank = shown.scene.bodies[1]
     assert {frame.name: frame.at[0] for frame in crank.frames}["B"] == 0.05  # half of the case's own length
@@ -260,7 +256,7 @@ class TestLive:
         assert "application/vnd.jupyter.widget-view+json" in json.dumps(view._repr_mimebundle_())
 
     def test_sliders_move_coordinates(self) -> None:
-        view = sb.animate(equations(), live=True, sliders=["theta", ("phi", 1, 3), "L2"])
+        view = sb.animate(example("four_bar"), live=True, sliders=["theta", ("phi", 1, 3), "L2"])
         theta, phi, length = view.widget.sliders
         assert (theta["name"], theta["unit"], phi["min"], phi["max"]) == ("theta", "rad", 1.0, 3.0)
         assert (length["min"], length["value"], length["max"]) == (0.25, 0.5, 0.75)
@@ -273,7 +269,7 @@ class TestLive:
         assert view.state["phi"] == 2.0
 
     def test_sliders_move_parameters_and_shapes_follow(self) -> None:
-        view = sb.animate(equations(), live=True, sliders=["L2"])
+        view = sb.animate(example("four_bar"), live=True, sliders=["L2"])
         before = view.widget.data["scene"]
         view.widget.slider_values = {"L2": 0.55}
         assert view.widget.data["scene"] != before
@@ -283,7 +279,7 @@ class TestLive:
         )
 
     def test_out_of_reach_the_picture_stays(self) -> None:
-        view = sb.animate(equations(), live=True, sliders=[("L2", 0.1, 5)])
+        view = sb.animate(example("four_bar"), live=True, sliders=[("L2", 0.1, 5)])
         before = view.state
         view.widget.slider_values = {"L2": 4.0}
         assert view.state is before and "assembly.open" in view.widget.message
@@ -297,7 +293,7 @@ class TestLive:
         ]  # fmt: skip
         for words, code in cases:
             with pytest.raises(UsageError) as caught:
-                sb.animate(equations(), **words)
+                sb.animate(example("four_bar"), **words)
             assert caught.value.problems[0].code == code
 
 

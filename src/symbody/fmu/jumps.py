@@ -20,7 +20,7 @@ from symbody.simulation.simulation_problem import SimulationProblem
 
 _MOVED: Final = 0.37  # a value by a share of it, and as much of 1, is another; the next one by more
 # Up to so long after the start jumps are looked for, one span after the other [s]: how fast prescribed
-# motions are is known of spans in which they move. So many jumps fit into an FMU.
+# motions are is known of spans in which they move. An FMU holds so many jumps; it ends where the next one is.
 _ENDS: Final = (6.0, 60.0, 600.0, 3600.0)
 _MOST_JUMPS: Final = 2000
 
@@ -37,7 +37,7 @@ class FmuJumps:
     times : tuple of (float, float)
         When they happen, and how far beside it sides are clear [s].
     are_more : bool
-        Whether rates jump behind the last time, too, which is no jump then but where knowledge ends.
+        Whether rates jump more often: the last time is then that of a jump at which the motion ends.
     decisive : tuple of str
         Parameters that decide when and whether rates jump: no arguments.
     notes : tuple of str
@@ -84,10 +84,11 @@ def _find_times(problem: SimulationProblem, x: Floats, start: float) -> tuple[Ti
     found: list[tuple[float, float]] = []
     for first, last in pairwise((0.0, *_ENDS, 2.0 * _ENDS[-1])):
         times, margin = jump_times(problem, x, (start + first, start + last))
-        are_many = len(found) + len(times) > _MOST_JUMPS
-        if times and (are_many or last > _ENDS[-1]):
-            return (*found, (start + first, margin)), True
-        found += [(t, margin) for t in times]
+        most = _MOST_JUMPS if last <= _ENDS[-1] else len(found)
+        # a jump where two spans meet may be found in both
+        found += [(t, margin) for t in times if not found or t > found[-1][0] + found[-1][1] + margin]
+        if len(found) > most:
+            return tuple(found[: most + 1]), True
     return tuple(found), False
 
 

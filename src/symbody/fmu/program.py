@@ -181,6 +181,8 @@ class FmuProgram:
     def block(self) -> Floats:
         """Return the block of the integrator at the first state."""
         integration, method, bounds = self.motion.integration, self.method, self.motion.breakpoints
+        if self.jumps.are_more:
+            bounds = bounds.truncate(self.jumps.times[-1][0])
         if isinstance(method, GeneralizedAlpha):
             tableau, bounds = METHOD, bounds_of_steps(bounds, method)
             first, longest = method.step, method.step or method.max_step

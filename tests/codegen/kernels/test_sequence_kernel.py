@@ -15,6 +15,7 @@ from symbody.expr import opcodes as op
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.sequence import Sequence
 from tests.codegen.sequences import EXACT, random_sequence
+from tests.tiers import cases
 
 Inputs = dict[str, list[float]]
 # The interpreter rounds once where kernels, which fuse nothing, round twice.
@@ -34,7 +35,7 @@ def evaluate(sequence: Sequence, given: Inputs, piece_size: int, name: str) -> t
     return arrays["out"], sum(own.startswith(name) for own in kernels)
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", cases(range(2), fast=[0]))
 def test_pieces_give_the_bits_of_the_whole(seed: int) -> None:
     sequence, given = random_sequence(seed, 200, CODES)
     whole, count = evaluate(sequence, given, 10**6, f"whole_{seed}")

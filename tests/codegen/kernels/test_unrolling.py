@@ -13,6 +13,7 @@ from symbody.codegen.kernels.reader import read_text
 from symbody.codegen.kernels.tree import Call, Count, KernelTree, walk
 from symbody.codegen.kernels.unrolling import unroll_kernel
 from symbody.codegen.llvm.machine import light_code, target_machine
+from tests.tiers import cases
 
 HEAD = "from symbody.kernels.language import Reals, part\n"
 # Returns inside loops, integers that only a choice at run time decides, parts of scratch, a parameter whose
@@ -99,7 +100,7 @@ def by_hand(given: tuple[float, ...]) -> tuple[int, list[float]]:
     return place if count == 0 else count, out
 
 
-@pytest.mark.parametrize("n", [2, 3, 4])
+@pytest.mark.parametrize("n", cases([2, 3, 4], fast=[3]))
 def test_a_kernel_for_one_size_does_the_same(n: int) -> None:
     kernels = read_text(TEXT, "kernels/case.py")
     tree = unroll_kernel(kernels, "both", {"n": n}, "work", f"both_{n}")

@@ -133,7 +133,10 @@ def test_special_numbers_are_treated_as_in_compiled_code(language: str, tmp_path
 
 
 @pytest.mark.parametrize("language", [FORTRAN, RUST, JAVASCRIPT])
-@pytest.mark.parametrize(("seed", "piece_size"), [(0, 2000), (1, 40), (2, 150)])
+@pytest.mark.parametrize(
+    ("seed", "piece_size"),
+    [(1, 40), *(pytest.param(*more, marks=pytest.mark.exhaustive) for more in [(0, 2000), (2, 150)])],
+)
 def test_random_sequences_agree_to_the_last_bit(
     language: str, seed: int, piece_size: int, tmp_path: Path
 ) -> None:

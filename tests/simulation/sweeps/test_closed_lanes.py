@@ -14,6 +14,7 @@ from symbody.codegen.formation.parameter_set import ParameterSet
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.machine import lanes
 from tests.simulation.sweeps.test_sweep import equations, same_bits
+from tests.tiers import cases
 
 MANY = 3 * lanes() + 1  # refilled twice, and one lane a third time
 
@@ -107,7 +108,7 @@ NAMES = ["samples", "ends", "small moves", "order 5", "RK4", "semi-implicit", "t
 
 
 @pytest.mark.parametrize("options", METHODS[:1], ids=NAMES[:1])
-@pytest.mark.parametrize("made", SWEEPS)
+@pytest.mark.parametrize("made", cases(SWEEPS, fast=[cranks, failing_four_bars, spatial_four_bars]))
 def test_closed_loops_in_lanes_have_the_bits_of_one_after_the_other(
     made: Callable[..., sb.Sweep], options: Options
 ) -> None:

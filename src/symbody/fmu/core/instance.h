@@ -321,7 +321,7 @@ static int update(Instance *instance, const char *function, int *has_changed, in
     if (acted < 0)
         return fail_at_event(instance, function, "the state after an event has no solution");
     *has_changed |= acted;
-    acted = pass_jump(m, &stops_at_jump);
+    acted = pass_jumps(m, &stops_at_jump);
     log_events(instance);
     if (acted < 0) return fail_at_event(instance, function, "the state behind a jump has no solution");
     *has_changed |= acted;

@@ -6,8 +6,11 @@
 static void look_for_jump(Motion *m)
 {
     const double *B = m->pool + SB_BLOCK;
+    double now;
     int k = 0, place = SB_RUN_BREAKS + (int)B[SB_RUN_BREAKS_POINTS];
-    while (k < SB_JUMPS - SB_ARE_MORE_JUMPS && !(sb_jumps[k] > clock_of(m) + sb_jump_margins[k])) k++;
+    m->jump = HUGE_VAL; /* the clock does not stop at the last one any more */
+    now = clock_of(m);
+    while (k < SB_JUMPS - SB_ARE_MORE_JUMPS && !(sb_jumps[k] > now + sb_jump_margins[k])) k++;
     m->strikes = k < SB_JUMPS;
     m->jump = m->strikes ? sb_jumps[k] : HUGE_VAL;
     m->jump_margin = m->strikes ? sb_jump_margins[k] : 0.0;
@@ -16,7 +19,7 @@ static void look_for_jump(Motion *m)
         const double *P = B + place;
         double margin = P[SB_BREAK_MARGIN];
         if (P[SB_BREAK_TIME] >= m->jump - m->jump_margin - margin) break;
-        if (P[SB_BREAK_JUMPS] != 0.0 && P[SB_BREAK_TIME] > clock_of(m) + margin) {
+        if (P[SB_BREAK_JUMPS] != 0.0 && P[SB_BREAK_TIME] > now + margin) {
             m->jump = P[SB_BREAK_TIME];
             m->jump_margin = margin;
             m->strikes = m->ends_jumps = 0;
@@ -25,7 +28,8 @@ static void look_for_jump(Motion *m)
     }
 }
 
-static int has_come_to_jump(const Motion *m) { return m->time >= m->jump - m->jump_margin; }
+/* Steps begin at the clock: where that has come behind the side before a jump, they cannot lead there. */
+static int has_come_to_jump(const Motion *m) { return clock_of(m) >= m->jump - m->jump_margin; }
 
 /* Let prescribed rates that jump strike the mechanism. Joints that stick and ropes hold nothing meanwhile. */
 static int strike_rates(Motion *m, double before, double behind)
@@ -47,20 +51,25 @@ static int strike_rates(Motion *m, double before, double behind)
     return m->unmet ? UNSOLVED : SOLVED;
 }
 
-/* Go behind a jump to which the motion has come, and do what follows: values jump through zero, modes end. Returns
+/* Go behind the jumps to which the motion has come, and do what follows: values jump through zero, modes end. Returns
    whether values of states changed, -1 for a fault. */
-static int pass_jump(Motion *m, int *must_stop)
+static int pass_jumps(Motion *m, int *must_stop)
 {
-    double before = m->jump - m->jump_margin, behind = m->jump + m->jump_margin;
-    int strikes = m->strikes, acted;
-    if (!has_come_to_jump(m)) return 0;
-    if (strikes && strike_rates(m, before, behind) != SOLVED) return -1;
-    m->past_jump = behind;
-    look_for_jump(m);
-    m->valid = 0;
-    note_events(m);
-    acted = act(m, must_stop);
-    return acted < 0 ? -1 : acted | strikes;
+    int changed = 0;
+    while (!*must_stop && has_come_to_jump(m)) {
+        double before = m->jump - m->jump_margin, behind = m->jump + m->jump_margin;
+        int acted;
+        if (m->strikes && strike_rates(m, before, behind) != SOLVED) return -1;
+        changed |= m->strikes;
+        m->past_jump = behind;
+        look_for_jump(m);
+        m->valid = 0;
+        note_events(m);
+        acted = act(m, must_stop);
+        if (acted < 0) return -1;
+        changed |= acted;
+    }
+    return changed;
 }
 
 /* Steps of our own, for co-simulation. */
@@ -179,11 +188,12 @@ static int has_come(Motion *m, double target)
 static int go_to(Motion *m, double target, int *must_stop)
 {
     double *B = m->pool + SB_BLOCK;
-    int events = 0;
+    int events = 0, restarts = 0;
     *must_stop = 0;
     renew_arguments(m);
     if (m->is_fresh && SB_ELEMENTS && act(m, must_stop) < 0) return SB_NOT_FINITE; /* inputs may have jumped */
-    while (!has_come(m, target)) {
+    if (pass_jumps(m, must_stop) < 0) return SB_NOT_FINITE; /* where the last step failed */
+    while (!*must_stop && !has_come(m, target)) {
         double end;
         if (B[SB_RUN_T_END] < target) B[SB_RUN_T_END] = target + SB_SPAN;
         if (m->is_fresh) {
@@ -193,9 +203,11 @@ static int go_to(Motion *m, double target, int *must_stop)
         while (m->code == SB_RUNNING && m->to <= m->time) take_step(m);
         if (m->code != SB_RUNNING && m->code != SB_FINISHED) return m->code;
         if (m->to <= m->time) { /* the end of an earlier goal: begin anew towards the next */
+            if (++restarts > 2) return SB_COLLAPSED; /* nor does it lead there */
             m->is_fresh = 1;
             continue;
         }
+        restarts = 0;
         end = m->to < target ? m->to : target;
         if (pass_events(m, end)) {
             if (act(m, must_stop) < 0) return SB_NOT_FINITE;
@@ -203,10 +215,11 @@ static int go_to(Motion *m, double target, int *must_stop)
             if (++events > SB_MOST_EVENTS) return SB_TOO_MANY;
         } else if (show_state(m, end) != SOLVED)
             return SB_SINGULAR;
-        if (!*must_stop && pass_jump(m, must_stop) < 0) return SB_NOT_FINITE;
+        if (pass_jumps(m, must_stop) < 0) return SB_NOT_FINITE;
         if (!*must_stop && sample(m, must_stop) < 0) return SB_NOT_FINITE;
         if (*must_stop) return SB_RUNNING;
     }
+    if (*must_stop) return SB_RUNNING;
     if (m->time < target) m->time = target; /* the same instant */
     keep_settled(m);
     return SB_RUNNING;

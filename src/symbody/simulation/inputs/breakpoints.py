@@ -8,7 +8,7 @@ values that its operand takes between them. Conditions divide the span where the
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -73,6 +73,15 @@ class Breakpoints:
             np.append(self.jumps[::step], 0.0),
             np.append(self.margins[::step], 0.0),
         )
+
+    def truncate(self, end: float) -> Breakpoints:
+        """Return those up to a time, for motions that do not pass it."""
+        count = int(np.searchsorted(self.times, end, side="right"))
+        first = slice(count)
+        return replace(
+            self, times=self.times[first], longest=self.longest[: count + 1], jumps=self.jumps[first],
+            margins=self.margins[first],
+        )  # fmt: skip
 
     def jumps_alone(self) -> Breakpoints:
         """Return the jumps, with any step between them."""
