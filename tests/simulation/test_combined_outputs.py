@@ -74,7 +74,7 @@ def test_rows_that_are_rounding_are_gone_from_combined_outputs() -> None:
     names: Sequence[str] = [f"a{k}_ddot" for k in range(4)]
     x = np.append(np.linspace(0.5, 2.0, len(eqs.speed_names)), list(sb.assemble(eqs).q.values()))
     (together,) = problem.values_at((tuple(names),), 0.0, x)
-    alone = [float(value) for value in problem.values_at(problem, names, 0.0, x)]
+    alone = [float(value) for value in problem.values_at(names, 0.0, x)]
     assert max(map(abs, alone)) > 0.1
     assert together == pytest.approx(alone, abs=1e-13 * max(map(abs, alone)))
     reduced = eqs.for_values(TYPED)

@@ -213,7 +213,7 @@ class EventWatch:
         while code == run_at.NO_EVENT_ROOM:
             self._monitor.happened_room = len(self._happened)
             if self.modes is not None:
-                code = self._advance_modes(call, functions, held)
+                code = self._advance_modes(self.modes, call, functions, held)
             elif held is not None:
                 code = held.advance_watched(call, functions, self._block, self._happened)
             else:
