@@ -14,7 +14,6 @@ def test_constraints_hold_to_rounding_at_every_step() -> None:
     assert run.success
     # Lengths of 1 m, each a sum of four products.
     assert run["constraint_violation"].max() < 1e-14
-    assert any("DOP853" in note for note in run.notes)
     # The crank makes more than one turn and the work of gravity returns: energy of some 10 J to the tolerance.
     assert np.ptp(run["energy"] - run["work"]) < 1e-6
 
@@ -49,15 +48,17 @@ def test_steps_in_vain_are_counted() -> None:
     spent = run.statistics
     assert spent.rejected is not None and spent.rejected > 0
     changes = sum("other independent coordinates" in note for note in run.notes)
-    # Twelve stages a step, tried or taken, three more for its polynomial, two to begin.
-    least = 12 * (spent.accepted + spent.rejected) + 3 * spent.accepted + 2
+    # Eleven stages a step, tried or taken; at the end of one that is taken two, before and after it is closed,
+    # three more for its polynomial; two to begin.
+    least = 11 * (spent.accepted + spent.rejected) + 5 * spent.accepted + 2
     assert spent.evaluations == least or changes
     assert spent.evaluations >= least
 
 
 def test_trees_are_integrated_as_they_are() -> None:
     run = sb.simulate(turning_pendulum(), 1.0, constraints=sb.Partition())
-    assert run.success and not any("DOP853" in note for note in run.notes)
+    plain = sb.simulate(turning_pendulum(), 1.0)
+    assert run.success and (run.q == plain.q).all() and (run.u == plain.u).all()
 
 
 def test_events() -> None:

@@ -29,6 +29,13 @@ UNMET: Final = 15
 # What motions return besides along which prescribed rates jump: positions jump, too; no speeds fit the rates.
 TORN_MOTION: Final = 16
 NO_IMPULSE: Final = 17
+# What motions on a chart return where other coordinates should be independent: the step is not taken.
+CHART_ENDS: Final = 18
+
+# What a right-hand side on a chart returns for that, and where it finds no closed state. Positive numbers
+# are those of kernels that fail.
+CHART_IS_WORN: Final = -1
+OUT_OF_REACH: Final = -2
 
 # The code in a verdict that has not been reached.
 NOT_ENDED: Final = -1

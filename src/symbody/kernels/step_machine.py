@@ -10,10 +10,13 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.block import (
+    CHART_ENDS,
+    CHART_IS_WORN,
     COLLAPSED,
     FINISHED,
     FULL,
     NOT_FINITE,
+    OUT_OF_REACH,
     RUNNING,
     SINGULAR,
     STIFF,
@@ -85,8 +88,10 @@ def store_samples(g: Function, run: Run, F: Reals, times: Reals, t: Reals, x: Re
 
 def failure(run: Run) -> int:
     """Return why the last trial failed, and set `blamed_state` to the state that is to blame."""
-    if run.counts.failed_kernel != 0:
+    if run.counts.failed_kernel > 0:
         return SINGULAR
+    if run.counts.failed_kernel == OUT_OF_REACH:
+        return COLLAPSED
     n = run.states
     K = run.slopes
     for row in range(run.method.stages + 1):
@@ -138,6 +143,8 @@ def try_step(
     if error <= 1.0 and exists(run.projection):
         if close(f, g, run) == 0:
             error = INFINITY
+    if run.counts.failed_kernel == CHART_IS_WORN:
+        return CHART_ENDS
     if error <= 1.0:
         error = keep_step(f, g, run, error, times, t, x, breaks, pieces)
     if not error <= 1.0:
@@ -272,7 +279,7 @@ def begin(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals
     run.error = 1e-4
     run.time = behind_jump(run, start)
     evaluate(f, run, run.time, run.state_old, run.slopes)
-    if run.counts.failed_kernel != 0:
+    if run.counts.failed_kernel > 0:
         return failure(run)
     if all_finite(n, run.slopes) == 0:
         return failure(run)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +17,7 @@ from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import NO_TABLES, Goal, Projector, RightHandSide
-from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, drive, fresh_record
+from symbody.simulation.native.run import EVENT_SAMPLES, CompiledRun, NativeRun, drive, fresh_record
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
@@ -76,6 +76,23 @@ class Explicit:
         return DORMAND_PRINCE_8 if self.order == 8 else DORMAND_PRINCE_5
 
 
+class RunMaker(Protocol):
+    """Calls other functions in the place of those of a run."""
+
+    @property
+    def projector(self) -> Projector:
+        """What brings states back onto the constraints."""
+        ...
+
+    def right_hand_side(self, right: RightHandSide) -> RightHandSide:
+        """Return the right-hand side in the place of another one."""
+        ...
+
+    def run(self, native: NativeRun) -> CompiledRun:
+        """Return a run in the place of one that calls these two."""
+        ...
+
+
 def integrate(
     address: int,
     work_size: int,
@@ -100,6 +117,7 @@ def integrate(
     watch: Watch | None = None,
     breakpoints: Breakpoints = NO_BREAKPOINTS,
     held: HeldValues | None = None,
+    charts: RunMaker | None = None,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
@@ -120,6 +138,8 @@ def integrate(
         Called now and then with the share of the span that is done; returning False ends the run.
     projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
         Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs.
+    charts : RunMaker, optional
+        Calls other functions in the place of these.
 
     Raises
     ------
@@ -132,8 +152,11 @@ def integrate(
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
+    if charts is not None:
+        rhs, projector = charts.right_hand_side(rhs), charts.projector
     block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
-    run = NativeRun(rhs.address, projector.address, block, held)
+    native = NativeRun(rhs.address, projector.address, block, held)
+    run: CompiledRun = native if charts is None else charts.run(native)
     more = 0 if watch is None else EVENT_SAMPLES
     return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
 

@@ -22,7 +22,7 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.rewrite import substitute
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
-from symbody.simulation.methods.closed_loops.partition import Partition, run_partition
+from symbody.simulation.methods.closed_loops.partition import Charts, Partition
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -123,7 +123,8 @@ def _run_method(
         return *run_ggl(motion, stiff, watch), watch
     if isinstance(constraints, Partition):
         explicit = integrator if isinstance(integrator, Explicit) else DEFAULT
-        return *run_partition(motion, constraints, explicit, watch), watch
+        charts = Charts(motion, constraints)
+        return run_explicit(motion, explicit, closing, watch, charts=charts), charts.notes, watch
     if isinstance(integrator, Stiff):
         return run_stiff(motion, integrator, constraints, watch), (), watch
     if isinstance(integrator, GeneralizedAlpha):
@@ -188,8 +189,9 @@ def run_explicit(
     watch: EventWatch | None,
     *,
     stop_when_stiff: bool = False,
+    charts: Charts | None = None,
 ) -> RawRun:
-    """Return the run of the compiled loop; the compiled functions live until it ends.
+    """Return the run of the compiled loop, on charts or with all states integrated; the compiled functions live until it ends.
 
     Raises
     ------
@@ -225,7 +227,11 @@ def run_explicit(
         watch=watch,
         breakpoints=motion.breakpoints,
         held=None if problem.sampler is None else SampledLoop(problem, problem.sampler),
+        charts=charts,
     )
+    if charts is not None:
+        with charts.interruptible():
+            return run()
     if python_laws is None:
         return run()
     with python_laws.interruptible():
