@@ -29,28 +29,25 @@ def evaluate_chart(h: Function, chart: Chart, t: Reals, r: Reals) -> None:
     _status = h(t, q, x, r, numbers.parameters, numbers.constants, chart.out, numbers.work)
 
 
-def position_residual(chart: Chart, row: int) -> float:
-    """Return a condition on positions over its scale."""
-    if row < chart.conditions:
-        return chart.out[row] / chart.scales[row]
+def norm_condition(chart: Chart, number: int, slopes: Reals) -> float:
+    """Return how much longer than 1 a quaternion is, to first order; its slopes go to their coordinates."""
+    q = part(chart.state, chart.speeds, chart.coordinates)
+    places = part(chart.quaternion_places, 4 * number, 4)
     total = 0.0
-    places = part(chart.quaternion_places, 4 * (row - chart.conditions), 4)
+    for i in range(chart.coordinates):
+        slopes[i] = 0.0
     for k in range(4):
-        component = chart.state[chart.speeds + int(places[k])]
-        total = total + component * component
+        place = int(places[k])
+        slopes[place] = q[place]
+        total = total + q[place] * q[place]
     return (total - 1.0) / 2.0
 
 
-def position_slope(chart: Chart, row: int, place: int) -> float:
-    """Return its derivative by a coordinate over its size."""
-    n_q = chart.coordinates
-    if row < chart.conditions:
-        return chart.out[chart.conditions + row * n_q + place] * chart.sizes[place] / chart.scales[row]
-    places = part(chart.quaternion_places, 4 * (row - chart.conditions), 4)
-    for k in range(4):
-        if int(places[k]) == place:
-            return chart.state[chart.speeds + place]
-    return 0.0
+def fill_row(n: int, row: Reals, share: float, places: Reals, sizes: Reals, target: Reals) -> None:
+    """Copy the entries of a row that belong to dependent ones, each by its size and the share."""
+    for b in range(n):
+        place = int(places[b])
+        target[b] = row[place] * sizes[place] * share
 
 
 def solve_moves(chart: Chart, n: int, best: float) -> float:
@@ -80,11 +77,25 @@ def solve_moves(chart: Chart, n: int, best: float) -> float:
 def position_moves(chart: Chart) -> int:
     """Store a step of Newton's method for the dependent coordinates, over sizes; return 0 without one."""
     n = chart.dependent_positions
+    n_q = chart.coordinates
+    count = chart.conditions
+    out = chart.out
+    rows = chart.position_rows
+    places = chart.position_places
+    sizes = chart.sizes
+    scales = chart.scales
+    matrix = chart.matrix
+    move = chart.move
     for a in range(n):
-        row = int(chart.position_rows[a])
-        chart.move[a] = position_residual(chart, row)
-        for b in range(n):
-            chart.matrix[a * n + b] = position_slope(chart, row, int(chart.position_places[b]))
+        row = int(rows[a])
+        target = part(matrix, a * n, n)
+        if row < count:
+            share = 1.0 / scales[row]
+            move[a] = out[row] * share
+            fill_row(n, part(out, count + row * n_q, n_q), share, places, sizes, target)
+        else:
+            move[a] = norm_condition(chart, row - count, chart.norm_row)
+            fill_row(n, chart.norm_row, 1.0, places, sizes, target)
     least = solve_moves(chart, n, chart.best_position)
     if least == 0.0:
         return 0
@@ -99,13 +110,18 @@ def speed_moves(chart: Chart) -> int:
     n_u = chart.speeds
     residuals = chart.conditions + chart.conditions * chart.coordinates
     slopes = residuals + chart.rows
+    out = chart.out
+    rows = chart.speed_rows
+    places = chart.speed_places
+    sizes = chart.speed_sizes
+    scales = chart.scales
+    matrix = chart.matrix
+    move = chart.move
     for a in range(n):
-        row = int(chart.speed_rows[a])
-        scale = chart.scales[row]
-        chart.move[a] = chart.out[residuals + row] / scale
-        for b in range(n):
-            place = int(chart.speed_places[b])
-            chart.matrix[a * n + b] = chart.out[slopes + row * n_u + place] * chart.speed_sizes[place] / scale
+        row = int(rows[a])
+        share = 1.0 / scales[row]
+        move[a] = out[residuals + row] * share
+        fill_row(n, part(out, slopes + row * n_u, n_u), share, places, sizes, part(matrix, a * n, n))
     least = solve_moves(chart, n, chart.best_speed)
     if least == 0.0:
         return 0
@@ -114,28 +130,49 @@ def speed_moves(chart: Chart) -> int:
     return 1
 
 
+def add_moves(n: int, move: Reals, places: Reals, sizes: Reals, values: Reals) -> None:
+    """Change the values at so many places by moves over their sizes."""
+    for a in range(n):
+        place = int(places[a])
+        values[place] = values[place] + move[a] * sizes[place]
+
+
+def largest_share(n: int, values: Reals) -> float:
+    """Return the largest magnitude of so many values."""
+    size = 0.0
+    for a in range(n):
+        size = max(size, abs(values[a]))
+    return size
+
+
+def rounding_of(chart: Chart, q: Reals) -> float:
+    """Return what rounding leaves of the dependent coordinates, over their sizes."""
+    places = chart.position_places
+    sizes = chart.sizes
+    farthest = 0.0
+    for a in range(chart.dependent_positions):
+        place = int(places[a])
+        farthest = max(farthest, abs(q[place]) / sizes[place])
+    return ROUNDED * farthest
+
+
 def close_chart(h: Function, chart: Chart, t: Reals, r: Reals) -> int:
     """Move dependent coordinates and speeds of the state onto the constraints; return 0 if that fails."""
-    x = chart.state
-    n_u = chart.speeds
+    n = chart.dependent_positions
+    move = chart.move
+    q = part(chart.state, chart.speeds, chart.coordinates)
+    settled = max(chart.settled, rounding_of(chart, q))
     last = 1.0 / SHRINKAGE
     for _round in range(MOST_ROUNDS):
         evaluate_chart(h, chart, t, r)
         if position_moves(chart) == 0:
             return 0
-        size = 0.0
-        farthest = 0.0
-        for a in range(chart.dependent_positions):
-            place = int(chart.position_places[a])
-            size = max(size, abs(chart.move[a]))
-            x[n_u + place] = x[n_u + place] + chart.move[a] * chart.sizes[place]
-            farthest = max(farthest, abs(x[n_u + place]) / chart.sizes[place])
-        if size <= max(chart.settled, ROUNDED * farthest):
+        size = largest_share(n, move)
+        add_moves(n, move, chart.position_places, chart.sizes, q)
+        if size <= settled:
             if speed_moves(chart) == 0:
                 return 0
-            for a in range(chart.dependent_speeds):
-                place = int(chart.speed_places[a])
-                x[place] = x[place] + chart.move[a] * chart.speed_sizes[place]
+            add_moves(chart.dependent_speeds, move, chart.speed_places, chart.speed_sizes, chart.state)
             return 1
         if not size <= SHRINKAGE * last:
             return 0
@@ -179,20 +216,23 @@ def chart_moves(h: Function, chart: Chart, t: Reals, q: Reals, u: Reals, r: Real
     count = chart.dependent_positions
     n_u = chart.speeds
     n_q = chart.coordinates
+    places = chart.position_places
+    moves = part(out, count, n_q + n_u)
     enter_state(chart, q, u)
     evaluate_chart(h, chart, t, r)
     for i in range(n_q + n_u):
-        out[count + i] = 0.0
-    for a in range(count):
-        out[a] = position_residual(chart, int(chart.position_rows[a]))
+        moves[i] = 0.0
     if position_moves(chart) == 0:
         return 1
+    add_moves(count, chart.move, places, chart.sizes, moves)
     for a in range(count):
-        place = int(chart.position_places[a])
-        out[count + place] = chart.move[a] * chart.sizes[place]
+        row = int(chart.position_rows[a])
+        if row < chart.conditions:
+            out[a] = chart.out[row] / chart.scales[row]
+        else:
+            out[a] = norm_condition(chart, row - chart.conditions, chart.norm_row)
     if speed_moves(chart) == 0:
         return 1
-    for a in range(chart.dependent_speeds):
-        place = int(chart.speed_places[a])
-        out[count + n_q + place] = chart.move[a] * chart.speed_sizes[place]
+    rates = part(moves, n_q, n_u)
+    add_moves(chart.dependent_speeds, chart.move, chart.speed_places, chart.speed_sizes, rates)
     return 0

@@ -36,6 +36,7 @@ class Chart(RecordLayout):
     scales: Reals = pointer("rows")  # those of constraints on positions come first
     state: Reals = pointer("states")  # the closed one
     out: Reals = pointer("out_size")
+    norm_row: Reals = pointer("coordinates")
     matrix: Reals = pointer()
     move: Reals = pointer()
     pivots: Reals = pointer()

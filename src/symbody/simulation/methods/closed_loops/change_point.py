@@ -107,13 +107,9 @@ def change_point_note(notes: Iterable[str]) -> str:
 
 def samples_on_the_way(motion: Motion) -> bool:
     """Return whether the method of a motion takes the samples of signals inside its loop."""
-    if isinstance(motion.integrator, Stiff | GeneralizedAlpha) or isinstance(
-        motion.constraints, GGL | Partition
-    ):
-        return False
-    if motion.constraints is not None or not motion.eqs.multiplier_names:
-        return True
-    return not is_overconstrained(motion.problem, motion.span[0], motion.state)
+    return not isinstance(motion.integrator, Stiff | GeneralizedAlpha) and not isinstance(
+        motion.constraints, GGL
+    )
 
 
 def integrate_on_branch(motion: Motion) -> Integration:
@@ -131,12 +127,7 @@ def integrate_on_branch(motion: Motion) -> Integration:
         run = integrate_motion(motion)
         return run if follows or not run.raw.status.success else _judge_passages(motion, run)
     by_partition = replace(motion, constraints=_PARTITION)
-    # The loop of `Partition` takes no samples.
-    is_replaceable = (
-        isinstance(constraints, Projection)
-        and isinstance(motion.integrator, Explicit | None)
-        and problem.sampler is None
-    )
+    is_replaceable = isinstance(constraints, Projection) and isinstance(motion.integrator, Explicit | None)
     if follows and is_replaceable:
         return integrate_by_partition(motion)
     run = (
@@ -153,9 +144,12 @@ def integrate_on_branch(motion: Motion) -> Integration:
     is_plain = run.raw.status.success and passages is None
     end = None if is_plain else _end_of_branch(motion, run, passages, is_locked=is_locked)
     if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
+        samples = None if problem.sampler is None else problem.sampler.saved()
         second = integrate_motion(by_partition)
         if second.raw.status.success:
             return _judge_passages(motion, second._replace(notes=(reason, *second.notes)))
+        if problem.sampler is not None and samples is not None:  # those of the motion that stays
+            problem.sampler.put_back(samples)
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
             run = run._replace(notes=(*run.notes, _SEVERAL))
     if end is None:

@@ -50,6 +50,7 @@ _OPEN: Final = (
     "do not select one: start slightly away from it, or give other velocities"
 )
 _NOTHING: Final = np.zeros(0)
+_LIMIT: Final = Projection().limit
 # Newton's method ends with a step of this share of rtol: its speeds are off by as much.
 _SETTLED: Final = 1e-3
 # Python takes over where the least singular value is below the first, and hands back above the second.
@@ -192,7 +193,7 @@ class Charts:
         loops, positions = self.states.loops, self.states.positions
         n_u, n_q, count = loops.speed_sizes.size, loops.sizes.size, positions.rows.size
         return Projector(
-            1, n_u, _NOTHING, np.zeros(2), _NOTHING, 0, n_q, np.full(count, EXACT), Projection().limit,
+            1, n_u, _NOTHING, np.zeros(2), _NOTHING, 0, n_q, np.full(count, EXACT), _LIMIT,
             loops.sizes, ROUNDED_PER_COORDINATE * n_q * EPSILON / EXACT, count + n_q + n_u,
         )  # fmt: skip
 
@@ -238,11 +239,13 @@ class Charts:
         rates, moves = (np.asarray(each.numbers.parameters) for each in (run, run.projection))
         rates.view(np.int64)[:] = self._rates, self._posed.address, chart
         moves.view(np.int64)[:] = self._posed.address, chart
+        run.projection.limit = _LIMIT
         entries = _entries()
         return native._replace(rhs=entries[0], projector=entries[1])
 
     def in_passage(self, native: NativeRun) -> NativeRun:
-        """Return a run near a change point."""
+        """Return a run near a change point, where what is interpolated differs from what was closed before."""
+        Run(native.block).projection.limit = np.inf
         return native._replace(rhs=self._passage.address, projector=self._passage_moves.address)
 
     def raise_fault(self) -> None:
