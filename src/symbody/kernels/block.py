@@ -31,6 +31,8 @@ TORN_MOTION: Final = 16
 NO_IMPULSE: Final = 17
 # What motions on a chart return where other coordinates should be independent: the step is not taken.
 CHART_ENDS: Final = 18
+# What is returned to who brings an integrator: it has to begin anew from the state that an event has set.
+RESTARTED: Final = 19
 
 # What a right-hand side on a chart returns for that, and where it finds no closed state. Positive numbers
 # are those of kernels that fail.

@@ -262,8 +262,8 @@ def first_step(f: Function, run: Run) -> float:
     return max(min(min(100.0 * share, longer), 1.0) * bound, least)
 
 
-def begin(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
-    """Evaluate the first derivative, choose the first step unless it is given, store the first sample."""
+def begin_record(run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
+    """Store the first sample; return `FINISHED` where the motion ends at its beginning, else `RUNNING`."""
     n = run.states
     copy(n, run.state_old, run.state_new)
     start = run.time
@@ -275,6 +275,15 @@ def begin(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals
     if run.room.keep_dense != 0.0:
         breaks[0] = start
     if start == run.t_end:
+        return FINISHED
+    return RUNNING
+
+
+def begin(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
+    """Evaluate the first derivative, choose the first step unless it is given, store the first sample."""
+    n = run.states
+    start = run.time
+    if begin_record(run, times, t, x, breaks) == FINISHED:
         return FINISHED
     run.error = 1e-4
     run.time = behind_jump(run, start)

@@ -191,7 +191,9 @@ def run_explicit(
     stop_when_stiff: bool = False,
     charts: Charts | None = None,
 ) -> RawRun:
-    """Return the run of the compiled loop, on charts or with all states integrated; the compiled functions live until it ends.
+    """Return the run of the compiled loop, on charts if these are given.
+
+    The compiled functions live until it ends.
 
     Raises
     ------

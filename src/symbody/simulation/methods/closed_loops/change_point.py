@@ -144,17 +144,24 @@ def integrate_on_branch(motion: Motion) -> Integration:
     is_plain = run.raw.status.success and passages is None
     end = None if is_plain else _end_of_branch(motion, run, passages, is_locked=is_locked)
     if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
-        samples = None if problem.sampler is None else problem.sampler.saved()
-        second = integrate_motion(by_partition)
+        second = _integrate_again(by_partition)
         if second.raw.status.success:
             return _judge_passages(motion, second._replace(notes=(reason, *second.notes)))
-        if problem.sampler is not None and samples is not None:  # those of the motion that stays
-            problem.sampler.put_back(samples)
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
             run = run._replace(notes=(*run.notes, _SEVERAL))
     if end is None:
         return end_where_rows_change(motion, run)
     return end_run(run, end.t, end.note(f"sb.{type(constraints).__name__}()"))
+
+
+def _integrate_again(motion: Motion) -> Integration:
+    """Return another run of a motion; held values stay those of the first where it does not succeed."""
+    sampler = motion.problem.sampler
+    samples = None if sampler is None else sampler.saved()
+    run = integrate_motion(motion)
+    if sampler is not None and samples is not None and not run.raw.status.success:
+        sampler.put_back(samples)
+    return run
 
 
 def _judge_passages(motion: Motion, run: Integration) -> Integration:

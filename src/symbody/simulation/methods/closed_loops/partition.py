@@ -169,9 +169,7 @@ class Charts:
     @property
     def notes(self) -> tuple[str, ...]:
         """What to say about the motion."""
-        more = (
-            (f"other independent coordinates were chosen {self.changes} times",) if self.changes else ()
-        )
+        more = (f"other independent coordinates were chosen {self.changes} times",) if self.changes else ()
         return (*more, *((_OPEN,) if self._is_open else ()))
 
     @property
@@ -244,7 +242,7 @@ class Charts:
         return native._replace(rhs=entries[0], projector=entries[1])
 
     def in_passage(self, native: NativeRun) -> NativeRun:
-        """Return a run near a change point, where what is interpolated differs from what was closed before."""
+        """Return a run near a change point: what is interpolated differs from what was closed before."""
         Run(native.block).projection.limit = np.inf
         return native._replace(rhs=self._passage.address, projector=self._passage_moves.address)
 
