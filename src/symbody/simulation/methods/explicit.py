@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +31,8 @@ NO_FUNCTION: Final = RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0)
 NOTHING_TO_PROJECT: Final = Projector(
     0, 0, _NOTHING, _NOTHING, _NOTHING, 0, 0, _NOTHING, math.inf, _NOTHING, 0.0, 0
 )
+
+RunMaker = Callable[[RightHandSide, Callable[[RightHandSide, Projector], NativeRun]], CompiledRun]
 
 # An rtol below this is finer than rounding allows.
 SMALLEST_RTOL: Final = 10.0 * EPSILON
@@ -76,23 +79,6 @@ class Explicit:
         return DORMAND_PRINCE_8 if self.order == 8 else DORMAND_PRINCE_5
 
 
-class RunMaker(Protocol):
-    """Calls other functions in the place of those of a run."""
-
-    @property
-    def projector(self) -> Projector:
-        """What brings states back onto the constraints."""
-        ...
-
-    def right_hand_side(self, right: RightHandSide) -> RightHandSide:
-        """Return the right-hand side in the place of another one."""
-        ...
-
-    def run(self, native: NativeRun) -> CompiledRun:
-        """Return a run in the place of one that calls these two."""
-        ...
-
-
 def integrate(
     address: int,
     work_size: int,
@@ -117,7 +103,7 @@ def integrate(
     watch: Watch | None = None,
     breakpoints: Breakpoints = NO_BREAKPOINTS,
     held: HeldValues | None = None,
-    charts: RunMaker | None = None,
+    make_run: RunMaker | None = None,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
@@ -138,8 +124,8 @@ def integrate(
         Called now and then with the share of the span that is done; returning False ends the run.
     projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
         Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs.
-    charts : RunMaker, optional
-        Calls other functions in the place of these.
+    make_run : callable, optional
+        From the right-hand side, and what makes a run with other functions, to the run.
 
     Raises
     ------
@@ -152,11 +138,13 @@ def integrate(
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
-    if charts is not None:
-        rhs, projector = charts.right_hand_side(rhs), charts.projector
-    block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
-    native = NativeRun(rhs.address, projector.address, block, held)
-    run: CompiledRun = native if charts is None else charts.run(native)
+
+    def make(rhs: RightHandSide, projector: Projector) -> NativeRun:
+        first = float(method.first_step or 0.0)
+        block = make_block(rhs, projector, method.tableau, goal, x, start, first)
+        return NativeRun(rhs.address, projector.address, block, held)
+
+    run = make(rhs, projector) if make_run is None else make_run(rhs, make)
     more = 0 if watch is None else EVENT_SAMPLES
     return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import ctypes
 import time
-from abc import abstractmethod
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Final
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_fields
 from symbody.codegen.call_arguments import address
+from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.kernel_library import load_entries
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels import block as at
@@ -96,17 +97,16 @@ def _entries() -> tuple[int, int]:
 
 
 class _PassageFunction(NativeCallback):
-    """A function of the loop near a change point, where Python computes."""
+    """A function of the loop near a change point: Python computes its values from time and state."""
 
-    def __init__(self, states: PartitionStates, size: int) -> None:
+    def __init__(self, values: Callable[[float, Floats], Floats], size: int) -> None:
         super().__init__()
-        self._states = states
-        self._x = ctypes.c_double * size
+        self._values, self._x = values, ctypes.c_double * size
 
     def answer(self, t: int, q: int, u: int, r: int, p: int, c: int, out: int, work: int) -> int:
-        """Store what is computed of time and state; where there is nothing a shorter step is tried."""
+        """Store the values; where there are none a shorter step is tried."""
         try:
-            values = self.values(ctypes.c_double.from_address(t).value, np.array(self._x.from_address(u)))
+            values = self._values(ctypes.c_double.from_address(t).value, np.array(self._x.from_address(u)))
         except SimulationError as error:
             if error.problems[0].code not in _MENDABLE:
                 raise
@@ -114,210 +114,162 @@ class _PassageFunction(NativeCallback):
         ctypes.memmove(out, address(values), values.nbytes)
         return 0
 
-    @abstractmethod
-    def values(self, t: float, x: Floats) -> Floats:
-        """Return what to store."""
 
-
-class _PassageRates(_PassageFunction):
-    """The slopes of the state that belongs to another one."""
-
-    def values(self, t: float, x: Floats) -> Floats:
-        """Return them, and the power."""
-        return self._states.rates(t, x)
-
-
-class _PassageMoves(_PassageFunction):
-    """What `projection` reads: it moves a state, then asks whether that is closed."""
-
-    def __init__(self, states: PartitionStates, size: int) -> None:
-        super().__init__(states, size)
-        self._closed = np.zeros(size)
-
-    def values(self, t: float, x: Floats) -> Floats:
-        """Return residuals, moves of all coordinates, moves of all speeds."""
-        places = self._states.loops.places
-        is_closed = bool((x[places] == self._closed[places]).all())
-        if not is_closed:
-            self._closed = self._states.state(t, x)
-        moves = self._closed - x
-        residuals = np.full(self._states.positions.rows.size, float(moves[places].any()))
-        return np.concatenate([residuals, moves[places], moves[: places.start]])
-
-
-class Charts:
-    """The charts of one motion, one after the other, and what the compiled loop calls.
-
-    Attributes
-    ----------
-    changes : int
-        How often others became independent.
-    """
+class ChartRun:
+    """A run of the compiled loop that goes from chart to chart; see `native.run.CompiledRun`."""
 
     def __init__(self, motion: Motion, method: Partition) -> None:
-        self.changes = 0
-        self.states = PartitionStates(motion)
         self._motion, self._worst = motion, method.worst
-        self._is_open = not self.states.is_on_branch(motion.span[0], motion.state)
+        self._states = PartitionStates(motion)
+        self._is_open = not self._states.is_on_branch(motion.span[0], motion.state)
         self._posed = motion.problem.compile_outputs(POSED)
-        self._calls: dict[tuple[int, ...], CallbackFunction] = {}
-        self._passage = _PassageRates(self.states, motion.x0.size)
-        self._passage_moves = _PassageMoves(self.states, motion.x0.size)
-        self._chart = Chart(_NOTHING)
-        self._rates = 0
+        self._laws: dict[int, CallbackFunction] = {}
+        size = motion.x0.size
+        self._passage = _PassageFunction(self._states.rates, size)
+        self._passage_moves = _PassageFunction(self._moves, size)
+        self._closed = np.zeros(size)
+        self._changes, self._share = 0, method.worst
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What to say about the motion."""
-        more = (f"other independent coordinates were chosen {self.changes} times",) if self.changes else ()
+        count = self._changes
+        more = (f"other independent coordinates were chosen {count} times",) if count else ()
         return (*more, *((_OPEN,) if self._is_open else ()))
 
     @property
-    def is_open(self) -> bool:
-        """Whether the velocities do not select a branch at the start."""
-        return self._is_open
+    def block(self) -> Floats:
+        """See `symbody.kernels.block`."""
+        return self._native.block
 
     def interruptible(self) -> AbstractContextManager[None]:
         """Let Ctrl-C end the loop from within."""
         return self._passage.interruptible()
 
-    def right_hand_side(self, right: RightHandSide) -> RightHandSide:
-        """Return the right-hand side of the loop, with the laws of another one."""
-        return right._replace(address=1, parameters=np.zeros(3), constants=_NOTHING, work_size=0)
-
-    @property
-    def projector(self) -> Projector:
-        """What brings the ends of steps, and samples, onto the constraints."""
-        loops, positions = self.states.loops, self.states.positions
-        n_u, n_q, count = loops.speed_sizes.size, loops.sizes.size, positions.rows.size
-        return Projector(
+    def start(self, rhs: RightHandSide, make: Callable[[RightHandSide, Projector], NativeRun]) -> ChartRun:
+        """Take the place of a run with a right-hand side; `make` makes one with other functions."""
+        loops, count = self._states.loops, self._states.positions.rows.size
+        n_u, n_q = loops.speed_sizes.size, loops.sizes.size
+        projector = Projector(
             1, n_u, _NOTHING, np.zeros(2), _NOTHING, 0, n_q, np.full(count, EXACT), _LIMIT,
             loops.sizes, ROUNDED_PER_COORDINATE * n_q * EPSILON / EXACT, count + n_q + n_u,
         )  # fmt: skip
+        plain = rhs._replace(parameters=np.zeros(3), constants=_NOTHING, work_size=0)
+        self._native = make(plain, projector)
+        t, q = self._place()
+        self._is_passing = self._states.share(t, q) < _ENTER
+        if self._is_passing:
+            self._enter_passage()
+        else:
+            self._states.choose(t, q)
+            self._enter_chart()
+        return self
 
-    def choose(self, share: float) -> None:
-        """Make the chart of the present choice, worn at a share of its best pivots."""
-        motion, loops = self._motion, self.states.loops
-        positions, speeds = self.states.positions, self.states.speeds
-        laws, n_u = motion.problem.laws, motion.n_u
-        rates = self.states.function(speeds)
-        key = tuple(speeds.rows.tolist())
-        self._rates = rates.address
-        if laws.need_python:
-            if key not in self._calls:
-                self._calls[key] = CallbackFunction(rates, laws)
-            self._rates = self._calls[key].address
+    def begin(self, record: Record) -> int:
+        """Compute what a run begins with; return a code of `symbody.kernels.block`."""
+        code = self._native.begin(record)
+        self._raise_fault()
+        return at.SINGULAR if self._is_open else code
+
+    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        code, began = at.RUNNING, time.perf_counter()
+        while code == at.RUNNING and time.perf_counter() - began < SLICE_SECONDS:
+            code = self._native.advance(record, 1 if self._is_passing else min(trials, _MOST_TRIALS), watch)
+            self._raise_fault()
+            t, q = self._place()
+            self._states.accept(t, state_of(self.block).copy())
+            if self._is_passing:
+                self._pass_on(t, q)
+            elif code != at.CHART_ENDS:
+                break
+            else:
+                self._end_chart(t, q)
+                code = at.RUNNING
+        return code
+
+    def _place(self) -> tuple[float, Floats]:
+        """Return time and coordinates at present."""
+        return Run(self.block).time, state_of(self.block)[self._states.loops.places].copy()
+
+    def _end_chart(self, t: float, q: Floats) -> None:
+        """Choose anew; where this gives the same again, steps may lead farther before it is worn."""
+        self._is_passing = self._states.share(t, q) < _ENTER
+        if not self._is_passing:
+            is_new = self._states.choose(t, q)
+            self._changes += is_new
+            self._share = self._worst * (1.0 if is_new else self._share)
+            self._is_passing = self._share < NEAR
+        if self._is_passing:
+            self._enter_passage()
+        else:
+            self._enter_chart()
+
+    def _pass_on(self, t: float, q: Floats) -> None:
+        """Go back to a chart behind a change point; where there is none, choose what is best."""
+        if not self._states.is_near_change_point(t, q):
+            self._changes += self._states.choose(t, q)
+        if self._states.share(t, q) > _LEAVE:
+            self._is_passing, self._share = False, self._worst
+            self._enter_chart()
+
+    def _enter_passage(self) -> None:
+        """Let Python compute. What it interpolates differs from what was closed before."""
+        self._native = self._native._replace(rhs=self._passage.address, projector=self._passage_moves.address)
+        Run(self.block).projection.limit = np.inf
+
+    def _enter_chart(self) -> None:
+        """Make the chart of the present choice."""
+        rates = self._states.function(self._states.speeds)
+        entry = rates.address
+        if self._motion.problem.laws.need_python:
+            entry = self._laws.setdefault(entry, CallbackFunction(rates, self._motion.problem.laws)).address
+        self._chart = self._make_chart(rates)
+        places = entry, self._posed.address, address(self._chart)
+        run = Run(self.block)
+        for function, given in ((run, places), (run.projection, places[1:])):
+            np.asarray(function.numbers.parameters).view(np.int64)[:] = given
+        run.projection.limit = _LIMIT
+        self._native = self._native._replace(rhs=_entries()[0], projector=_entries()[1])
+
+    def _make_chart(self, rates: CompiledFunction) -> Floats:
+        """Return the array of a `Chart`."""
+        motion, loops = self._motion, self._states.loops
+        positions, speeds = self._states.positions, self._states.speeds
         sizes = [len(output.values) for output in self._posed.outputs]
         k = max(positions.rows.size, speeds.rows.size)
         numbers, rate_numbers = (
             function_numbers(
-                RightHandSide(0, n_u, _NOTHING, _NOTHING, function.constants(), function.work_size)
+                RightHandSide(0, motion.n_u, _NOTHING, _NOTHING, each.constants(), each.work_size)
             )
-            for function in (self._posed, rates)
+            for each in (self._posed, rates)
         )
-        eqs, scales = motion.eqs, motion.problem.scales
-        self._chart = Chart(pack(
-            Chart, states=motion.x0.size, speeds=n_u, coordinates=loops.sizes.size, conditions=sizes[0],
-            rows=sizes[2], out_size=sum(sizes), dependent_positions=positions.rows.size,
-            dependent_speeds=speeds.rows.size, quaternion_count=len(eqs.quaternions),
-            settled=_SETTLED * motion.rtol, share=share, position_rows=positions.rows,
-            position_places=positions.dependent, speed_rows=speeds.rows, speed_places=speeds.dependent,
-            quaternion_places=np.ravel(loops.quaternions), sizes=loops.sizes, speed_sizes=loops.speed_sizes,
-            scales=scales.constraints(eqs), matrix=np.zeros(k * k), move=np.zeros(k), pivots=np.zeros(k),
-            numbers=numbers, rate_numbers=rate_numbers,
-        ))  # fmt: skip
+        return pack(
+            Chart, states=motion.x0.size, speeds=motion.n_u, coordinates=loops.sizes.size,
+            conditions=sizes[0], rows=sizes[2], out_size=sum(sizes),
+            dependent_positions=positions.rows.size, dependent_speeds=speeds.rows.size,
+            quaternion_count=len(loops.quaternions), settled=_SETTLED * motion.rtol, share=self._share,
+            position_rows=positions.rows, position_places=positions.dependent, speed_rows=speeds.rows,
+            speed_places=speeds.dependent, quaternion_places=np.ravel(loops.quaternions), sizes=loops.sizes,
+            speed_sizes=loops.speed_sizes, scales=motion.problem.scales.constraints(motion.eqs),
+            matrix=np.zeros(k * k), move=np.zeros(k), pivots=np.zeros(k), numbers=numbers,
+            rate_numbers=rate_numbers,
+        )  # fmt: skip
 
-    def run(self, native: NativeRun) -> ChartRun:
-        """Return the run of the compiled loop, with what it calls."""
-        return ChartRun(self, native, self._motion, self._worst)
+    def _moves(self, t: float, x: Floats) -> Floats:
+        """Return what `projection` reads: residuals, moves of all coordinates, moves of all speeds.
 
-    def on_chart(self, native: NativeRun) -> NativeRun:
-        """Return a run on the present chart."""
-        run, chart = Run(native.block), address(np.asarray(self._chart.array))
-        rates, moves = (np.asarray(each.numbers.parameters) for each in (run, run.projection))
-        rates.view(np.int64)[:] = self._rates, self._posed.address, chart
-        moves.view(np.int64)[:] = self._posed.address, chart
-        run.projection.limit = _LIMIT
-        entries = _entries()
-        return native._replace(rhs=entries[0], projector=entries[1])
+        It moves a state, then asks whether that is closed.
+        """
+        places = self._states.loops.places
+        if not (x[places] == self._closed[places]).all():
+            self._closed = self._states.state(t, x)
+        moves = self._closed - x
+        residuals = np.full(self._states.positions.rows.size, float(moves[places].any()))
+        return np.concatenate([residuals, moves[places], moves[: places.start]])
 
-    def in_passage(self, native: NativeRun) -> NativeRun:
-        """Return a run near a change point: what is interpolated differs from what was closed before."""
-        Run(native.block).projection.limit = np.inf
-        return native._replace(rhs=self._passage.address, projector=self._passage_moves.address)
-
-    def raise_fault(self) -> None:
+    def _raise_fault(self) -> None:
         """Raise what ended the loop from within."""
-        for each in (self._passage, self._passage_moves, *self._calls.values()):
+        for each in (self._passage, self._passage_moves, *self._laws.values()):
             if each.error is not None:
                 raise each.error
-
-
-class ChartRun:
-    """A run of the compiled loop that goes from chart to chart; see `native.run.CompiledRun`."""
-
-    def __init__(self, charts: Charts, native: NativeRun, motion: Motion, worst: float) -> None:
-        self.block = native.block
-        self._charts, self._native, self._worst = charts, native, worst
-        self._share = worst
-        self._is_passing = charts.states.share(*self._place) < _ENTER
-        if not self._is_passing:
-            charts.states.choose(*self._place)
-            charts.choose(worst)
-
-    @property
-    def _place(self) -> tuple[float, Floats]:
-        """Time and coordinates at present."""
-        return Run(self.block).time, state_of(self.block)[self._charts.states.loops.places]
-
-    @property
-    def _now(self) -> NativeRun:
-        charts = self._charts
-        return charts.in_passage(self._native) if self._is_passing else charts.on_chart(self._native)
-
-    def begin(self, record: Record) -> int:
-        """Compute what a run begins with; return a code of `symbody.kernels.block`."""
-        code = self._now.begin(record)
-        self._charts.raise_fault()
-        return at.SINGULAR if self._charts.is_open else code
-
-    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
-        """Try up to so many steps; return a code of `symbody.kernels.block`."""
-        charts, began = self._charts, time.perf_counter()
-        code = at.RUNNING
-        while code == at.RUNNING and time.perf_counter() - began < SLICE_SECONDS:
-            code = self._now.advance(record, 1 if self._is_passing else min(trials, _MOST_TRIALS), watch)
-            charts.raise_fault()
-            t, x = Run(self.block).time, state_of(self.block).copy()
-            charts.states.accept(t, x)
-            if self._is_passing:
-                self._pass_on(t, x[charts.states.loops.places])
-            elif code == at.CHART_ENDS:
-                self._end_chart(t, x[charts.states.loops.places])
-                code = at.RUNNING
-            else:
-                break
-        return code
-
-    def _end_chart(self, t: float, q: Floats) -> None:
-        """Choose anew; where this gives the same again, steps may lead farther before it is worn."""
-        states = self._charts.states
-        is_near = states.share(t, q) < _ENTER
-        if not is_near:
-            is_new = states.choose(t, q)
-            self._share = self._worst * (1.0 if is_new else self._share)
-            self._charts.changes += is_new
-        if is_near or self._share < NEAR:
-            self._is_passing = True
-        else:
-            self._charts.choose(self._share)
-
-    def _pass_on(self, t: float, q: Floats) -> None:
-        """Go back to a chart behind a change point."""
-        states = self._charts.states
-        if states.share(t, q) > _LEAVE:
-            self._charts.changes += states.choose(t, q)
-            self._is_passing, self._share = False, self._worst
-            self._charts.choose(self._worst)
-        elif states.is_worn(t, q, self._worst):
-            self._charts.changes += states.choose(t, q)

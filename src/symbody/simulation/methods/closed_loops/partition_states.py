@@ -56,24 +56,14 @@ class PartitionChoice:
 
     Attributes
     ----------
-    column_share, row_share : float
-        The least length that a unit vector of the null space has in the independent columns, and the least
-        singular value of the rows over that of all rows: 1 at best.
+    row_share : float
+        The least singular value of the rows over that of all rows: 1 at best.
     """
 
     rows: Places
     dependent: Places
     independent: Places
-    column_share: float
     row_share: float
-
-    def shares(self, matrix: Floats) -> tuple[float, float]:
-        """Return what the shares are for another matrix of the same rank."""
-        rank = self.rows.size
-        _, sizes, right = np.linalg.svd(matrix)
-        return _shares(
-            matrix, self.rows, right[rank:, self.independent], float(sizes[:rank].min(initial=np.inf))
-        )
 
 
 def partition_columns(matrix: Floats, rank: int, rows: Places | None = None) -> PartitionChoice:
@@ -84,15 +74,8 @@ def partition_columns(matrix: Floats, rank: int, rows: Places | None = None) -> 
         rows = np.sort(pivot_order(matrix.T)[0][:rank])
     independent = np.sort(pivot_order(free)[0][: len(free)])
     dependent = np.setdiff1d(np.arange(matrix.shape[1]), independent)
-    shares = _shares(matrix, rows, free[:, independent], float(sizes[:rank].min(initial=np.inf)))
-    return PartitionChoice(rows, dependent, independent, *shares)
-
-
-def _shares(matrix: Floats, rows: Places, free: Floats, least: float) -> tuple[float, float]:
-    columns = float(np.linalg.svd(free, compute_uv=False).min(initial=1.0))
-    if not rows.size:
-        return columns, 1.0
-    return columns, float(np.linalg.svd(matrix[rows], compute_uv=False).min()) / least
+    least = np.linalg.svd(matrix[rows], compute_uv=False).min() / sizes[rank - 1] if rows.size else 1.0
+    return PartitionChoice(rows, dependent, independent, float(least))
 
 
 Choices = tuple[PartitionChoice, PartitionChoice]
@@ -143,19 +126,6 @@ class PartitionStates:
             if kept.row_share >= _ROWS_STAY * speeds.row_share:
                 return positions, kept
         return positions, speeds
-
-    def is_worn(self, t: float, q: Floats, worst: float) -> bool:
-        """Return whether another choice is better by far."""
-        if self.is_near_change_point(t, q):
-            return False
-        matrices = self.loops.positions(t, q)[1], self.loops.speeds(t, q)[0]
-        for matrix, choice in zip(matrices, (self.positions, self.speeds), strict=True):
-            by_columns, by_rows = choice.shares(matrix)
-            if by_columns < worst * choice.column_share or by_rows < worst * choice.row_share:
-                best = partition_columns(matrix, choice.rows.size)
-                if by_columns < worst * best.column_share or by_rows < worst * best.row_share:
-                    return True
-        return False
 
     def is_near_change_point(self, t: float, q: Floats) -> bool:
         """Return whether a configuration is near one where branches of the mechanism meet."""
