@@ -71,6 +71,37 @@ def test_events() -> None:
     assert abs(run.t[-1] - reference.t[-1]) < 1e-7
 
 
+@pytest.mark.parametrize("constraints", [None, sb.Partition()])
+def test_samples_and_events_on_the_way_past_change_points(constraints: sb.Partition | None) -> None:
+    """A parallelogram braked by a held torque, past flat poses: both cranks turn alike, the rod does not.
+
+    So ``(2 I + M r^2) a'' = T`` without gravity, and a torque held for h takes the share 0.3 h / inertia.
+    """
+    at = {"tip": sb.Frame(at=(1, 0, 0))}
+    cranks = [sb.Body(name, mass=1, inertia=(0.1, 0.1, 0.1), frames=at) for name in ("A", "D")]
+    rod = sb.Body("Rod", mass=2, inertia=(0.2, 0.2, 0.2), frames={"end": sb.Frame(at=(2, 0, 0))})
+    joints = [
+        sb.Revolute("J0", "ground", "A", coordinate="a"),
+        sb.Revolute("J1", "A.tip", "Rod", coordinate="b"),
+        sb.Revolute("J2", "ground.post", "D", coordinate="d", torque=sb.Drive(applied="brake")),
+        sb.Revolute("J3", "D.tip", "Rod.end", tree=False),
+    ]
+    brake = sb.Signal("brake", "-0.3*a_dot", sample=0.05)
+    post = {"post": sb.Frame(at=(2, 0, 0))}
+    eqs = sb.form_equations(sb.Model("held", [*cranks, rod, *joints, brake], ground=post))
+    run = sb.simulate(
+        eqs, 2.0, {"a": 1.0, "a_dot": 8.0}, {"b": -1.0, "d": 1.0}, constraints=constraints,
+        events=sb.Event("sin(a)", name="flat"),
+    )  # fmt: skip
+    assert run.success, run.notes
+    assert np.abs(run["a"] - run["d"]).max() < 1e-8
+    assert len(run.events) == int((run["a"][-1]) // np.pi) and len(run.events) > 3
+    assert run.held_values is not None
+    inertia = 2 * 0.1 + 2 * 1.0**2
+    speeds = 8.0 * (1.0 - 0.3 * 0.05 / inertia) ** np.arange(41)
+    np.testing.assert_allclose(run.held_values.values[0], -0.3 * speeds, rtol=1e-6)
+
+
 def test_nothing_moves_beyond_a_lock_up() -> None:
     """There a constraint follows from others, to rounding; it still has to hold."""
     guess = {"theta": 0.7, "beta": -1.4, "y": -1e-4}

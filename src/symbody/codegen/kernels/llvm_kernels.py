@@ -78,7 +78,8 @@ def entry_text(tree: KernelTree) -> str:
 
     Parameters of the kernel with these names are these; the addresses of all others, in order, are in p.
     """
-    loads, arguments = [], []
+    loads: list[str] = []
+    arguments: list[str] = []
     for parameter in tree.parameters:
         name = parameter.name
         if name not in _ENTRY_ARGUMENTS:
