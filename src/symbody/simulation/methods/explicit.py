@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -32,6 +33,7 @@ NOTHING_TO_PROJECT: Final = Projector(
     0, 0, _NOTHING, _NOTHING, _NOTHING, 0, 0, _NOTHING, math.inf, _NOTHING, 0.0, 0
 )
 
+# From a right-hand side, and what makes a run, to a run with other functions.
 RunMaker = Callable[[RightHandSide, Callable[[RightHandSide, Projector], NativeRun]], CompiledRun]
 
 # An rtol below this is finer than rounding allows.
@@ -115,17 +117,13 @@ def integrate(
         The samples to store, in the order of the motion; by default every step is stored.
     rtol, atol : float, float or (n_u + n_q,) array
         Bound the root mean square of the local errors of a step.
-    max_steps : int
-        How many steps may be tried.
-    dense, stop_when_stiff : bool
-        Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step, and to
-        stop with `Status.STIFF` when stability limits the steps.
+    max_steps, dense, stop_when_stiff : int, bool, bool
+        How many steps may be tried; whether to keep the motion between samples, at 7 (order 8) or 4 (order 5)
+        more vectors a step; whether to stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called now and then with the share of the span that is done; returning False ends the run.
     projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
         Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs.
-    make_run : callable, optional
-        From the right-hand side, and what makes a run with other functions, to the run.
 
     Raises
     ------
@@ -138,15 +136,19 @@ def integrate(
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
-
-    def make(rhs: RightHandSide, projector: Projector) -> NativeRun:
-        first = float(method.first_step or 0.0)
-        block = make_block(rhs, projector, method.tableau, goal, x, start, first)
-        return NativeRun(rhs.address, projector.address, block, held)
-
-    run = make(rhs, projector) if make_run is None else make_run(rhs, make)
+    new = partial(_new_run, method, goal, x, start, held)
+    run = new(rhs, projector) if make_run is None else make_run(rhs, new)
     more = 0 if watch is None else EVENT_SAMPLES
     return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
+
+
+def _new_run(
+    method: Explicit | FixedStep, goal: Goal, x: Floats, t: float, held: HeldValues | None,
+    rhs: RightHandSide, projector: Projector,
+) -> NativeRun:  # fmt: skip
+    """Return a run at its start."""
+    block = make_block(rhs, projector, method.tableau, goal, x, t, float(method.first_step or 0.0))
+    return NativeRun(rhs.address, projector.address, block, held)
 
 
 def make_goal(

@@ -191,9 +191,7 @@ def run_explicit(
     stop_when_stiff: bool = False,
     charts: ChartRun | None = None,
 ) -> RawRun:
-    """Return the run of the compiled loop, on charts if these are given.
-
-    The compiled functions live until it ends.
+    """Return the run of the compiled loop, on charts if given; the compiled functions live until it ends.
 
     Raises
     ------

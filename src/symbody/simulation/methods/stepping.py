@@ -150,7 +150,9 @@ def march(stepper: StepwiseIntegrator, course: Course, watch: Watch | None) -> R
     """Take steps to the end, until one fails, an event ends the run, or the caller interrupts."""
     run = SteppedRun(stepper, course)
     record = fresh_record(run, course.times, True, 0 if watch is None else EVENT_SAMPLES)
-    raw = drive(run, record if course.before is None else _continued(course, record), course.progress, watch)
+    raw = drive(
+        run, record if course.before is None else _continue_record(course, record), course.progress, watch
+    )
     spent = replace(raw.statistics, rejected=None, evaluations=stepper.evaluations)
     if course.before is not None:
         first = course.before.statistics
@@ -162,7 +164,7 @@ def march(stepper: StepwiseIntegrator, course: Course, watch: Watch | None) -> R
     return replace(raw, statistics=spent)
 
 
-def _continued(course: Course, record: Record) -> Record:
+def _continue_record(course: Course, record: Record) -> Record:
     """Return a record that begins with a run before, and note in the block what that stored."""
     before, run = course.before, Run(course.block)
     dense = None if before is None else before.dense_output
@@ -225,18 +227,18 @@ class SteppedRun:
             return at.FULL
         if counts.accepted >= run.goal.max_trials:
             return at.TOO_MANY
-        found = self._stepper.advance()
-        if isinstance(found, Failure):
-            return self._fail(found)
-        if not np.isfinite(found.nodes).all():
-            blamed = int(np.flatnonzero(~np.isfinite(found.nodes).all(axis=0))[0])
+        step = self._stepper.advance()
+        if isinstance(step, Failure):
+            return self._fail(step)
+        if not np.isfinite(step.nodes).all():
+            blamed = int(np.flatnonzero(~np.isfinite(step.nodes).all(axis=0))[0])
             return self._fail(Failure(Status.NOT_FINITE, blamed))
-        length = found.t - run.time
-        power = self._course.power(run.time + length * SHARES, found.nodes)
+        length = step.t - run.time
+        power = self._course.power(run.time + length * SHARES, step.nodes)
         work = state_of(self.block)[-1] + length * (_INTEGRALS @ power)
-        record.pieces[counts.steps] = _TO_PIECE @ np.column_stack([found.nodes, work])
+        record.pieces[counts.steps] = _TO_PIECE @ np.column_stack([step.nodes, work])
         places = map(address, (self.block, *record.arrays))
-        given_steps().keep_given(self._course.projector, *places, found.t)
+        given_steps().keep_given(self._course.projector, *places, step.t)
         return at.RUNNING
 
     def _fail(self, failure: Failure) -> int:

@@ -159,7 +159,7 @@ class Sampler:
         if np.asarray(other.hold.taken).any():
             self._count_samples(t)
 
-    def saved(self) -> tuple[Floats, Floats]:
+    def save(self) -> tuple[Floats, Floats]:
         """Return all values, present and past."""
         return self.block.copy(), self.record.copy()
 

@@ -157,7 +157,7 @@ def integrate_on_branch(motion: Motion) -> Integration:
 def _integrate_again(motion: Motion) -> Integration:
     """Return another run of a motion; held values stay those of the first where it does not succeed."""
     sampler = motion.problem.sampler
-    samples = None if sampler is None else sampler.saved()
+    samples = None if sampler is None else sampler.save()
     run = integrate_motion(motion)
     if sampler is not None and samples is not None and not run.raw.status.success:
         sampler.put_back(samples)
