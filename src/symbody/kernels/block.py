@@ -37,6 +37,15 @@ UNMOVABLE: Final = 21  # no speeds keep the ropes taut
 TOO_LONG: Final = 22  # an action leaves a rope longer than it can be
 # Within a step: the motion is cut, and not begun again yet.
 CUT: Final = 23
+# What motions on a chart return where other coordinates should be independent: the step is not taken.
+CHART_ENDS: Final = 24
+# What is returned to who brings an integrator: it has to begin anew from the state that an event has set.
+RESTARTED: Final = 25
+
+# What a right-hand side on a chart returns for that, and where it finds no closed state. Positive numbers
+# are those of kernels that fail.
+CHART_IS_WORN: Final = -1
+OUT_OF_REACH: Final = -2
 
 # The code in a verdict that has not been reached.
 NOT_ENDED: Final = -1

@@ -10,10 +10,13 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.block import (
+    CHART_ENDS,
+    CHART_IS_WORN,
     COLLAPSED,
     FINISHED,
     FULL,
     NOT_FINITE,
+    OUT_OF_REACH,
     RUNNING,
     SINGULAR,
     STIFF,
@@ -85,8 +88,10 @@ def store_samples(g: Function, run: Run, F: Reals, times: Reals, t: Reals, x: Re
 
 def failure(run: Run) -> int:
     """Return why the last trial failed, and set `blamed_state` to the state that is to blame."""
-    if run.counts.failed_kernel != 0:
+    if run.counts.failed_kernel > 0:
         return SINGULAR
+    if run.counts.failed_kernel == OUT_OF_REACH:
+        return COLLAPSED
     n = run.states
     K = run.slopes
     for row in range(run.method.stages + 1):
@@ -138,6 +143,8 @@ def try_step(
     if error <= 1.0 and exists(run.projection):
         if close(f, g, run) == 0:
             error = INFINITY
+    if run.counts.failed_kernel == CHART_IS_WORN:
+        return CHART_ENDS
     if error <= 1.0:
         error = keep_step(f, g, run, error, times, t, x, breaks, pieces)
     if not error <= 1.0:
@@ -255,8 +262,8 @@ def first_step(f: Function, run: Run) -> float:
     return max(min(min(100.0 * share, longer), 1.0) * bound, least)
 
 
-def begin(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
-    """Evaluate the first derivative, choose the first step unless it is given, store the first sample."""
+def begin_record(run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
+    """Store the first sample; return `FINISHED` where the motion ends at its beginning, else `RUNNING`."""
     n = run.states
     copy(n, run.state_old, run.state_new)
     start = run.time
@@ -269,10 +276,19 @@ def begin(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals
         breaks[0] = start
     if start == run.t_end:
         return FINISHED
+    return RUNNING
+
+
+def begin(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
+    """Evaluate the first derivative, choose the first step unless it is given, store the first sample."""
+    n = run.states
+    start = run.time
+    if begin_record(run, times, t, x, breaks) == FINISHED:
+        return FINISHED
     run.error = 1e-4
     run.time = behind_jump(run, start)
     evaluate(f, run, run.time, run.state_old, run.slopes)
-    if run.counts.failed_kernel != 0:
+    if run.counts.failed_kernel > 0:
         return failure(run)
     if all_finite(n, run.slopes) == 0:
         return failure(run)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
@@ -34,7 +34,6 @@ from symbody.simulation.native.description import Projector
 from symbody.simulation.native.machine import step_machine
 from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
-from symbody.simulation.native.segments import StepWatch
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import SingleFlight
 
@@ -214,24 +213,21 @@ class Motion:
         functions = self.problem.keep(key, make).with_problem(self.problem) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides, modes)
 
-    def course(
-        self, watch: StepWatch | None, closed: Callable[[Floats, Floats], Floats] | None = None
-    ) -> Course:
-        """Return the course to march; samples are brought onto the constraints by `closed`."""
+    def course(self, closing: StateProjector | None = None) -> Course:
+        """Return the course to march; samples are brought onto the constraints by `closing`."""
         n_u, function = self.n_u, self.problem.compile_outputs("power")
 
         def power(t: Floats, x: Floats) -> Floats:
             values: Floats = self.problem.evaluate(function, t, x[:, n_u:].T, x[:, :n_u].T)
             return values
 
-        def keep(t: Floats, x: Floats) -> Floats:
-            return x
-
+        goal = make_goal(self.span, self.rtol, np.append(self.tolerances, 1.0), None, NO_BREAKPOINTS)
+        goal = goal._replace(max_trials=int(self.max_steps))
+        projector = NOTHING_TO_PROJECT if closing is None else closing.projector
+        rhs = NO_FUNCTION._replace(n_u=n_u)
+        block = make_block(rhs, projector, DORMAND_PRINCE_8, goal, self.x0, self.span[0])
         times = None if self.times is None else np.asarray(self.times)
-        return Course(
-            self.x0, *self.span, times, int(self.max_steps), self.progress, power, closed or keep, watch,
-            self.before,
-        )  # fmt: skip
+        return Course(block, projector.address, times, self.progress, power, self.before)
 
 
 def first_numbers(first: State) -> Floats:
@@ -279,12 +275,3 @@ class StateProjector:
         """Return a closed state, and its distance from `x` over the tolerated error."""
         rows = x[np.newaxis].copy()
         return rows[0], self._project(t, rows[0])
-
-    def project_all(self, t: Floats, x: Floats) -> Floats:
-        """Return closed states; those out of reach stay what they are."""
-        rows = np.ascontiguousarray(x)
-        for k, time in enumerate(t):
-            kept = rows[k].copy()
-            if not np.isfinite(self._project(float(time), rows[k])):
-                rows[k] = kept
-        return rows

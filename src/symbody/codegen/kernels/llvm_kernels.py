@@ -68,6 +68,38 @@ def kernel_name(kernel: str, width: int = 1) -> str:
     return f"{PREFIX}{kernel}" + ("_in_lanes" if width > 1 else "")
 
 
+def entry_name(kernel: str) -> str:
+    """Return the name in machine code of a kernel that is called as functions of generated code are."""
+    return f"{kernel_name(kernel)}_entry"
+
+
+def entry_text(tree: KernelTree) -> str:
+    """Return an entry to a kernel with the signature of generated code: t, q, u, r, p, c, out, work.
+
+    Parameters of the kernel with these names are these; the addresses of all others, in order, are in p.
+    """
+    loads: list[str] = []
+    arguments: list[str] = []
+    for parameter in tree.parameters:
+        name = parameter.name
+        if name not in _ENTRY_ARGUMENTS:
+            place = f"%.{len(loads)}"
+            loads.append(f"  {place} = getelementptr inbounds i64, ptr %p, i64 {len(loads) // 2}")
+            name = f".{len(loads)}"
+            loads.append(f"  %{name} = load ptr, ptr {place}")
+        arguments.append(f"ptr %{name}")
+    given = ", ".join(f"ptr %{name}" for name in _ENTRY_ARGUMENTS)
+    lines = [
+        f"define i32 @{entry_name(tree.name)}({given}) {{", *loads,
+        f"  %status = call i64 @{kernel_name(tree.name)}({', '.join(arguments)})",
+        "  %short = trunc i64 %status to i32", "  ret i32 %short", "}", "",
+    ]  # fmt: skip
+    return "\n".join(lines)
+
+
+_ENTRY_ARGUMENTS: Final = ("t", "q", "u", "r", "p", "c", "out", "work")
+
+
 class _FunctionWriter:
     """Writes one kernel."""
 

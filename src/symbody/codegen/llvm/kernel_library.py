@@ -7,7 +7,7 @@ from typing import Final
 
 import llvmlite.binding as binding
 
-from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
+from symbody.codegen.kernels.llvm_kernels import entry_name, entry_text, kernel_name, llvm_text
 from symbody.codegen.kernels.reader import read_kernels, read_text
 from symbody.codegen.kernels.tree import KernelTree
 from symbody.codegen.llvm.machine import environment, lanes, light_code, optimized_code
@@ -30,6 +30,21 @@ def load_kernels(module: str, names: Sequence[str], *, light: bool = False) -> M
         stored = Module((light_code(text) if light else optimized_code(text),), 0, ())
         store_module(key, stored)
     return _addresses(stored, names)
+
+
+def load_entries(module: str, names: Sequence[str]) -> Mapping[str, int]:
+    """Return the addresses at which kernels of a file are called as functions of generated code are."""
+    key = written_by() and b"\n".join([written_by(), b"entries", module.encode(), *map(str.encode, names)])
+    key = key and key + environment().encode()
+    stored = read_module(key)
+    if stored is None:
+        trees = read_kernels(module, *names)
+        entries = "\n".join(entry_text(trees[name]) for name in names)
+        stored = Module((optimized_code(f"{llvm_text(trees, (), lanes=lanes())}\n{entries}"),), 0, ())
+        store_module(key, stored)
+    library = load(stored, *map(entry_name, names))
+    _LIBRARIES.append(library)
+    return {name: int(library[entry_name(name)]) for name in names}
 
 
 def compile_kernels(text: str, file: str) -> Mapping[str, int]:

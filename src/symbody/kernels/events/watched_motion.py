@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from symbody.kernels.block import (
+    CHART_ENDS,
     CHATTERING,
     EVENT_FAULT,
     FINISHED,
@@ -106,7 +107,7 @@ def advance_watched(
             if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
                 code = advance(f, g, run, times, t, x, breaks, pieces, 1)
         is_over = 1
-        if code == RUNNING or code == FULL:
+        if code == RUNNING or code == FULL or code == CHART_ENDS:
             is_over = 0
         happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
         if happened == NO_ROOM:

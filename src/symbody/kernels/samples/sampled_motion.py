@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from symbody.kernels.block import (
+    CHART_ENDS,
     CUT,
     FINISHED,
     FULL,
@@ -140,7 +141,7 @@ def step_watched(
     if run.counts.steps == 0 or (code == RUNNING and is_due(held, run.time) != 0):
         return code
     is_over = 1
-    if code == RUNNING or code == FULL:
+    if code == RUNNING or code == FULL or code == CHART_ENDS:
         is_over = 0
     happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
     if happened == NO_ROOM:

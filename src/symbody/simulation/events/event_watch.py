@@ -11,42 +11,21 @@ from numpy.typing import NDArray
 from symbody.codegen.call_arguments import address
 from symbody.kernels import block as run_at
 from symbody.kernels.block import Run
-from symbody.kernels.events.event_monitor import (
-    CHATTERS,
-    FAILS,
-    GOES_ON,
-    MISSES,
-    NO_ROOM,
-    NOTHING_YET,
-    RESTS,
-    SPOILS,
-    ZEROS_PER_EVENT,
-    EventMonitor,
-)
+from symbody.kernels.events.event_monitor import RESTS, ZEROS_PER_EVENT, EventMonitor
 from symbody.kernels.record_layout import exists
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import Event, EventSide, ModeEnd, Occurrence
 from symbody.simulation.events.watch_arrays import with_cut_fit
 from symbody.simulation.native.description import LoopCall, Record
-from symbody.simulation.native.machine import watched_motion
-from symbody.simulation.native.segments import Cut, HeldValues
-from symbody.simulation.status import Status
+from symbody.simulation.native.machine import given_steps, watched_motion
+from symbody.simulation.native.segments import HeldValues
 
 if TYPE_CHECKING:
     from symbody.simulation.hybrid.switching import SwitchingModes
 
 Floats = NDArray[np.float64]
 
-# Steps of integrators that take theirs in Python between two looks: what is computed beyond an event that
-# changes the motion is thrown away.
-_ACTING_STEPS: Final = 64
-_RECORDING_STEPS: Final = 1024
 _FIRST_ROOM: Final = 64  # for what happens
-_ENDINGS: Final = {
-    CHATTERS: Status.CHATTERING,
-    SPOILS: Status.NOT_FINITE,
-    MISSES: Status.UNMET_ACTION,
-}
 
 
 class EventWatch:
@@ -165,45 +144,26 @@ class EventWatch:
         """When something happened last [s]."""
         return float(self._happened[self._monitor.happened - 1, 1])
 
-    @property
-    def most_steps(self) -> int:
-        """How many steps may be taken between two looks."""
-        recording = all(event.action == "record" for event in self._functions.events)
-        return _RECORDING_STEPS if recording else _ACTING_STEPS
-
     def forget_last(self) -> None:
         """Forget the last occurrence."""
         self._monitor.happened -= 1
 
-    def look(self, breaks: Floats, pieces: Floats, steps: int, is_over: bool) -> Cut | None:
-        """Return where a run has to be cut, if anywhere in its first `steps` steps.
-
-        Parameters
-        ----------
-        breaks, pieces : arrays
-            Those of `DenseOutput`, with room for more. After a cut that goes on, the next step follows the
-            one that was cut.
-        """
-        if steps == 0:
-            return None
-        monitor = self._monitor
-        monitor.direction = 1.0 if breaks[steps] >= breaks[0] else -1.0
-        monitor.piece_rows = pieces.shape[1]
-        code = NO_ROOM
-        while code == NO_ROOM:
-            monitor.happened_room = len(self._happened)
-            arrays = map(address, (self._block, breaks, pieces, self._happened))
-            code = watched_motion().look(*self._functions.addresses, *arrays, steps, int(is_over))
-            if code == NO_ROOM:
+    def process(self, block: Floats, record: Record, code: int) -> int:
+        """Let events happen in the steps so far, the last of which ended with a code; return the code."""
+        self._prepare(block)
+        _, *places = record.arrays
+        is_over = code not in (run_at.RUNNING, run_at.FULL)
+        found = run_at.NO_EVENT_ROOM
+        while found == run_at.NO_EVENT_ROOM:
+            self._monitor.happened_room = len(self._happened)
+            arrays = map(address, (block, self._block, *places, self._happened))
+            found = given_steps().process_given(*self._functions.addresses, *arrays, int(is_over))
+            if found == run_at.NO_EVENT_ROOM:
                 self._make_room()
-        if code == NOTHING_YET:
-            return None
-        if code == FAILS:
-            self._functions.raise_fault(monitor.fault)
-        before, after = (np.array(state) for state in (monitor.before, monitor.after))
+        if found == run_at.EVENT_FAULT:
+            self._functions.raise_fault(self._monitor.fault)
         self._note_ending()
-        status = _ENDINGS.get(code, Status.STOPPED)
-        return Cut(monitor.cut, before, after if code == GOES_ON else None, status)
+        return code if found == run_at.RUNNING else found
 
     def advance(self, call: LoopCall, held: HeldValues | None = None) -> int:
         """Try up to so many steps of the compiled loop, and let events happen; return the loop's code."""

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-import signal
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import FrameType
 from typing import Final
 
 import numpy as np
@@ -23,6 +19,7 @@ from symbody.model.model import Model
 from symbody.model.tables.lookup import Lookup
 from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs, refuse_fmu_inputs
 from symbody.simulation.inputs.held_law import HeldLaw
+from symbody.simulation.inputs.native_callback import NATIVE, NativeCallback
 from symbody.simulation.inputs.tables import Table, table_numbers
 
 Floats = NDArray[np.float64]
@@ -32,8 +29,6 @@ Law = Value | Table | tuple[ArrayLike, ArrayLike] | Callback | FmuInput
 # Differences of a law are taken over a share of the state, or of this where the state is smaller.
 _SHARE: Final = 1.5e-8  # the root of what numbers are rounded by
 _LEAST: Final = 1e-2
-
-_NATIVE = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,10 +213,8 @@ def _law_of_table(table: Lookup) -> Table:
     return Table(t, values, table.interpolation)
 
 
-class CallbackFunction:
-    """A function with the signature of generated code that calls laws of inputs, then another function.
-
-    What a law raises is kept in `error`, and every later call fails at once, which ends the loop.
+class CallbackFunction(NativeCallback):
+    """Calls laws of inputs, then another function.
 
     Parameters
     ----------
@@ -232,49 +225,21 @@ class CallbackFunction:
     """
 
     def __init__(self, function: CompiledFunction, laws: InputLaws) -> None:
-        self.error: Exception | KeyboardInterrupt | None = None
+        super().__init__()
         self._function = function
         self._laws = laws
         signature = function.signature
         self._q, self._u = (ctypes.c_double * len(signature.names(group)) for group in "qu")
         self._r = ctypes.c_double * len(signature.r)
-        self._inner = _NATIVE(function.address)
-        self._entry = _NATIVE(self._call)
+        self._inner = NATIVE(function.address)
 
-    @property
-    def address(self) -> int:
-        """Where it lies, as long as this object lives."""
-        return ctypes.cast(self._entry, ctypes.c_void_p).value or 0
-
-    @contextmanager
-    def interruptible(self) -> Iterator[None]:
-        """Let Ctrl-C end the loop from within: raised between native and Python code it would be lost."""
-        usual = signal.getsignal(signal.SIGINT)
-        is_main = threading.current_thread() is threading.main_thread()
-        if not is_main or usual is not signal.default_int_handler:
-            yield
-            return
-        signal.signal(signal.SIGINT, self._interrupt)
-        try:
-            yield
-        finally:
-            signal.signal(signal.SIGINT, usual)
-
-    def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        self.error = KeyboardInterrupt()
-
-    def _call(self, t: int, q: int, u: int, r: int, p: int, c: int, out: int, work: int) -> int:
-        if self.error is not None:
-            return 1
-        try:
-            time = ctypes.c_double.from_address(t).value
-            values = self._laws.evaluate(
-                time, np.array(self._q.from_address(q)), np.array(self._u.from_address(u))
-            )
-            self._r.from_address(r)[:] = [ctypes.c_double(value) for value in values]
-        except (Exception, KeyboardInterrupt) as error:  # nothing may pass through native code
-            self.error = error
-            return 1
+    def answer(self, t: int, q: int, u: int, r: int, p: int, c: int, out: int, work: int) -> int:
+        """Store what the function computes."""
+        time = ctypes.c_double.from_address(t).value
+        values = self._laws.evaluate(
+            time, np.array(self._q.from_address(q)), np.array(self._u.from_address(u))
+        )
+        self._r.from_address(r)[:] = [ctypes.c_double(value) for value in values]
         return int(self._inner(t, q, u, r, p, c, out, work))
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -17,7 +19,7 @@ from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import NO_TABLES, Goal, Projector, RightHandSide
-from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, drive, fresh_record
+from symbody.simulation.native.run import EVENT_SAMPLES, CompiledRun, NativeRun, drive, fresh_record
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
@@ -30,6 +32,9 @@ NO_FUNCTION: Final = RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0)
 NOTHING_TO_PROJECT: Final = Projector(
     0, 0, _NOTHING, _NOTHING, _NOTHING, 0, 0, _NOTHING, math.inf, _NOTHING, 0.0, 0
 )
+
+# From a right-hand side, and what makes a run, to a run with other functions.
+RunMaker = Callable[[RightHandSide, Callable[[RightHandSide, Projector], NativeRun]], CompiledRun]
 
 # An rtol below this is finer than rounding allows.
 SMALLEST_RTOL: Final = 10.0 * EPSILON
@@ -100,6 +105,7 @@ def integrate(
     watch: Watch | None = None,
     breakpoints: Breakpoints = NO_BREAKPOINTS,
     held: HeldValues | None = None,
+    make_run: RunMaker | None = None,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
@@ -111,11 +117,9 @@ def integrate(
         The samples to store, in the order of the motion; by default every step is stored.
     rtol, atol : float, float or (n_u + n_q,) array
         Bound the root mean square of the local errors of a step.
-    max_steps : int
-        How many steps may be tried.
-    dense, stop_when_stiff : bool
-        Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step, and to
-        stop with `Status.STIFF` when stability limits the steps.
+    max_steps, dense, stop_when_stiff : int, bool, bool
+        How many steps may be tried; whether to keep the motion between samples, at 7 (order 8) or 4 (order 5)
+        more vectors a step; whether to stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called now and then with the share of the span that is done; returning False ends the run.
     projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
@@ -132,10 +136,19 @@ def integrate(
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
-    block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
-    run = NativeRun(rhs.address, projector.address, block, held)
+    new = partial(_new_run, method, goal, x, start, held)
+    run = new(rhs, projector) if make_run is None else make_run(rhs, new)
     more = 0 if watch is None else EVENT_SAMPLES
     return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
+
+
+def _new_run(
+    method: Explicit | FixedStep, goal: Goal, x: Floats, t: float, held: HeldValues | None,
+    rhs: RightHandSide, projector: Projector,
+) -> NativeRun:  # fmt: skip
+    """Return a run at its start."""
+    block = make_block(rhs, projector, method.tableau, goal, x, t, float(method.first_step or 0.0))
+    return NativeRun(rhs.address, projector.address, block, held)
 
 
 def make_goal(

@@ -22,7 +22,7 @@ from symbody.expr.canonical import ZERO
 from symbody.expr.rewrite import substitute
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
-from symbody.simulation.methods.closed_loops.partition import Partition, run_partition
+from symbody.simulation.methods.closed_loops.partition import ChartRun, Partition
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -128,7 +128,8 @@ def _run_method(
         return *run_ggl(motion, stiff, watch), watch
     if isinstance(constraints, Partition):
         explicit = integrator if isinstance(integrator, Explicit) else DEFAULT
-        return *run_partition(motion, constraints, explicit, watch), watch
+        charts = ChartRun(motion, constraints)
+        return run_explicit(motion, explicit, closing, watch, charts=charts), charts.notes, watch
     if isinstance(integrator, Stiff):
         return run_stiff(motion, integrator, constraints, watch), (), watch
     if isinstance(integrator, GeneralizedAlpha):
@@ -193,8 +194,9 @@ def run_explicit(
     watch: EventWatch | None,
     *,
     stop_when_stiff: bool = False,
+    charts: ChartRun | None = None,
 ) -> RawRun:
-    """Return the run of the compiled loop; the compiled functions live until it ends.
+    """Return the run of the compiled loop, on charts if given; the compiled functions live until it ends.
 
     Raises
     ------
@@ -230,7 +232,11 @@ def run_explicit(
         watch=watch,
         breakpoints=motion.breakpoints,
         held=None if problem.sampler is None else SampledLoop(problem, problem.sampler),
+        make_run=None if charts is None else charts.start,
     )
+    if charts is not None:
+        with charts.interruptible():
+            return run()
     if python_laws is None:
         return run()
     with python_laws.interruptible():

@@ -1,24 +1,35 @@
-"""Runs of integrators that take one step at a call: `march` collects their steps into a `RawRun`.
+"""Runs of integrators that take one step at a call, as SUNDIALS: `SteppedRun` brings them into the loop.
 
 Each step is handed over as the states at `SHARES` of it. The polynomial through them is the dense output, and
-the integral of the power over it is the work.
+the integral of the power over it is the work. Samples and events are those of the compiled loop.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.call_arguments import address
-from symbody.simulation.native.dense_output import DenseOutput, shorten
-from symbody.simulation.native.machine import step_machine
-from symbody.simulation.native.run import SLICE_SECONDS, Progress, RawRun, Statistics, memory_limit
-from symbody.simulation.native.segments import Cut, StepWatch, steps_before
+from symbody.kernels import block as at
+from symbody.kernels.block import Run
+from symbody.simulation.native.blocks import state_of
+from symbody.simulation.native.description import Record
+from symbody.simulation.native.machine import given_steps, step_machine
+from symbody.simulation.native.run import (
+    EVENT_SAMPLES,
+    VERDICTS,
+    Progress,
+    RawRun,
+    begin_again,
+    drive,
+    fresh_record,
+    show_room,
+)
+from symbody.simulation.native.segments import Watch
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -28,9 +39,7 @@ Power = Callable[[Floats, Floats], Floats]
 # degree 7 needs, which follows order 8.
 NODES: Final = 8
 SHARES: Final[Floats] = 0.5 - 0.5 * np.cos(np.pi * np.arange(NODES) / (NODES - 1))
-
-
-_CAPACITY: Final = 256
+_CODES: Final = {status: code for code, status in VERDICTS.items() if code != at.SPOILED}
 
 
 def _nested_polynomials() -> Floats:
@@ -71,11 +80,10 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """Why there is no further step; `state` is to blame, or the linear system number `kernel`."""
+    """Why there is no further step; `state` is to blame, if one is."""
 
     status: Status
     state: int | None = None
-    kernel: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,11 +111,6 @@ class StepwiseIntegrator(Protocol):
         """How often the right-hand side was computed so far."""
         ...
 
-    @property
-    def rejections(self) -> int | None:
-        """How many steps were tried in vain; None if that is not known."""
-        ...
-
     def advance(self) -> Step | Failure:
         """Take one step, not beyond the end."""
         ...
@@ -123,205 +126,123 @@ class Course:
 
     Attributes
     ----------
-    x0 : (n + 1,) array
-        The first state (u, q), and the work done before.
+    block : array
+        See `symbody.kernels.block`: at the start, with the work as last state.
+    projector : int
+        The address of what brings samples onto the constraints; 0 if nothing does.
     times : array or None
         Samples to store; None stores every step.
     power : callable
         From times (N,) and states (N, n) to the power (N,) [W].
-    closed : callable
-        Brings states (N, n) at times (N,) back onto the constraints.
-    watch : StepWatch or None
-        Looks at the steps now and then, and may cut the run.
     before : RawRun or None
         A run that was broken off where this one starts; the result contains it.
     """
 
-    x0: Floats
-    start: float
-    end: float
+    block: Floats
+    projector: int
     times: Floats | None
-    max_steps: int
     progress: Progress | None
     power: Power
-    closed: Callable[[Floats, Floats], Floats]
-    watch: StepWatch | None = None
     before: RawRun | None = None
 
 
-def march(stepper: StepwiseIntegrator, course: Course) -> RawRun:
-    """Take steps to the end, until one fails, a watch cuts the run, or the caller interrupts."""
-    log = _Log(course)
-    began = time.perf_counter()
-    try:
-        failure = _march(stepper, course, log)
-    except KeyboardInterrupt:
-        failure = Failure(Status.INTERRUPTED)
-    except MemoryError:
-        failure = Failure(Status.OUT_OF_MEMORY)
-    spent = Statistics(log.taken, stepper.rejections, stepper.evaluations, time.perf_counter() - began)
-    return log.raw_run(failure, spent)
-
-
-def _march(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure:
-    """Take steps, with a look at them after every so many; return how it ended."""
-    reported, seen, failure = time.perf_counter(), log.steps, None
-    while True:
-        if log.t == course.end:
-            failure = Failure(Status.SUCCESS)
-        elif log.taken >= course.max_steps:
-            failure = Failure(Status.TOO_MANY_STEPS)
-        else:
-            failure = _take_step(stepper, log)
-        if course.watch is not None and (failure or log.steps - seen >= course.watch.most_steps):
-            cut = course.watch.look(log.breaks, log.pieces, log.steps, failure is not None)
-            seen = log.steps
-            if cut is not None:
-                log.cut(cut)
-                if cut.after is None:
-                    return Failure(cut.status)
-                stepper.restart(cut.t, cut.after[:-1].copy())
-                seen, failure = log.steps, None
-                continue
-        if failure is not None:
-            return failure
-        if course.progress is not None and time.perf_counter() - reported > SLICE_SECONDS:
-            reported = time.perf_counter()
-            if course.progress((log.t - course.start) / (course.end - course.start)) is False:
-                return Failure(Status.INTERRUPTED)
-
-
-def _take_step(stepper: StepwiseIntegrator, log: _Log) -> Failure | None:
-    """Take one step and write it down; return why there is none."""
-    found = stepper.advance()
-    if isinstance(found, Failure):
-        return found
-    if not np.isfinite(found.nodes).all():
-        return Failure(Status.NOT_FINITE, int(np.flatnonzero(~np.isfinite(found.nodes).all(axis=0))[0]))
-    log.append(found)
-    return None
-
-
-class _Log:
-    """The steps so far, as polynomials with the work as last state.
-
-    Attributes
-    ----------
-    breaks, pieces : arrays
-        As in `DenseOutput`, with room for more.
-    steps, taken : int
-        Steps written down, and steps of this run among them that were taken, kept or not.
-    t : float
-        Where the motion has come to [s].
-    """
-
-    def __init__(self, course: Course) -> None:
-        self._course = course
-        before = None if course.before is None else course.before.dense_output
-        self._first = 0 if before is None else before.pieces.shape[0]
-        self.steps = self._first
-        self.taken = 0
-        self.t = course.start
-        self.breaks = np.empty(_CAPACITY + self._first)
-        self.pieces = np.empty((_CAPACITY + self._first, NODES, course.x0.size))
-        self.breaks[self._first] = course.start
-        if before is not None:
-            self.breaks[: self._first + 1] = before.breaks
-            self.pieces[: self._first] = np.pad(
-                before.pieces, ((0, 0), (0, NODES - before.pieces.shape[1]), (0, 0))
-            )
-        self._work = float(course.x0[-1])
-        self._is_stopped = False
-        # Where an event changed the state: the number of steps before, and the new state.
-        self._jumps: list[tuple[int, Floats]] = []
-
-    def append(self, step: Step) -> None:
-        """Write down a step."""
-        if self.steps + 1 == self.breaks.size:
-            self._grow()
-        length = step.t - self.t
-        power = self._course.power(self.t + length * SHARES, step.nodes)
-        work = self._work + length * (_INTEGRALS @ power)
-        self.pieces[self.steps] = _TO_PIECE @ np.column_stack([step.nodes, work])
-        self.breaks[self.steps + 1] = self.t = step.t
-        self._work = float(work[-1])
-        self.steps += 1
-        self.taken += 1
-
-    def _grow(self) -> None:
-        """Double the room.
-
-        Raises
-        ------
-        MemoryError
-            None is left.
-        """
-        if 2 * self.pieces.nbytes > memory_limit():
-            raise MemoryError
-        self.breaks = np.concatenate([self.breaks, np.empty_like(self.breaks)])
-        self.pieces = np.concatenate([self.pieces, np.empty_like(self.pieces)])
-
-    def cut(self, cut: Cut) -> None:
-        """Forget what lies beyond a cut, and go on from its state if it has one."""
-        end = steps_before(self.breaks, self.steps, cut.t)
-        start, stop = self.breaks[end - 1], self.breaks[end]
-        if cut.t != stop:
-            self.pieces[end - 1] = shorten(self.pieces[end - 1], float((cut.t - start) / (stop - start)))
-        self.breaks[end] = self.t = cut.t
-        self.steps = end
-        self._is_stopped = cut.after is None
-        if cut.after is not None:
-            self._work = float(cut.after[-1])
-            self._jumps.append((end, cut.after))
-
-    def dense_output(self) -> DenseOutput:
-        """Return the motion of all steps."""
-        if self.steps:
-            return DenseOutput(self.breaks[: self.steps + 1].copy(), self.pieces[: self.steps].copy())
-        piece = np.zeros((1, NODES, self._course.x0.size))
-        piece[0, 0] = self._course.x0
-        return DenseOutput(np.full(2, self._course.start), piece)
-
-    def raw_run(self, failure: Failure, spent: Statistics) -> RawRun:
-        """Return the run with its samples, after the one before."""
-        course, dense = self._course, self.dense_output()
-        t, x = self._samples(dense)
-        n = course.x0.size - 1
-        x[:n] = course.closed(t, x[:n].T).T
-        if course.before is not None:
-            repeated = int(bool(t.size and course.before.t.size and t[0] == course.before.t[-1]))
-            t = np.concatenate([course.before.t, t[repeated:]])
-            x = np.concatenate([course.before.x, x[:, repeated:]], axis=1)
-            spent = _sum(course.before.statistics, spent)
-        return RawRun(t, x, failure.status, spent, self.t, failure.state, failure.kernel, dense)
-
-    def _samples(self, dense: DenseOutput) -> tuple[Floats, Floats]:
-        """Return the times that are wanted as far as they were reached, and the states there."""
-        wanted = self._course.times
-        if wanted is not None:
-            direction = 1.0 if self._course.end >= self._course.start else -1.0
-            times = wanted[direction * (wanted - self.t) <= 0.0]
-            if self._is_stopped and not (times.size and times[-1] == self.t):
-                times = np.append(times, self.t)  # the end at an event is a sample in any case
-            states = dense(times)
-            if self._jumps and self._jumps[-1][0] == self.steps:  # an event at the end: the state after it
-                states[:, times == self.t] = self._jumps[-1][1][:, np.newaxis]
-            return times.copy(), states
-        ends = [float(self.breaks[self._first])], [self._course.x0]
-        jumps = dict(self._jumps)
-        for k in range(self._first, self.steps):
-            ends[0].append(float(self.breaks[k + 1]))
-            ends[1].append(self.pieces[k, 0] + self.pieces[k, 1])
-            if k + 1 in jumps:
-                ends[0].append(float(self.breaks[k + 1]))
-                ends[1].append(jumps[k + 1])
-        return np.array(ends[0]), np.array(ends[1]).T
-
-
-def _sum(first: Statistics, second: Statistics) -> Statistics:
-    return Statistics(
-        first.accepted + second.accepted,
-        None if first.rejected is None or second.rejected is None else first.rejected + second.rejected,
-        first.evaluations + second.evaluations,
-        first.loop_seconds + second.loop_seconds,
+def march(stepper: StepwiseIntegrator, course: Course, watch: Watch | None) -> RawRun:
+    """Take steps to the end, until one fails, an event ends the run, or the caller interrupts."""
+    run = SteppedRun(stepper, course)
+    record = fresh_record(run, course.times, True, 0 if watch is None else EVENT_SAMPLES)
+    raw = drive(
+        run, record if course.before is None else _continue_record(course, record), course.progress, watch
     )
+    spent = replace(raw.statistics, rejected=None, evaluations=stepper.evaluations)
+    if course.before is not None:
+        first = course.before.statistics
+        spent = replace(
+            spent,
+            evaluations=first.evaluations + spent.evaluations,
+            loop_seconds=first.loop_seconds + spent.loop_seconds,
+        )
+    return replace(raw, statistics=spent)
+
+
+def _continue_record(course: Course, record: Record) -> Record:
+    """Return a record that begins with a run before, and note in the block what that stored."""
+    before, run = course.before, Run(course.block)
+    dense = None if before is None else before.dense_output
+    if before is None or dense is None:
+        return record
+    samples, steps = before.t.size, len(dense.pieces)
+    run.counts.samples, run.counts.steps = samples, steps
+    run.counts.accepted = before.statistics.accepted
+    run.goal.max_trials += before.statistics.accepted
+    pieces = np.pad(dense.pieces, ((0, 0), (0, NODES - dense.pieces.shape[1]), (0, 0)))
+    return record._replace(
+        wanted=record.wanted if record.every_step else np.concatenate([before.t, record.wanted]),
+        t=np.concatenate([before.t, record.t]), x=np.concatenate([before.x.T, record.x]),
+        breaks=np.concatenate([dense.breaks, record.breaks]),
+        pieces=np.concatenate([pieces, record.pieces]),
+    )  # fmt: skip
+
+
+class SteppedRun:
+    """The run of an integrator that takes one step at a call; see `native.run.CompiledRun`."""
+
+    def __init__(self, stepper: StepwiseIntegrator, course: Course) -> None:
+        self.block = course.block
+        self._stepper, self._course = stepper, course
+        self._is_continued = course.before is not None
+
+    def begin(self, record: Record) -> int:
+        """Store the first sample; return a code of `symbody.kernels.block`."""
+        if self._is_continued:  # what it begins with is stored
+            self._is_continued = False
+            return at.RUNNING
+        show_room(self.block, record)
+        places = (self.block, record.wanted, record.t, record.x, record.breaks)
+        return given_steps().begin_given(*map(address, places))
+
+    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        show_room(self.block, record)
+        code = at.RUNNING
+        for _ in range(trials):
+            code = self._take_step(record)
+            if watch is not None:
+                code = watch.process(self.block, record, code)
+            if code == at.RESTARTED:
+                run = Run(self.block)
+                self._stepper.restart(run.time, state_of(self.block)[:-1].copy())
+                code = begin_again(self, record)
+            if code != at.RUNNING:
+                break
+        return code
+
+    def _take_step(self, record: Record) -> int:
+        """Take one step and write it down; return a code of `symbody.kernels.block`."""
+        run = Run(self.block)
+        counts = run.counts
+        if run.time == run.t_end:
+            return at.FINISHED
+        is_full = record.every_step and counts.samples + EVENT_SAMPLES > record.t.size
+        if is_full or counts.steps == len(record.pieces):
+            return at.FULL
+        if counts.accepted >= run.goal.max_trials:
+            return at.TOO_MANY
+        step = self._stepper.advance()
+        if isinstance(step, Failure):
+            return self._fail(step)
+        if not np.isfinite(step.nodes).all():
+            blamed = int(np.flatnonzero(~np.isfinite(step.nodes).all(axis=0))[0])
+            return self._fail(Failure(Status.NOT_FINITE, blamed))
+        length = step.t - run.time
+        power = self._course.power(run.time + length * SHARES, step.nodes)
+        work = state_of(self.block)[-1] + length * (_INTEGRALS @ power)
+        record.pieces[counts.steps] = _TO_PIECE @ np.column_stack([step.nodes, work])
+        places = map(address, (self.block, *record.arrays))
+        given_steps().keep_given(self._course.projector, *places, step.t)
+        return at.RUNNING
+
+    def _fail(self, failure: Failure) -> int:
+        counts = Run(self.block).counts
+        counts.failed_kernel = at.OUT_OF_REACH if failure.state is None else 0
+        counts.blamed_state = failure.state or 0
+        return _CODES[failure.status]

@@ -8,12 +8,13 @@ from typing import Final, NamedTuple
 
 from symbody.codegen.call_arguments import address
 from symbody.codegen.llvm.kernel_library import load_kernels
+from symbody.kernels import block as at
 from symbody.kernels.block import Run
 from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.pack import pack
-from symbody.simulation.native.blocks import function_numbers, state_of
+from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import Floats, Record, RightHandSide
-from symbody.simulation.native.run import show_room
+from symbody.simulation.native.run import EVENT_SAMPLES, begin_again, show_room
 from symbody.simulation.native.runge_kutta import Tableau
 from symbody.simulation.native.segments import Watch
 from symbody.single_flight import once
@@ -109,17 +110,26 @@ class ImplicitRun(NamedTuple):
         places = (self.block, self.array, record.wanted, record.t, record.x, record.breaks)
         return implicit_machine().begin_implicit(self.functions.slopes.address, *map(address, places))
 
-    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:  # noqa: ARG002
-        """Try up to so many steps; return a code of `symbody.kernels.block`. Nothing is watched."""
+    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
         show_room(self.block, record)
+        if watch is None:
+            return self._advance(record, trials)
+        code = at.RUNNING
+        for _ in range(trials):
+            is_full = record.every_step and Run(self.block).counts.samples + EVENT_SAMPLES > record.t.size
+            code = watch.process(self.block, record, at.FULL if is_full else self._advance(record, 1))
+            if code == at.RESTARTED:
+                run = Run(self.block)
+                run.after_rejection, run.counts.failed_kernel = 0.0, 0
+                code = begin_again(self, record)
+            if code != at.RUNNING:
+                break
+        return code
+
+    def _advance(self, record: Record, trials: int) -> int:
         places = (self.block, self.array, *record.arrays)
         slopes, turns, derivatives = (function.address for function in self.functions)
         return implicit_machine().advance_implicit(
             slopes, turns, derivatives, self.projector, *map(address, places), trials
         )
-
-    def restart(self, t: float, x: Floats) -> None:
-        """Go on from another state with the work, at a time [s]; `begin` has to follow."""
-        run = Run(self.block)
-        state_of(self.block)[:] = x
-        run.time, run.after_rejection, run.counts.failed_kernel = t, 0.0, 0

@@ -26,7 +26,9 @@ _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "advance": (_INTEGER, [_POINTER, _POINTER, _POINTER, *_RECORD, _INTEGER]),
     "advance_watched": (_INTEGER, _WATCHED),
     "break_off": (_INTEGER, [_POINTER] * 10),
-    "look": (_INTEGER, [*[_POINTER] * 7, _INTEGER, _INTEGER]),
+    "begin_given": (_INTEGER, [_POINTER, *_RECORD[:4]]),
+    "keep_given": (None, [_POINTER, _POINTER, *_RECORD, _REAL]),
+    "process_given": (_INTEGER, [*[_POINTER] * 10, _INTEGER]),
     "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
     "longest_step": (None, [_POINTER, _REAL, _POINTER]),
     "advance_sampled": (_INTEGER, [*[_POINTER] * 6, *_RECORD, _POINTER, _INTEGER]),
@@ -60,7 +62,14 @@ class WatchedMotion(NamedTuple):
 
     advance_watched: Callable[..., int]
     break_off: Callable[..., int]
-    look: Callable[..., int]
+
+
+class GivenSteps(NamedTuple):
+    """The kernels of steps that others take."""
+
+    begin_given: Callable[..., int]
+    keep_given: Callable[..., None]
+    process_given: Callable[..., int]
 
 
 class SampleKernels(NamedTuple):
@@ -93,6 +102,12 @@ def sample_kernels() -> SampleKernels:
 def watched_motion() -> WatchedMotion:
     """Return the integrator of one motion with events, ready to be called."""
     return WatchedMotion(*_functions("watched_motion", *WatchedMotion._fields))
+
+
+@once
+def given_steps() -> GivenSteps:
+    """Return what keeps steps that others take, ready to be called."""
+    return GivenSteps(*_functions("given_steps", *GivenSteps._fields))
 
 
 @once

@@ -252,6 +252,18 @@ def drive(run: CompiledRun, record: Record, progress: Progress | None, watch: Wa
     return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
 
 
+def begin_again(run: CompiledRun, record: Record) -> int:
+    """Begin anew from the state at present, behind the steps that are stored; return a code."""
+    first, counts = record.breaks[0], Run(run.block).counts
+    code = run.begin(record)
+    if counts.steps:
+        record.breaks[0] = first  # it belongs to the first stretch
+    if code == at.FINISHED and counts.samples < record.wanted.size:
+        record.t[counts.samples], record.x[counts.samples] = Run(run.block).time, state_of(run.block)
+        counts.samples += 1
+    return code
+
+
 def _slice(
     run: CompiledRun, record: Record, budget: int, watch: Watch | None, clock: list[float]
 ) -> tuple[int, int]:
@@ -307,7 +319,8 @@ def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float) -
     counts = Run(run.block).counts
     samples, steps = counts.samples, counts.steps
     statistics = Statistics(int(counts.accepted), int(counts.rejected), int(counts.evaluations), seconds)
-    blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
+    blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE) and counts.failed_kernel == 0
+    is_singular = status is Status.SINGULAR and counts.failed_kernel > 0
     return RawRun(
         record.t[:samples].copy(),
         np.ascontiguousarray(record.x[:samples].T),
@@ -315,7 +328,7 @@ def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float) -
         statistics,
         Run(run.block).time,
         counts.blamed_state if blamed else None,
-        counts.failed_kernel - 1 if status is Status.SINGULAR else None,
+        counts.failed_kernel - 1 if is_singular else None,
         _dense_output(run, record, steps) if record.keep_dense else None,
     )
 

@@ -2,33 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from symbody.simulation.native.description import Floats, LoopCall, Record
-from symbody.simulation.status import Status
-
-
-class Cut(NamedTuple):
-    """Where a run ends, or goes on in another state.
-
-    Attributes
-    ----------
-    t : float
-        When [s].
-    before : (n,) array
-        The state that was reached.
-    after : (n,) array or None
-        The state from which the run goes on.
-    status : Status
-        The verdict, if it does not.
-    """
-
-    t: float
-    before: Floats
-    after: Floats | None
-    status: Status = Status.STOPPED
 
 
 class HeldValues(Protocol):
@@ -79,25 +57,12 @@ class Watch(Protocol):
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         ...
 
+    def process(self, block: Floats, record: Record, code: int) -> int:
+        """Let events happen in the steps so far, the last of which ended with a code; return the code."""
+        ...
+
     def break_off(self, block: Floats, record: Record) -> None:
         """End an interrupted run at the event that would have changed it, if one was computed."""
-        ...
-
-
-class StepWatch(Protocol):
-    """Looks at the steps of integrators that take theirs in Python."""
-
-    @property
-    def most_steps(self) -> int:
-        """How many steps may be taken between two looks."""
-        ...
-
-    def look(self, breaks: Floats, pieces: Floats, steps: int, is_over: bool) -> Cut | None:
-        """Return where the run has to be cut, if anywhere in its first `steps` steps.
-
-        `breaks` and `pieces` are those of `DenseOutput`, with room for more. After a cut that goes on,
-        the next step follows the one that was cut.
-        """
         ...
 
 

@@ -159,6 +159,15 @@ class Sampler:
         if np.asarray(other.hold.taken).any():
             self._count_samples(t)
 
+    def save(self) -> tuple[Floats, Floats]:
+        """Return all values, present and past."""
+        return self.block.copy(), self.record.copy()
+
+    def put_back(self, saved: tuple[Floats, Floats]) -> None:
+        """Return to what was saved."""
+        self.record = saved[1]
+        self.block[:] = saved[0]
+
     def snapshot(self) -> Floats:
         """Return the block, from which `resume` goes on."""
         return self.block.copy()

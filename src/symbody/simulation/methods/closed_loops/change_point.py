@@ -107,13 +107,9 @@ def change_point_note(notes: Iterable[str]) -> str:
 
 def samples_on_the_way(motion: Motion) -> bool:
     """Return whether the method of a motion takes the samples of signals inside its loop."""
-    if isinstance(motion.integrator, Stiff | GeneralizedAlpha) or isinstance(
-        motion.constraints, GGL | Partition
-    ):
-        return False
-    if motion.constraints is not None or not motion.eqs.multiplier_names:
-        return True
-    return not is_overconstrained(motion.permanent_problem, motion.span[0], motion.state)
+    return not isinstance(motion.integrator, Stiff | GeneralizedAlpha) and not isinstance(
+        motion.constraints, GGL
+    )
 
 
 def integrate_on_branch(motion: Motion) -> Integration:
@@ -132,12 +128,7 @@ def integrate_on_branch(motion: Motion) -> Integration:
         run = integrate_motion(motion)
         return run if follows or not run.raw.status.success else _judge_passages(motion, run)
     by_partition = replace(motion, constraints=_PARTITION)
-    # The loop of `Partition` takes no samples.
-    is_replaceable = (
-        isinstance(constraints, Projection)
-        and isinstance(motion.integrator, Explicit | None)
-        and problem.sampler is None
-    )
+    is_replaceable = isinstance(constraints, Projection) and isinstance(motion.integrator, Explicit | None)
     if follows and is_replaceable:
         return integrate_by_partition(motion)
     run = (
@@ -154,7 +145,7 @@ def integrate_on_branch(motion: Motion) -> Integration:
     is_plain = run.raw.status.success and passages is None
     end = None if is_plain else _end_of_branch(motion, run, passages, is_locked=is_locked)
     if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
-        second = integrate_motion(by_partition)
+        second = _integrate_again(by_partition)
         if second.raw.status.success:
             return _judge_passages(motion, second._replace(notes=(reason, *second.notes)))
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
@@ -162,6 +153,16 @@ def integrate_on_branch(motion: Motion) -> Integration:
     if end is None:
         return end_where_rows_change(motion, run)
     return end_run(run, end.t, end.note(f"sb.{type(constraints).__name__}()"))
+
+
+def _integrate_again(motion: Motion) -> Integration:
+    """Return another run of a motion; held values stay those of the first where it does not succeed."""
+    sampler = motion.problem.sampler
+    samples = None if sampler is None else sampler.save()
+    run = integrate_motion(motion)
+    if sampler is not None and samples is not None and not run.raw.status.success:
+        sampler.put_back(samples)
+    return run
 
 
 def _judge_passages(motion: Motion, run: Integration) -> Integration:

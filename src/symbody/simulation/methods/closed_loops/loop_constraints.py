@@ -63,7 +63,7 @@ class LoopConstraints:
         self.is_driven = any(not row.drift.is_zero for row in eqs.formed.rows)
         self._scales, self.holonomic = problem.scales.constraints(eqs), len(eqs.formed.holonomic)
         names = eqs.coordinate_names
-        self._quaternions = [[names.index(name) for name in four] for four in eqs.quaternions]
+        self.quaternions = [[names.index(name) for name in four] for four in eqs.quaternions]
 
     def positions(self, t: float | Floats, q: Floats) -> tuple[Floats, Floats]:
         """Return the conditions (.., m) on positions and their derivatives (.., m, n_q) by ``q / sizes``."""
@@ -105,7 +105,7 @@ class LoopConstraints:
             found = self._values(("constraints", "position_jacobian"), t, q)
             return found[0], found[1]
 
-        return ConstraintManifold(evaluate, self.sizes, self._scales[: self.holonomic], self._quaternions)
+        return ConstraintManifold(evaluate, self.sizes, self._scales[: self.holonomic], self.quaternions)
 
     def project(self, branch: MotionBranch, t: Floats, x: Floats) -> Floats:
         """Return states (N, n) at times (N,) on the constraints, by the least moves.

@@ -1,48 +1,65 @@
 """Minimal coordinates by partition: `Partition` integrates independent ones, the others follow from Phi.
 
 Wehage and Haug, Generalized coordinate partitioning for dimension reduction in analysis of constrained
-dynamic systems, J. Mech. Design 104 (1982). The independent ones are integrated by SciPy's DOP853. It carries
-the others along: to choose the step by them too, which alone do it where all motion is prescribed, and to
-start Newton's method from them, so that it stays on the branch of the motion.
+dynamic systems, J. Mech. Design 104 (1982). The compiled loop carries the others along: to choose the step by
+them too, which alone do it where all motion is prescribed, and to start Newton's method from them, so that it
+stays on the branch of the motion. See `kernels.configurations.chart`.
+
+Near change points no chart is good. There the loop goes on with rates from `PartitionStates`, in Python.
 """
 
 from __future__ import annotations
 
+import ctypes
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from functools import partial
 from typing import Final
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from symbody.arguments import checked_fields
+from symbody.codegen.call_arguments import address
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.llvm.kernel_library import load_entries
 from symbody.errors import Problem, SimulationError, UsageError
+from symbody.kernels import block as at
+from symbody.kernels.block import Run
+from symbody.kernels.configurations.chart_record import Chart
+from symbody.kernels.pack import pack
 from symbody.kernels.step_bounds import EPSILON
-from symbody.simulation.events.event_watch import EventWatch
+from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.inputs.native_callback import NativeCallback
+from symbody.simulation.methods.closed_loops.loop_constraints import NEAR
 from symbody.simulation.methods.closed_loops.partition_states import PartitionStates
-from symbody.simulation.methods.explicit import Explicit
-from symbody.simulation.methods.implicit.sundials import MonitoredFunction
-from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step, march
+from symbody.simulation.methods.constraints import ROUNDED_PER_COORDINATE, Projection
 from symbody.simulation.motion import Motion
-from symbody.simulation.native.run import RawRun
-from symbody.simulation.status import Status
+from symbody.simulation.native.blocks import function_numbers, state_of
+from symbody.simulation.native.closing import POSED
+from symbody.simulation.native.description import Projector, Record, RightHandSide
+from symbody.simulation.native.run import SLICE_SECONDS, NativeRun
+from symbody.simulation.native.segments import Watch
+from symbody.single_flight import once
+from symbody.tolerances import EXACT
 
 Floats = NDArray[np.float64]
 
-NOTE: Final = "independent coordinates are integrated by SciPy's DOP853 in Python: slower than Projection"
 _OPEN: Final = (
     "the start is a change point, where the mechanism can move along several branches, and the velocities "
     "do not select one: start slightly away from it, or give other velocities"
 )
-# A step of so few roundings of the time: near a lock-up what is solved for is rounding, too.
-_SHORTEST: Final = 1000.0
-# Of the guess of the first step, as in `native.loop`: small sizes, the shortest step, and a slope that is 0.
-_SMALL: Final = 1e-5
-_TIMID: Final = 1e-6
-_LEVEL: Final = 1e-15
-# A step whose inside is out of reach is tried again, shorter, so often.
-_TRIALS: Final = 30
+_NOTHING: Final = np.zeros(0)
+_LIMIT: Final = Projection().limit
+# Newton's method ends with a step of this share of rtol: its speeds are off by as much.
+_SETTLED: Final = 1e-3
+# Python takes over where the least singular value is below the first, and hands back above the second.
+_ENTER: Final = 2.0 * NEAR
+_LEAVE: Final = 3.0 * NEAR
+_MOST_TRIALS: Final = 1 << 20  # of one call
+# Faults of one evaluation that a shorter step may avoid.
+_MENDABLE: Final = ("simulation.partition", "numerics.singular_mass")
 
 
 @checked_fields
@@ -54,7 +71,7 @@ class Partition:
     ----------
     worst : float
         Other coordinates are chosen when the pivots of the dependent ones have shrunk to this share of the
-        best choice, between 0 and 1.
+        best so far, between 0 and 1.
     """
 
     worst: float = 0.1
@@ -72,136 +89,187 @@ class Partition:
             )
 
 
-def run_partition(
-    motion: Motion, method: Partition, explicit: Explicit, events: EventWatch | None
-) -> tuple[RawRun, tuple[str, ...]]:
-    """Integrate a set of independent coordinates and speeds; return run and notes."""
-    stepper = _PartitionStepper(motion, method, explicit)
-    states = stepper.states
-    raw = march(stepper, motion.course(events, partial(states.loops.project, states.branch)))
-    changes = stepper.changes
-    more = (f"other independent coordinates were chosen {changes} times",) if changes else ()
-    return raw, (NOTE, *more, *((_OPEN,) if stepper.is_open else ()))
+@once
+def _entries() -> tuple[int, int]:
+    """Return the addresses of rates and moves on a chart."""
+    found = load_entries("chart", ("chart_rates", "chart_moves"))
+    return found["chart_rates"], found["chart_moves"]
 
 
-def _mean(values: Floats) -> float:
-    """Return the root mean square."""
-    return float(np.sqrt(np.mean(values**2)))
+class _PassageFunction(NativeCallback):
+    """A function of the loop near a change point: Python computes its values from time and state."""
+
+    def __init__(self, values: Callable[[float, Floats], Floats], size: int) -> None:
+        super().__init__()
+        self._values, self._x = values, ctypes.c_double * size
+
+    def answer(self, t: int, q: int, u: int, r: int, p: int, c: int, out: int, work: int) -> int:
+        """Store the values; where there are none a shorter step is tried."""
+        try:
+            values = self._values(ctypes.c_double.from_address(t).value, np.array(self._x.from_address(u)))
+        except SimulationError as error:
+            if error.problems[0].code not in _MENDABLE:
+                raise
+            return at.OUT_OF_REACH
+        ctypes.memmove(out, address(values), values.nbytes)
+        return 0
 
 
-class _PartitionStepper:
-    """DOP853 over the independent coordinates, begun anew when they are chosen anew.
+class ChartRun:
+    """A run of the compiled loop that goes from chart to chart; see `native.run.CompiledRun`."""
 
-    Its `f`, `h_abs`, `max_step` and `n_stages` are not documented by SciPy. With documented arguments alone
-    each step would need a solver of its own, whose beginning costs one evaluation in twelve and forgets how
-    long the next step may be.
-    """
-
-    def __init__(self, motion: Motion, method: Partition, explicit: Explicit) -> None:
-        self._integration, self._worst, self._explicit = motion, method.worst, explicit
-        self.states = PartitionStates(motion)
-        self._x, (self._t, self._end) = motion.state, motion.span
-        self._ends = motion.step_ends()
-        self._watch = MonitoredFunction(self.states.rates)
-        self.changes, self.rejections = 0, 0
-        self.is_open = not self.states.is_on_branch(self._t, self._x)
-        self._begin(None if explicit.first_step is None else float(explicit.first_step))
+    def __init__(self, motion: Motion, method: Partition) -> None:
+        self._motion, self._worst = motion, method.worst
+        self._states = PartitionStates(motion)
+        self._is_open = not self._states.is_on_branch(motion.span[0], motion.state)
+        self._posed = motion.problem.compile_outputs(POSED)
+        self._laws: dict[int, CallbackFunction] = {}
+        size = motion.x0.size
+        self._passage = _PassageFunction(self._states.rates, size)
+        self._passage_moves = _PassageFunction(self._moves, size)
+        self._closed = np.zeros(size)
+        self._changes, self._share = 0, method.worst
 
     @property
-    def evaluations(self) -> int:
-        """How often the accelerations were computed."""
-        return self._watch.evaluations
+    def notes(self) -> tuple[str, ...]:
+        """What to say about the motion."""
+        count = self._changes
+        more = (f"other independent coordinates were chosen {count} times",) if count else ()
+        return (*more, *((_OPEN,) if self._is_open else ()))
 
-    def advance(self) -> Step | Failure:
-        """Take one step; the dependent coordinates inside it are solved for."""
-        if self.is_open:
-            return Failure(Status.SINGULAR)
-        begin, stop, end = self._ends(self._t)
-        if begin != self._t:  # what depends on time has jumped
-            self._begin(None)
-        for _ in range(_TRIALS):
-            solver, before = self._solver, self._watch.evaluations
-            if not np.isfinite(solver.f).all():
-                return self._watch.failure(0)
-            solver.max_step = min(self._longest, max(abs(stop - solver.t), _SHORTEST * EPSILON * abs(stop)))
-            solver.step()
-            self.rejections += (self._watch.evaluations - before) // solver.n_stages
-            if solver.status == "failed":
-                return self._watch.failure(0)
-            nodes = self._nodes(solver)
-            if nodes is not None:
-                self.rejections -= 1
-                length = abs(solver.t - self._t)
-                self._accept(solver, nodes[-1])
-                if length <= _SHORTEST * EPSILON * abs(self._t) and self._t != self._end:
-                    return Failure(Status.STEP_COLLAPSE)
-                if abs(self._t - stop) < abs(end - stop):  # before a jump
-                    self._t = end
-                return Step(self._t, nodes)
-            self._begin(0.25 * abs(solver.t - self._t))
-        return Failure(Status.STEP_COLLAPSE)
+    @property
+    def block(self) -> Floats:
+        """See `symbody.kernels.block`."""
+        return self._native.block
 
-    def restart(self, t: float, x: Floats) -> None:
-        """Go on from another state."""
-        self._t, self._x = t, x
-        self._choose(None)
+    def interruptible(self) -> AbstractContextManager[None]:
+        """Let Ctrl-C end the loop from within."""
+        return self._passage.interruptible()
 
-    def _accept(self, solver: scipy.integrate.DOP853, x: Floats) -> None:
-        """Go on from the end of a step; what was carried along is brought onto the constraints."""
-        self._x, self._t = x, float(solver.t)
-        solver.y = x.copy()
-        self._watch.accept()
-        self.states.accept(self._t, x)
-        if self._t != self._end and self.states.is_worn(self._t, x[self.states.loops.places], self._worst):
-            self._choose(abs(solver.h_abs))
-
-    def _nodes(self, solver: scipy.integrate.DOP853) -> Floats | None:
-        """Return the states inside the step; None if they are out of reach."""
-        inside = solver.dense_output()
-        nodes = np.empty((NODES, self._x.size))
-        nodes[0] = self._x
-        for k in range(1, NODES):
-            t = self._t + SHARES[k] * (solver.t - self._t) if k < NODES - 1 else float(solver.t)
-            try:
-                nodes[k] = self.states.state(t, inside(t))
-            except SimulationError:
-                return None
-        return nodes
-
-    def _choose(self, first_step: float | None) -> None:
-        """Choose the independent coordinates of the present state and begin with them."""
-        q = self._x[self.states.loops.places]
-        if not self.states.is_near_change_point(self._t, q):
-            self.states.choose(self._t, q)
-            self.changes += 1
-        self._begin(first_step)
-
-    def _begin(self, first_step: float | None) -> None:
-        """Start DOP853 from the present state."""
-        longest = self._longest
-        begin, _, _ = self._ends(self._t)
-        rest = abs(self._end - begin)
-        self._solver = solver = scipy.integrate.DOP853(
-            self._watch, begin, self._x.copy(), self._end, max_step=longest, rtol=self._integration.rtol,
-            atol=self._integration.tolerances, first_step=rest or None,
+    def start(self, rhs: RightHandSide, make: Callable[[RightHandSide, Projector], NativeRun]) -> ChartRun:
+        """Take the place of a run with a right-hand side; `make` makes one with other functions."""
+        loops, count = self._states.loops, self._states.positions.rows.size
+        n_u, n_q = loops.speed_sizes.size, loops.sizes.size
+        projector = Projector(
+            1, n_u, _NOTHING, np.zeros(2), _NOTHING, 0, n_q, np.full(count, EXACT), _LIMIT,
+            loops.sizes, ROUNDED_PER_COORDINATE * n_q * EPSILON / EXACT, count + n_q + n_u,
         )  # fmt: skip
-        if rest > 0.0:
-            step = self._first_step(begin, solver.f, rest) if first_step is None else first_step
-            solver.h_abs = min(step, rest)
+        plain = rhs._replace(parameters=np.zeros(3), constants=_NOTHING, work_size=0)
+        self._native = make(plain, projector)
+        t, q = self._place()
+        self._is_passing = self._states.share(t, q) < _ENTER
+        if self._is_passing:
+            self._enter_passage()
+        else:
+            self._states.choose(t, q)
+            self._enter_chart()
+        return self
 
-    @property
-    def _longest(self) -> float:
-        return np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
+    def begin(self, record: Record) -> int:
+        """Compute what a run begins with; return a code of `symbody.kernels.block`."""
+        code = self._native.begin(record)
+        self._raise_fault()
+        return at.SINGULAR if self._is_open else code
 
-    def _first_step(self, begin: float, rates: Floats, length: float) -> float:
-        """Guess a step as `native.loop` does: SciPy's own guess is made for times of about a second."""
-        weights = self._integration.tolerances + self._integration.rtol * np.abs(self._x)
-        size, slope = _mean(self._x / weights), _mean(rates / weights) * length
-        share = min(_TIMID if size < _SMALL or slope < _SMALL else 0.01 * size / slope, 1.0)
-        h = share * length * (1.0 if self._end >= begin else -1.0)
-        changed = self._watch(begin + h, self._x + h * rates)
-        steepest = max(slope, _mean((changed - rates) / weights) * length / share)
-        if not np.isfinite(steepest):
-            return share * length
-        longer = max(_TIMID, 1e-3 * share) if steepest <= _LEVEL else (0.01 / steepest) ** (1.0 / 8.0)
-        return float(min(100.0 * share, longer, 1.0) * length)
+    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        code, began = at.RUNNING, time.perf_counter()
+        while code == at.RUNNING and time.perf_counter() - began < SLICE_SECONDS:
+            code = self._native.advance(record, 1 if self._is_passing else min(trials, _MOST_TRIALS), watch)
+            self._raise_fault()
+            t, q = self._place()
+            self._states.accept(t, state_of(self.block).copy())
+            if self._is_passing:
+                self._pass_on(t, q)
+            elif code != at.CHART_ENDS:
+                break
+            else:
+                self._end_chart(t, q)
+                code = at.RUNNING
+        return code
+
+    def _place(self) -> tuple[float, Floats]:
+        """Return time and coordinates at present."""
+        return Run(self.block).time, state_of(self.block)[self._states.loops.places].copy()
+
+    def _end_chart(self, t: float, q: Floats) -> None:
+        """Choose anew; where this gives the same again, steps may lead farther before it is worn."""
+        self._is_passing = self._states.share(t, q) < _ENTER
+        if not self._is_passing:
+            is_new = self._states.choose(t, q)
+            self._changes += is_new
+            self._share = self._worst * (1.0 if is_new else self._share)
+            self._is_passing = self._share < NEAR
+        if self._is_passing:
+            self._enter_passage()
+        else:
+            self._enter_chart()
+
+    def _pass_on(self, t: float, q: Floats) -> None:
+        """Go back to a chart behind a change point; where there is none, choose what is best."""
+        if not self._states.is_near_change_point(t, q):
+            self._changes += self._states.choose(t, q)
+        if self._states.share(t, q) > _LEAVE:
+            self._is_passing, self._share = False, self._worst
+            self._enter_chart()
+
+    def _enter_passage(self) -> None:
+        """Let Python compute. What it interpolates differs from what was closed before."""
+        self._native = self._native._replace(rhs=self._passage.address, projector=self._passage_moves.address)
+        Run(self.block).projection.limit = np.inf
+
+    def _enter_chart(self) -> None:
+        """Make the chart of the present choice."""
+        rates = self._states.function(self._states.speeds)
+        entry = rates.address
+        if self._motion.problem.laws.need_python:
+            entry = self._laws.setdefault(entry, CallbackFunction(rates, self._motion.problem.laws)).address
+        self._chart = self._make_chart(rates)
+        places = entry, self._posed.address, address(self._chart)
+        run = Run(self.block)
+        for function, given in ((run, places), (run.projection, places[1:])):
+            np.asarray(function.numbers.parameters).view(np.int64)[:] = given
+        run.projection.limit = _LIMIT
+        self._native = self._native._replace(rhs=_entries()[0], projector=_entries()[1])
+
+    def _make_chart(self, rates: CompiledFunction) -> Floats:
+        """Return the array of a `Chart`."""
+        motion, loops = self._motion, self._states.loops
+        positions, speeds = self._states.positions, self._states.speeds
+        sizes = [len(output.values) for output in self._posed.outputs]
+        k = max(positions.rows.size, speeds.rows.size)
+        numbers, rate_numbers = (
+            function_numbers(
+                RightHandSide(0, motion.n_u, _NOTHING, _NOTHING, each.constants(), each.work_size)
+            )
+            for each in (self._posed, rates)
+        )
+        return pack(
+            Chart, states=motion.x0.size, speeds=motion.n_u, coordinates=loops.sizes.size,
+            conditions=sizes[0], rows=sizes[2], out_size=sum(sizes),
+            dependent_positions=positions.rows.size, dependent_speeds=speeds.rows.size,
+            quaternion_count=len(loops.quaternions), settled=_SETTLED * motion.rtol, share=self._share,
+            position_rows=positions.rows, position_places=positions.dependent, speed_rows=speeds.rows,
+            speed_places=speeds.dependent, quaternion_places=np.ravel(loops.quaternions), sizes=loops.sizes,
+            speed_sizes=loops.speed_sizes, scales=motion.problem.scales.constraints(motion.eqs),
+            matrix=np.zeros(k * k), move=np.zeros(k), pivots=np.zeros(k), numbers=numbers,
+            rate_numbers=rate_numbers,
+        )  # fmt: skip
+
+    def _moves(self, t: float, x: Floats) -> Floats:
+        """Return what `projection` reads: residuals, moves of all coordinates, moves of all speeds.
+
+        It moves a state, then asks whether that is closed.
+        """
+        places = self._states.loops.places
+        if not (x[places] == self._closed[places]).all():
+            self._closed = self._states.state(t, x)
+        moves = self._closed - x
+        residuals = np.full(self._states.positions.rows.size, float(moves[places].any()))
+        return np.concatenate([residuals, moves[places], moves[: places.start]])
+
+    def _raise_fault(self) -> None:
+        """Raise what ended the loop from within."""
+        for each in (self._passage, self._passage_moves, *self._laws.values()):
+            if each.error is not None:
+                raise each.error

@@ -15,7 +15,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.errors import Problem, SimulationError
 from symbody.manifold import LinearConstraints, correct, pivot_order, square_step
 from symbody.simulation.methods.closed_loops.crossing import find_crossing
@@ -54,24 +56,14 @@ class PartitionChoice:
 
     Attributes
     ----------
-    column_share, row_share : float
-        The least length that a unit vector of the null space has in the independent columns, and the least
-        singular value of the rows over that of all rows: 1 at best.
+    row_share : float
+        The least singular value of the rows over that of all rows: 1 at best.
     """
 
     rows: Places
     dependent: Places
     independent: Places
-    column_share: float
     row_share: float
-
-    def shares(self, matrix: Floats) -> tuple[float, float]:
-        """Return what the shares are for another matrix of the same rank."""
-        rank = self.rows.size
-        _, sizes, right = np.linalg.svd(matrix)
-        return _shares(
-            matrix, self.rows, right[rank:, self.independent], float(sizes[:rank].min(initial=np.inf))
-        )
 
 
 def partition_columns(matrix: Floats, rank: int, rows: Places | None = None) -> PartitionChoice:
@@ -82,24 +74,17 @@ def partition_columns(matrix: Floats, rank: int, rows: Places | None = None) -> 
         rows = np.sort(pivot_order(matrix.T)[0][:rank])
     independent = np.sort(pivot_order(free)[0][: len(free)])
     dependent = np.setdiff1d(np.arange(matrix.shape[1]), independent)
-    shares = _shares(matrix, rows, free[:, independent], float(sizes[:rank].min(initial=np.inf)))
-    return PartitionChoice(rows, dependent, independent, *shares)
-
-
-def _shares(matrix: Floats, rows: Places, free: Floats, least: float) -> tuple[float, float]:
-    columns = float(np.linalg.svd(free, compute_uv=False).min(initial=1.0))
-    if not rows.size:
-        return columns, 1.0
-    return columns, float(np.linalg.svd(matrix[rows], compute_uv=False).min()) / least
+    least = np.linalg.svd(matrix[rows], compute_uv=False).min() / sizes[rank - 1] if rows.size else 1.0
+    return PartitionChoice(rows, dependent, independent, float(least))
 
 
 Choices = tuple[PartitionChoice, PartitionChoice]
 
 
 class PartitionStates:
-    """Complete states x = (u, q, s) and their rates from independent parts, on the branch of a start.
+    """Complete states x = (u, q, s, work) and their rates from independent parts, on the branch of a start.
 
-    States s of signals take part in no constraint: they are independent.
+    States s of signals, and the work behind them, take part in no constraint: they are independent.
 
     Attributes
     ----------
@@ -119,11 +104,17 @@ class PartitionStates:
         self._aside_choice: Choices | None = None
         self._fastest = float(np.abs(self.loops.rates(t, x)).max(initial=0.0))
         self._crossing: tuple[Floats, bool] | None = None
-        self.choose(self.branch.t, self.branch.q)
+        self.positions, self.speeds = self._choose_columns(self.branch.t, self.branch.q)
 
-    def choose(self, t: float, q: Floats) -> None:
-        """Choose what is independent at a configuration."""
+    def choose(self, t: float, q: Floats) -> bool:
+        """Choose what is independent at a configuration; return whether that is another choice."""
+        before = self.positions, self.speeds
         self.positions, self.speeds = self._choose_columns(t, q)
+        now = self.positions, self.speeds
+        return not all(
+            np.array_equal(a.rows, b.rows) and np.array_equal(a.dependent, b.dependent)
+            for a, b in zip(before, now, strict=True)
+        )
 
     def _choose_columns(self, t: float, q: Floats) -> Choices:
         """Return a new choice; rows that do stay, as accelerations have to be compiled for others."""
@@ -136,22 +127,9 @@ class PartitionStates:
                 return positions, kept
         return positions, speeds
 
-    def is_worn(self, t: float, q: Floats, worst: float) -> bool:
-        """Return whether another choice is better by far."""
-        if self.is_near_change_point(t, q):
-            return False
-        matrices = self.loops.positions(t, q)[1], self.loops.speeds(t, q)[0]
-        for matrix, choice in zip(matrices, (self.positions, self.speeds), strict=True):
-            by_columns, by_rows = choice.shares(matrix)
-            if by_columns < worst * choice.column_share or by_rows < worst * choice.row_share:
-                best = partition_columns(matrix, choice.rows.size)
-                if by_columns < worst * best.column_share or by_rows < worst * best.row_share:
-                    return True
-        return False
-
     def is_near_change_point(self, t: float, q: Floats) -> bool:
         """Return whether a configuration is near one where branches of the mechanism meet."""
-        if not self._share(t, q) < NEAR:
+        if not self.share(t, q) < NEAR:
             return False
         known = self._crossing
         if known is None or np.abs((q - known[0]) / self.loops.sizes).max() > _SAME_CROSSING:
@@ -162,7 +140,7 @@ class PartitionStates:
     def accept(self, t: float, x: Floats) -> None:
         """Learn from a state of the motion what is fast, what is regular, and where the branch leads."""
         self._fastest = max(self._fastest, float(np.abs(self.loops.rates(t, x)).max(initial=0.0)))
-        share = self._share(t, x[self._places])
+        share = self.share(t, x[self._places])
         self._reference *= max(share, 1.0) if np.isfinite(share) else 1.0
         if share >= NEAR:
             self._regular, self._aside_choice = (t, x[self._places].copy()), None
@@ -204,7 +182,7 @@ class PartitionStates:
         apart = np.abs(u / self.loops.speed_sizes).max(initial=0.0) / speed
         return bool(max(apart, np.abs(q / self.loops.sizes).max(initial=0.0)) < _SAME)
 
-    def _share(self, t: float, q: Floats) -> float:
+    def share(self, t: float, q: Floats) -> float:
         """Return the least singular value that counts, as a share of that at regular configurations."""
         if not self.branch.speeds:
             return np.inf
@@ -243,18 +221,22 @@ class PartitionStates:
             raise SimulationError(_no_configuration(t))
         return end.q
 
-    def _state_rates(self, t: float, x: Floats, speeds: PartitionChoice) -> Floats:
-        """Return x' of a complete state, from the constraints that are independent."""
+    def function(self, speeds: PartitionChoice) -> CompiledFunction:
+        """Return what computes rates and power from the constraints that are independent."""
+        return self._function(speeds).function
+
+    def _function(self, speeds: PartitionChoice) -> StateFunction:
         key = tuple(speeds.rows.tolist())
         if key not in self._functions:
-            formed = self._eqs.formed
-            if len(key) == len(formed.rows):
-                self._functions[key] = self._integration.compile_outputs("xdot")
-            else:
-                chosen = formed.with_independent(key)
-                eqs = EquationSet(self._eqs.model, chosen, self._eqs.notes)
-                self._functions[key] = self._integration.compile_outputs("xdot", eqs)
-        return np.asarray(self._functions[key](t, x), dtype=np.float64)
+            eqs, formed = self._eqs, self._eqs.formed
+            if len(key) < len(formed.rows):
+                eqs = EquationSet(eqs.model, formed.with_independent(key), eqs.notes)
+            self._functions[key] = self._integration.compile_outputs(OF_STEPS, eqs)
+        return self._functions[key]
+
+    def _state_rates(self, t: float, x: Floats, speeds: PartitionChoice) -> Floats:
+        """Return the rates of a complete state with the work."""
+        return np.append(*self._function(speeds)(t, x[:-1]))
 
     def _interpolate(self, t: float, y: Floats, *, are_rates: bool = False) -> tuple[Floats, Floats] | None:
         """Return state and rates near a change point, interpolated; None elsewhere, or if that fails."""
@@ -301,7 +283,7 @@ class PartitionStates:
                 guess[part] = last + (place - before) * slope * sizes
                 guess[part.start + own] = y[part.start + own] + place * way[own] * sizes[own]
                 x = self._solve(t + place * time, guess, choices)
-                if self._share(t + place * time, x[part]) < _FAR_ENOUGH * NEAR:
+                if self.share(t + place * time, x[part]) < _FAR_ENOUGH * NEAR:
                     return
                 yield t + place * time, x
                 slope = (x[part] - last) / sizes / (place - before)

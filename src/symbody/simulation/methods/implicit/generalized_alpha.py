@@ -18,8 +18,6 @@ from symbody.arguments import checked_fields
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.errors import Problem, UsageError
-from symbody.kernels import block as at
-from symbody.kernels.block import Run
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction, InputLaws
@@ -29,19 +27,16 @@ from symbody.simulation.methods.implicit.state_jacobian import (
     drop_idle_rows,
     with_state_jacobian,
 )
-from symbody.simulation.methods.stepping import SHARES, Failure, Step, march
 from symbody.simulation.motion import Motion, StateProjector
-from symbody.simulation.native.blocks import make_block, state_of
-from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.description import Projector, Record, RightHandSide
+from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.description import Projector, RightHandSide
 from symbody.simulation.native.implicit import (
     METHOD,
     ImplicitFunctions,
     ImplicitRun,
     make_array,
 )
-from symbody.simulation.native.run import VERDICTS, RawRun, drive, fresh_record
-from symbody.simulation.status import Status
+from symbody.simulation.native.run import EVENT_SAMPLES, RawRun, drive, fresh_record
 
 Floats = NDArray[np.float64]
 Notes = tuple[str, ...]
@@ -122,7 +117,7 @@ def run_generalized_alpha(
 ) -> tuple[RawRun, Notes]:
     """Return the run of the compiled loop, and what to note about it.
 
-    Where events are watched, the loop returns to Python after each step.
+    Where events are watched, it returns to Python after each step.
 
     Raises
     ------
@@ -133,11 +128,8 @@ def run_generalized_alpha(
     compiled = _compile_functions(motion)
     with _with_laws(compiled, laws) as addresses:
         run = _make_run(motion, method, closing, addresses, compiled, work_tolerance)
-        if watch is None:
-            raw = drive(run, fresh_record(run, _times(motion), dense=True), motion.progress)
-        else:
-            course = motion.course(watch, None if closing is None else closing.project_all)
-            raw = march(_LoopStepper(run), course)
+        record = fresh_record(run, _times(motion), True, 0 if watch is None else EVENT_SAMPLES)
+        raw = drive(run, record, motion.progress, watch)
     return raw, (method.note,)
 
 
@@ -212,58 +204,3 @@ def bounds_of_steps(bounds: Breakpoints, method: GeneralizedAlpha) -> Breakpoint
 
 def _times(motion: Motion) -> Floats | None:
     return None if motion.times is None else np.asarray(motion.times, dtype=np.float64)
-
-
-class _LoopStepper:
-    """Takes single steps of the compiled loop, for runs that are watched."""
-
-    def __init__(self, run: ImplicitRun) -> None:
-        self._run, self._has_begun = run, False
-        own = Run(run.block)
-        n, rows = own.states, own.method.dense_rows
-        self._record = Record(
-            np.zeros(0), np.zeros(1), np.zeros((1, n)), np.zeros(2), np.zeros((1, rows, n)),
-            every_step=False, keep_dense=True,
-        )  # fmt: skip
-
-    @property
-    def evaluations(self) -> int:
-        """How often the slopes were computed."""
-        return int(Run(self._run.block).counts.evaluations)
-
-    @property
-    def rejections(self) -> int:
-        """How many steps were tried in vain."""
-        return int(Run(self._run.block).counts.rejected)
-
-    def advance(self) -> Step | Failure:
-        """Take one step; inside it the state is the cubic through states and slopes of both ends."""
-        run, block = self._run, self._run.block
-        code = at.RUNNING
-        if not self._has_begun:
-            code, self._has_begun = run.begin(self._record), True
-        begin, counts = Run(block).time, Run(block).counts
-        counts.steps = 0
-        while code == at.RUNNING and counts.steps == 0:
-            code = run.advance(self._record, 1)
-        if counts.steps == 0:
-            return self._failure(code)
-        end = float(self._record.breaks[1])
-        inside = DenseOutput(np.array([begin, end]), self._record.pieces)
-        nodes = inside(begin + SHARES * (end - begin)).T[:, :-1].copy()
-        nodes[-1] = state_of(block)[:-1]
-        return Step(end, nodes)
-
-    def restart(self, t: float, x: Floats) -> None:
-        """Go on from another state."""
-        self._run.restart(t, np.append(x, 0.0))
-        self._has_begun = False
-
-    def _failure(self, code: int) -> Failure:
-        counts = Run(self._run.block).counts
-        status = VERDICTS[code]
-        blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
-        singular = status is Status.SINGULAR
-        return Failure(
-            status, counts.blamed_state if blamed else None, counts.failed_kernel - 1 if singular else None
-        )

@@ -127,7 +127,7 @@ def run_stiff(
         solver, solver.init_step, _Settling(closing, constraints), watch, motion.state, motion.span,
         motion.step_ends(SHARE_OF_PIECE), solved,
     )  # fmt: skip
-    return march(stepper, motion.course(events, None if closing is None else closing.project_all))
+    return march(stepper, motion.course(closing), events)
 
 
 class _Settling:

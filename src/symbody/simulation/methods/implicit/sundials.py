@@ -48,7 +48,6 @@ PATIENT: Final = 50
 # Faults of one evaluation that a shorter step may avoid; others, as of a law that fails, end the run.
 MENDABLE: Final[Mapping[str, Status]] = {
     "numerics.singular_mass": Status.SINGULAR,
-    "simulation.partition": Status.STEP_COLLAPSE,
 }
 
 
@@ -156,11 +155,6 @@ class SundialsStepper:
     def evaluations(self) -> int:
         """How often the equations were evaluated."""
         return self._watch.evaluations
-
-    @property
-    def rejections(self) -> None:
-        """Not known: scikit-sundae does not hand over the counters of SUNDIALS."""
-        return None
 
     def advance(self) -> Step | Failure:
         """Take one step; the state inside it is the solver's own polynomial."""
