@@ -71,6 +71,7 @@ class Body(Element):
     """
 
     kind: ClassVar[str] = "body"
+    group: ClassVar[str] = "Bodies"
 
     mass: Quantity = Quantity(
         "Mass; zero is allowed as long as the mechanism as a whole has mass in every direction of motion.",

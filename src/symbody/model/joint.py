@@ -282,6 +282,14 @@ class Joint(Connection):
         """Number of directions the joint prevents."""
         return self.locked_rotations + self.locked_translations
 
+    def output_words(self, kind: str) -> tuple[str, ...]:
+        """Return what may follow its name in outputs of a kind: of several coordinates those driven."""
+        if kind == "effort":
+            driven = tuple(x for x in self.coordinates if x in self.drives or x in self.motions)
+            return driven if len(self.coordinates) > 1 else ("",) * len(driven)
+        has_friction = self.friction is not None and not self.friction.is_none
+        return ("",) if kind == "reaction" or (kind == "friction" and has_friction) else ()
+
     def coordinate_path(self, word: str, coordinate: str) -> str:
         """Return where `word` stands for a coordinate: ``"torque"``, or ``"torque.theta"`` of several."""
         return word if len(self.coordinates) == 1 else f"{word}.{coordinate}"

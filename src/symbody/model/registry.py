@@ -23,21 +23,6 @@ _FOLDERS: Final = (
 )  # fmt: skip
 # Kinds of which a file has several types, named by a word.
 TYPED: Final = ("joint", "constraint", "block")
-# What the diagram editor calls groups of kinds.
-_GROUPS: Final = MappingProxyType(
-    {
-        "body": "Bodies",
-        "joint": "Joints",
-        "constraint": "Constraints",
-        "spring": "Springs and dampers",
-        "torsion_spring": "Springs and dampers",
-        "force": "Forces and torques",
-        "torque": "Forces and torques",
-        "signal": "Signals",
-        "table": "Signals",
-        "block": "Blocks",
-    }
-)
 
 
 @cache
@@ -108,7 +93,7 @@ def _entry(kind: str, word: str, each: type[Element]) -> dict[str, Any]:
         "section": kind,
         "type": word,
         "title": _title(title, each.__name__),
-        "group": _GROUPS.get(kind, kind.capitalize()),
+        "group": each.group or f"{kind.capitalize()}s",
         "summary": each.summary(),
         "definition": definition_name(title),
         "fields": [json.loads(json.dumps(field.panel(name))) for name, field in each.fields.items()],

@@ -32,6 +32,10 @@ class Distance(FrameConstraint):
     )
     rope: Flag = Flag("Whether the points may come closer.", default=False)
 
+    def output_words(self, kind: str) -> tuple[str, ...]:
+        """Return what may follow its name in outputs of a kind, of ropes alone in those of ropes."""
+        return ("",) * self.rope if kind == "rope" else FrameConstraint.output_words(self, kind)
+
 
 @final
 @element

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import ClassVar, Final, final
 
 from symbody.model.declarations.arguments import Arguments
@@ -51,7 +53,7 @@ class Force(Element):
 
     equation: ClassVar[str] = "vector at the point `on`, in the axes of `resolved_in`"
     sign: ClassVar[str] = "the opposite force acts on `reaction_on` at the same point"
-    outputs: ClassVar[str] = ""
+    group: ClassVar[str] = "Forces and torques"
     kind: ClassVar[str] = "force"
 
     on: AttachedFrame = AttachedFrame("The point where the force acts.")
@@ -69,7 +71,7 @@ class Torque(Element):
 
     equation: ClassVar[str] = "vector on `on`"
     sign: ClassVar[str] = "the opposite torque acts on `reaction_on`"
-    outputs: ClassVar[str] = ""
+    group: ClassVar[str] = "Forces and torques"
     kind: ClassVar[str] = "torque"
 
     on: AttachedFrame = AttachedFrame("The body on which the torque acts.")
@@ -98,7 +100,9 @@ class SpringDamper(Connection):
         "`isotropic`: the vector -stiffness r - damping r' on end, r' as seen from ground"
     )
     sign: ClassVar[str] = "positive pushes the ends apart; `free` exactly 0: vector law, smooth at length 0"
-    outputs: ClassVar[str] = "`length S`, `effort S`"
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({"length": ("",), "effort": ("",)})
+    effort_unit: ClassVar[str] = "N"
+    group: ClassVar[str] = "Springs and dampers"
     kind: ClassVar[str] = "spring"
 
     stiffness: Quantity = Quantity(unit="N/m", default=0, scope=Scope.LOAD, fits=note_negative)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field
+from types import MappingProxyType
 from typing import Any, ClassVar, Final, TypeAlias, final
 
 from symbody.expr.language.formula import Formula
@@ -23,7 +24,6 @@ from symbody.model.declarations.misfits import (
     wrong_type,
 )
 from symbody.model.loads.curve import SpringLaw
-from symbody.model.loads.forces import SpringDamper
 from symbody.model.numeric_checks import NumericChecks, note_negative
 
 # What the law of a torsion spring may read beside the names of loads.
@@ -153,7 +153,9 @@ class TorsionSpring(Connection):
         "applied + law - stiffness (angle - free) - damping angle_rate about `axis`, fixed in start"
     )
     sign: ClassVar[str] = "positive turns the end in the positive direction about the axis"
-    outputs: ClassVar[str] = "`angle S`, `effort S`"
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({"angle": ("",), "effort": ("",)})
+    effort_unit: ClassVar[str] = "N m"
+    group: ClassVar[str] = "Springs and dampers"
     kind: ClassVar[str] = "torsion_spring"
 
     axis: Direction = Direction("In the start frame.", default="z")
@@ -189,7 +191,14 @@ class Bushing(Connection):
         "-stiffness (x - free) - damping x' in six coordinates; six values or a 6 x 6 matrix"
     )
     sign: ClassVar[str] = "forces and torques on the end along the coordinates"
-    outputs: ClassVar[str] = "`length B x` `y` `z`, `angle B rx` `ry` `rz`, `effort B x` .. `rz`"
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {
+            "length": BUSHING_COORDINATES[:3],
+            "angle": BUSHING_COORDINATES[3:],
+            "effort": BUSHING_COORDINATES,
+        }
+    )
+    effort_unit: ClassVar[str] = "N, N m"
     kind: ClassVar[str] = "joint"
 
     stiffness: SixOrMatrix = SixOrMatrix(unit="N/m, N m/rad", default=_NONE)
@@ -222,10 +231,6 @@ class Bushing(Connection):
     def damping_rows(self) -> tuple[Row, ...]:
         """The damping as a matrix."""
         return _matrix(self.damping)
-
-
-# What gives way between two frames.
-Spring: TypeAlias = SpringDamper | TorsionSpring | Bushing
 
 
 def _matrix(values: Coefficients) -> tuple[Row, ...]:

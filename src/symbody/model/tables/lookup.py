@@ -183,6 +183,7 @@ class Lookup(Element):
     """
 
     kind: ClassVar[str] = "table"
+    group: ClassVar[str] = "Signals"
 
     name: SymbolElementName = SymbolElementName("Unique among the symbols of the model.")
     file: TableFile = TableFile(
