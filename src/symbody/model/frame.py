@@ -36,7 +36,7 @@ class Turn(Field[tuple[AxisLike, Value], tuple[Axis, Formula]]):
 
     _: KW_ONLY
     axis: Any = field(default_factory=Direction)
-    angle: Any = field(default_factory=AngleQuantity)
+    angle: Any = field(default_factory=lambda: AngleQuantity(unit="rad"))
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Axis, Formula]:
         """Return the axis and the angle [rad]."""

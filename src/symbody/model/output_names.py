@@ -178,7 +178,7 @@ def _along(kind: str, letter: str) -> tuple[OutputArgument, ...]:
 
 _FRICTION: Final = (_elements("friction", "J"),)
 _ROPE: Final = (_elements("rope", "R"),)
-_MULTIPLIER: Final = "lambda_"
+MULTIPLIER: Final = "lambda_"
 _ROW: Final = re.compile(r"_(?:\d+|motion(?:_\d+)?|stick)")
 
 _ALL: Final = (
@@ -277,7 +277,7 @@ def is_multiplier(name: str, elements: Iterable[str]) -> bool:
     >>> is_multiplier("lambda_rod_2", ["rod"]), is_multiplier("lambda_max", ["rod"])
     (True, False)
     """
-    text = name.removeprefix(_MULTIPLIER)
+    text = name.removeprefix(MULTIPLIER)
     return text != name and any(
         text.startswith(element) and _ROW.fullmatch(text, len(element)) for element in elements
     )

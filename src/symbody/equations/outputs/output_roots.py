@@ -13,11 +13,10 @@ from symbody.equations.outputs.derivative_outputs import (
     derivative_roots,
     differentiate_output,
 )
-from symbody.equations.outputs.frame_cures import frame_cure
 from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
 from symbody.equations.outputs.friction_outputs import friction_effort, friction_normal, friction_reserve
 from symbody.equations.outputs.joint_outputs import effort_output, reaction_output, total_power
-from symbody.equations.outputs.quotation import quotation_cure
+from symbody.equations.outputs.output_cures import frame_cure, quotation_cure
 from symbody.equations.outputs.rope_outputs import (
     rope_acceleration_size,
     rope_length,
@@ -46,6 +45,7 @@ from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequences.sequence import Roots
 from symbody.model.output_names import (
     FRAME_OUTPUT,
+    MULTIPLIER,
     OUTPUT_KINDS,
     OutputName,
     kind_of,
@@ -119,7 +119,7 @@ def _named_output(formed: EquationsOfMotion, asked: OutputName, name: str) -> Ou
 
 def _multiplier(formed: EquationsOfMotion, name: str) -> Expr | None:
     """Return the multiplier of this name, None if there is none; names of constraints may have blanks."""
-    if not name.startswith("lambda_"):
+    if not name.startswith(MULTIPLIER):
         return None
     if any(name == row.name for row in formed.coupled.rows):
         return substitute_shares(formed, [formed.coupling_multipliers[name]])[0]

@@ -2,31 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
-from typing import Final
 
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import fold
-from symbody.model.frame import Frame
-from symbody.model.joint import Joint
-from symbody.model.loads.forces import Force, SpringDamper, Torque
-from symbody.model.loads.springs import TorsionSpring
 from symbody.model.model import Model
-
-_LINEAR: Final = {"stiffness": "N/m", "damping": "N s/m", "free": "m", "applied": "N", "motion": "m"}
-_ANGULAR: Final = {
-    "stiffness": "N m/rad", "damping": "N m s/rad", "free": "rad", "applied": "N m", "motion": "rad",
-}  # fmt: skip
-_VECTOR: Final = re.compile(r"vector\[\d\]")
-# Place in a body or on the ground -> unit.
-_PLACES: Final = (
-    (re.compile(r"mass"), "kg"),
-    (re.compile(r"(inertia|products)\[\d\]"), "kg m^2"),
-    (re.compile(r"frames\..*\.at\[\d\]"), "m"),
-    (re.compile(r"frames\..*\.rotate\[\d+\]\[1\]"), "rad"),
-)
 
 
 def symbol_units(model: Model) -> dict[str, str]:
@@ -79,48 +60,18 @@ def _combine(name: str, operands: list[frozenset[str] | Fraction | None]) -> fro
 
 
 def _sites(model: Model) -> Iterator[tuple[Formula, str]]:
-    """Yield formulas with the unit of their place."""
+    """Yield formulas with the unit of their role; along a coordinate it follows the kind of this."""
     yield from ((formula, "m/s^2") for formula in model.gravity)
-    yield from _frame_sites(model.ground.items())
-    for body in model.bodies:
-        yield from _match((site.path, site.formula) for site in body.formula_sites())
+    frames = (frame.formula_sites(name) for name, frame in model.ground.items())
+    for sites in (*frames, *(element.formula_sites() for element in model.elements)):
+        yield from ((site.formula, site.unit) for site in sites if site.unit and "," not in site.unit)
     for joint in model.joints:
-        yield from _joint_sites(joint)
-    for element in model.elements:
-        if isinstance(element, Force | Torque):
-            unit = "N" if isinstance(element, Force) else "N m"
-            yield from (
-                (site.formula, unit) for site in element.formula_sites() if _VECTOR.fullmatch(site.path)
-            )
-        elif isinstance(element, SpringDamper | TorsionSpring):
-            units = _LINEAR if isinstance(element, SpringDamper) else _ANGULAR
-            yield from (
-                (site.formula, units[site.path]) for site in element.formula_sites() if site.path in units
-            )
-
-
-def _frame_sites(frames: Iterable[tuple[str, Frame]]) -> Iterator[tuple[Formula, str]]:
-    for name, frame in frames:
-        yield from _match((site.path, site.formula) for site in frame.formula_sites(f"frames.{name}"))
-
-
-def _match(sites: Iterable[tuple[str, Formula]]) -> Iterator[tuple[Formula, str]]:
-    for path, formula in sites:
-        for place, unit in _PLACES:
-            if place.fullmatch(path):
-                yield formula, unit
-
-
-def _joint_sites(joint: Joint) -> Iterator[tuple[Formula, str]]:
-    """Yield the formulas of drives and prescribed motions."""
-    slides = set(joint.translation_coordinates)
-    turns = set(joint.rotation_coordinates if joint.quaternion is None else ())
-    for path, coordinate, drive in joint.drives_with_paths():
-        units = _LINEAR if coordinate in slides else _ANGULAR if coordinate in turns else {}
-        for site in drive.formula_sites(path):
-            word = site.path.removeprefix(f"{path}.")
-            if word in units:
-                yield site.formula, units[word]
-    for coordinate, motion in joint.motion.items():
-        if coordinate in slides | turns:
-            yield motion, (_LINEAR if coordinate in slides else _ANGULAR)["motion"]
+        slides = set(joint.translation_coordinates)
+        turns = set(joint.rotation_coordinates if joint.quaternion is None else ())
+        for path, coordinate, drive in joint.drives_with_paths():
+            if coordinate in slides | turns:
+                for site in drive.formula_sites(path):
+                    yield site.formula, site.unit.split(", ")[coordinate not in slides]
+        for coordinate, motion in joint.motion.items():
+            if coordinate in slides | turns:
+                yield motion, "m" if coordinate in slides else "rad"

@@ -153,7 +153,7 @@ class CurvePoint(VectorQuantity):
     def formula_sites(self, owner: Any, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas of the curve stand."""
         for k, formula in enumerate(value):
-            yield FormulaSite(f"{path}[{k}]", formula, Scope.PRESCRIBED, (owner.parameter,))
+            yield FormulaSite(f"{path}[{k}]", formula, Scope.PRESCRIBED, (owner.parameter,), self.unit)
 
 
 # A type checker has to see all roles whose fields may be without default.

@@ -176,7 +176,7 @@ class Quantity(Field[Value, Formula]):
 
     def formula_sites(self, owner: object, value: Formula, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""
-        yield FormulaSite(path, value, self.scope)
+        yield FormulaSite(path, value, self.scope, (), self.unit)
 
     def check_numbers(self, check: NumericChecks, owner: object, value: Formula, where: str) -> None:
         """Note a value that does not fit."""
@@ -214,7 +214,7 @@ class VectorQuantity(ListOf[Iterable[Value], Triple]):
 
     def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
-        return component_sites(path, value, self.scope)
+        return component_sites(path, value, self.scope, self.unit)
 
 
 class Direction(Field[AxisLike, Axis]):

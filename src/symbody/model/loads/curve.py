@@ -149,7 +149,7 @@ class SpringLaw(Field[LawValue, Law]):
     def formula_sites(self, owner: object, value: Law, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands; a curve has none."""
         if not isinstance(value, Curve):
-            yield FormulaSite(path, value, Scope.LOAD, self.own)
+            yield FormulaSite(path, value, Scope.LOAD, self.own, self.unit)
 
 
 def read_law(arguments: Arguments, value: object, path: str) -> Law:

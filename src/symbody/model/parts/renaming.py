@@ -12,6 +12,7 @@ from symbody.model.naming import GROUND, RESERVED_SYMBOLS
 from symbody.model.output_arguments import OutputScope, join_words
 from symbody.model.output_names import (
     DERIVATIVE_GROUPS,
+    MULTIPLIER,
     DerivativeRequest,
     is_multiplier,
     kind_of,
@@ -110,5 +111,5 @@ class Renaming:
         if name in self.symbols or name in RESERVED_SYMBOLS:
             return self.symbol(name)
         if is_multiplier(name, self.scope.elements):
-            return f"lambda_{self.element_name(name.removeprefix('lambda_'))}"
+            return f"{MULTIPLIER}{self.element_name(name.removeprefix(MULTIPLIER))}"
         return self.element_name(name)
