@@ -104,10 +104,9 @@ def _read_part(
     place = inner_path(file, folder, where)
     if place in reading:
         names = [os.path.basename(name) for name in (*reading[reading.index(place) :], place)]
-        raise ModelError(
-            Problem("include.circle", where, f"the file includes itself: {' -> '.join(names)}",
-                    "a part would contain itself endlessly", "remove one of these includes")
-        )  # fmt: skip
+        what = f"the file includes itself: {' -> '.join(names)}"
+        why = "a part would contain itself endlessly"
+        raise ModelError(Problem("include.circle", where, what, why, "remove one of these includes"))
     shown = os.path.join(folder, file)
     try:
         text = read_text(place)
@@ -142,12 +141,10 @@ def include_entry(include: Include, folder: str | None) -> dict[str, Node]:
     if folder is not None and os.path.realpath(folder) != os.path.realpath(include.folder):
         place = os.path.relpath(os.path.join(include.folder, include.file), folder).replace(os.sep, "/")
     if place.startswith(".."):
-        raise FormatError(
-            Problem("file.outside", f"include {include.prefix}, file",
-                    f"{include.file!r} is outside the folder in which the model is saved",
-                    "a model file may only refer to files in its own folder",
-                    "copy the part into the folder first, or save the model next to it")
-        )  # fmt: skip
+        what = f"{include.file!r} is outside the folder in which the model is saved"
+        why = "a model file may only refer to files in its own folder"
+        fix = "copy the part into the folder first, or save the model next to it"
+        raise FormatError(Problem("file.outside", f"include {include.prefix}, file", what, why, fix))
     entry: dict[str, Node] = {"file": place, "prefix": include.prefix}
     if include.at.full_name != "ground":
         entry["at"] = include.at.full_name

@@ -74,11 +74,9 @@ def _refuse_own_classes(model: Model) -> None:
     for each in model.elements:
         if type(each).__module__.partition(".")[0] != _PACKAGE:
             where, word = f"{each.kind} {each.name}", type(each).__name__
-            problems.append(
-                Problem("file.own_class", where, f"model files cannot describe {word}",
-                        "its class is not part of the package, so files cannot be read back",
-                        "keep the mechanism as a script, or add the class to the package")
-            )  # fmt: skip
+            why = "its class is not part of the package, so files cannot be read back"
+            fix = "keep the mechanism as a script, or add the class to the package"
+            problems.append(Problem("file.own_class", where, f"model files cannot describe {word}", why, fix))
     if problems:
         raise FormatError(*problems)
 
@@ -269,15 +267,9 @@ def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
     try:
         return formats.write_layout(text, layout)
     except (TypeError, ValueError, RecursionError) as error:
-        raise FormatError(
-            Problem(
-                "file.layout",
-                "layout",
-                f"the layout cannot be written to a file: {error}",
-                "TOML has strings, numbers, true and false, lists and tables, but no null",
-                "remove such entries",
-            )
-        ) from error
+        what = f"the layout cannot be written to a file: {error}"
+        why = "TOML has strings, numbers, true and false, lists and tables, but no null"
+        raise FormatError(Problem("file.layout", "layout", what, why, "remove such entries")) from error
 
 
 def _plain(node: Node) -> Any:

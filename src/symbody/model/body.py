@@ -44,13 +44,9 @@ class Frames(ByName[Mapping[str, Frame] | None, Frame]):
             if problem is not None:
                 arguments.problems.append(problem)
             if name == CENTRE:
-                arguments.add(
-                    "names.reserved",
-                    f"{path}.{name}",
-                    f"the name {CENTRE!r} is reserved: every body has a frame of this name",
-                    "it is the centre of mass",
-                    "rename the frame",
-                )
+                what = f"the name {CENTRE!r} is reserved: every body has a frame of this name"
+                why = "it is the centre of mass"
+                arguments.add("names.reserved", f"{path}.{name}", what, why, "rename the frame")
         return table
 
 
@@ -130,13 +126,9 @@ def read_frame_ref(arguments: Arguments, place: object, path: str) -> FrameRef:
         if isinstance(body, str):
             return make_frame_ref(normalize(body), normalize(frame))
     is_frame = isinstance(place, Frame)
-    arguments.add(
-        "model.not_a_place",
-        path,
-        f"{'a Frame' if is_frame else repr(place)} is not a point of a body",
-        "a Frame does not know its body" if is_frame else "",
-        'give a Body, body["frame"], or a text such as "Body.Frame"',
-    )
+    what = f"{'a Frame' if is_frame else repr(place)} is not a point of a body"
+    fix = 'give a Body, body["frame"], or a text such as "Body.Frame"'
+    arguments.add("model.not_a_place", path, what, "a Frame does not know its body" if is_frame else "", fix)
     return FrameRef("ground")
 
 
@@ -144,11 +136,6 @@ def _parse_frame_ref(arguments: Arguments, text: str, path: str) -> FrameRef:
     body, dot, frame = (part.strip() for part in normalize(text).partition("."))
     if body and bool(frame) == bool(dot) and "." not in frame:
         return make_frame_ref(body, frame)
-    arguments.add(
-        "model.bad_address",
-        path,
-        f"{text!r} is not an address",
-        "",
-        "write Body.Frame, or Body for its centre of mass, or ground",
-    )
+    fix = "write Body.Frame, or Body for its centre of mass, or ground"
+    arguments.add("model.bad_address", path, f"{text!r} is not an address", "", fix)
     return FrameRef("ground")

@@ -103,12 +103,10 @@ def _check(formed: EquationsOfMotion, pairs: Sequence[_Pair]) -> None:
     doubtful = [pair for pair in pairs if values[pair.computed] != values[pair.shown]]
     different = list(_numerically_different(formed, doubtful))
     if different:
-        raise FormulationError(
-            Problem("equations.views_differ", different[0].place,
-                    "the formulas shown differ from the functions that are computed",
-                    "this is a bug in symbody, not a fault of the model",
-                    "report it with the model; another formulation may work in the meantime")
-        )  # fmt: skip
+        what = "the formulas shown differ from the functions that are computed"
+        why = "this is a bug in symbody, not a fault of the model"
+        fix = "report it with the model; another formulation may work in the meantime"
+        raise FormulationError(Problem("equations.views_differ", different[0].place, what, why, fix))
 
 
 def _numerically_different(formed: EquationsOfMotion, pairs: Sequence[_Pair]) -> Iterator[_Pair]:

@@ -76,8 +76,6 @@ def _symbols(formed: EquationsOfMotion, name: str, word: str) -> tuple[Symbol, .
     if node is not None and graph.ops[node] == SYMBOL:
         return (graph.symbols[graph.left[node]],)
     known = [*DERIVATIVE_GROUPS, *formed.names.symbols]
-    raise FormulationError(
-        Problem("equations.derivative_by", name, f"cannot differentiate by {word!r}",
-                "it is not a symbol of these equations, or is replaced by an expression",
-                nearest(inner, known))
-    )  # fmt: skip
+    what = f"cannot differentiate by {word!r}"
+    why = "it is not a symbol of these equations, or is replaced by an expression"
+    raise FormulationError(Problem("equations.derivative_by", name, what, why, nearest(inner, known)))

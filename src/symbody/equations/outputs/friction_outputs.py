@@ -83,7 +83,6 @@ def _find_law(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[int, Fri
     names, text = friction_names(formed), " ".join(words)
     if text in names:
         return names.index(text), formed.friction[names.index(text)]
-    raise FormulationError(
-        Problem("equations.unknown_friction", f"friction {text}", f"there is no joint {text!r} with friction",
-                "", nearest(text, names))
-    )  # fmt: skip
+    what = f"there is no joint {text!r} with friction"
+    fix = nearest(text, names)
+    raise FormulationError(Problem("equations.unknown_friction", f"friction {text}", what, "", fix))

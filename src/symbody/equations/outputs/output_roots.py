@@ -138,10 +138,8 @@ def _expression(formed: EquationsOfMotion, name: str) -> Output:
         fault = error.problems[0]
         is_quoted = fault.code == "equations.quoted_output"
         cure = fault.fix if is_quoted else _cure(formed, name)
-        raise FormulationError(
-            Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
-                    fault.what, cure)
-        ) from error  # fmt: skip
+        what = f"{name!r} is neither an output nor an expression"
+        raise FormulationError(Problem("equations.unknown_output", name, what, fault.what, cure)) from error
     _check_is_measured(formed, name, value)
     return (), [value]
 
@@ -195,13 +193,9 @@ def _quoted_output(formed: EquationsOfMotion, formula: Formula, where: str, name
             formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix, where)
         ) from error
     if roots.shape:
-        raise ExpressionError(
-            formula.problem(
-                "equations.quoted_output", column,
-                f"{name!r} is not a number: its shape is {roots.shape}", "",
-                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'", where,
-            )
-        )  # fmt: skip
+        what = f"{name!r} is not a number: its shape is {roots.shape}"
+        fix = "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'"
+        raise ExpressionError(formula.problem("equations.quoted_output", column, what, "", fix, where))
     return roots.nodes[0]
 
 

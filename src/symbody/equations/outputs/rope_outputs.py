@@ -80,7 +80,6 @@ def _find_row(formed: EquationsOfMotion, words: Sequence[str]) -> ConstraintEqua
     names, text = ropes(formed), " ".join(words)
     if text in names:
         return rope_row(formed, text)
-    raise FormulationError(
-        Problem("equations.unknown_rope", f"rope {text}", f"there is no rope {text!r}",
-                "ropes are constraints of type distance with rope = true", nearest(text, names))
-    )  # fmt: skip
+    what = f"there is no rope {text!r}"
+    why = "ropes are constraints of type distance with rope = true"
+    raise FormulationError(Problem("equations.unknown_rope", f"rope {text}", what, why, nearest(text, names)))

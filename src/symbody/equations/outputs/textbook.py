@@ -87,10 +87,9 @@ class Textbook:
             If it is too long to be written out.
         """
         if self._is_long(name):
-            raise FormulationError(
-                Problem("equations.too_long", name, f"{name} takes more than {EXPAND_LIMIT} operations", "",
-                        f"compile(eqs, {name!r}) computes it, generate_code(eqs, {name!r}) writes it")
-            )  # fmt: skip
+            what = f"{name} takes more than {EXPAND_LIMIT} operations"
+            fix = f"compile(eqs, {name!r}) computes it, generate_code(eqs, {name!r}) writes it"
+            raise FormulationError(Problem("equations.too_long", name, what, "", fix))
         return self.matrix(name)
 
     def equations(self, left: str, right: str) -> list[SympyEquation]:

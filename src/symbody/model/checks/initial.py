@@ -56,42 +56,28 @@ def _check_quaternion(
     listed = ", ".join(names)
     norm = math.hypot(*values)
     if norm == 0:
-        check.refuse(
-            "initial.zero_quaternion",
-            f"model, initial.{names[0]}",
-            f"{listed} are all zero",
-            "a quaternion of norm zero is not a rotation",
-            f"write 1 for {names[0]}, or leave all four out: no rotation",
-        )
+        what = f"{listed} are all zero"
+        why = "a quaternion of norm zero is not a rotation"
+        fix = f"write 1 for {names[0]}, or leave all four out: no rotation"
+        check.refuse("initial.zero_quaternion", f"model, initial.{names[0]}", what, why, fix)
     elif abs(norm - 1) > _NORM:
         check.note(f"joint {joint}: the initial quaternion {listed} of norm {norm:g} is normalized")
 
 
 def _unknown_problem(name: str, known: Iterable[str]) -> Problem:
-    return Problem(
-        "initial.unknown",
-        f"model, initial.{name}",
-        f"there is no coordinate, rate or speed {name!r}",
-        "initial values can be set for coordinates, their rates x_dot, and speeds",
-        nearest(name, known),
-    )
+    what = f"there is no coordinate, rate or speed {name!r}"
+    why = "initial values can be set for coordinates, their rates x_dot, and speeds"
+    return Problem("initial.unknown", f"model, initial.{name}", what, why, nearest(name, known))
 
 
 def _signal_problem(name: str, where: str) -> Problem:
-    return Problem(
-        "signal.initial",
-        f"model, initial.{name}",
-        f"{name} is a signal ({where})",
-        "the initial value of a signal with a rate is part of the signal",
-        f'write [[signal]] name = "{name}", rate = .., initial = ..',
-    )
+    why = "the initial value of a signal with a rate is part of the signal"
+    fix = f'write [[signal]] name = "{name}", rate = .., initial = ..'
+    return Problem("signal.initial", f"model, initial.{name}", f"{name} is a signal ({where})", why, fix)
 
 
 def _prescribed_problem(name: str, joint: Joint) -> Problem:
-    return Problem(
-        "initial.prescribed",
-        f"model, initial.{name}",
-        f"the prescribed motion of joint {joint.name} determines {name}",
-        "a prescribed coordinate is not an unknown and starts where its motion starts",
-        "remove the initial value or the motion",
-    )
+    what = f"the prescribed motion of joint {joint.name} determines {name}"
+    why = "a prescribed coordinate is not an unknown and starts where its motion starts"
+    fix = "remove the initial value or the motion"
+    return Problem("initial.prescribed", f"model, initial.{name}", what, why, fix)

@@ -26,13 +26,9 @@ def check_body(check: NumericChecks, body: Body, label: str) -> None:
     """Check mass, inertia and frames of a body."""
     mass = check.value(body.mass, f"{label}, mass")
     if mass is not None and mass < 0:
-        check.refuse(
-            "model.negative_mass",
-            f"{label}, mass",
-            f"the mass is {mass:g} kg",
-            "a sign is wrong",
-            "give a positive mass, or 0 for a massless body",
-        )
+        what = f"the mass is {mass:g} kg"
+        fix = "give a positive mass, or 0 for a massless body"
+        check.refuse("model.negative_mass", f"{label}, mass", what, "a sign is wrong", fix)
     inertia = check.values(body.inertia, f"{label}, inertia")
     products = check.values(body.products, f"{label}, products")
     if inertia is not None and products is not None:
@@ -72,21 +68,13 @@ def _check_matrix(check: NumericChecks, r: list[list[float]], where: str) -> Non
     defect = max(abs(product - (i == j)) for i, j, product in products)
     orientation = determinant(r)
     if defect > _ORTHONORMAL:
-        check.refuse(
-            "model.not_a_rotation",
-            where,
-            f"the rows deviate from an orthonormal set by {defect:.3g}",
-            "rows of a rotation matrix have length 1 and are perpendicular",
-            "give more digits, or use rotate instead",
-        )
+        what = f"the rows deviate from an orthonormal set by {defect:.3g}"
+        why = "rows of a rotation matrix have length 1 and are perpendicular"
+        check.refuse("model.not_a_rotation", where, what, why, "give more digits, or use rotate instead")
     elif orientation < 0:
-        check.refuse(
-            "model.not_a_rotation",
-            where,
-            "the determinant is -1: the axes are left-handed",
-            "two rows are swapped, or one has the wrong sign",
-            "use a right-handed set of axes",
-        )
+        what = "the determinant is -1: the axes are left-handed"
+        why = "two rows are swapped, or one has the wrong sign"
+        check.refuse("model.not_a_rotation", where, what, why, "use a right-handed set of axes")
 
 
 def _check_inertia(check: NumericChecks, label: str, inertia: list[float], products: list[float]) -> None:
@@ -96,24 +84,17 @@ def _check_inertia(check: NumericChecks, label: str, inertia: list[float], produ
         return
     a, b, c = inertia
     if not any(products):
-        check.refuse(
-            "model.impossible_inertia",
-            f"{label}, inertia",
-            f"no body can have the moments {a:.12g}, {b:.12g}, {c:.12g}",
-            "each moment must be positive and at most the sum of the other two",
-            _inertia_cure(inertia),
-        )
+        what = f"no body can have the moments {a:.12g}, {b:.12g}, {c:.12g}"
+        why = "each moment must be positive and at most the sum of the other two"
+        check.refuse("model.impossible_inertia", f"{label}, inertia", what, why, _inertia_cure(inertia))
         return
     flipped = is_possible_inertia(inertia, [-product for product in products])
     signs = "; with the opposite signs of the products a body would be possible" if flipped else ""
     listed = ", ".join(f"{product:g}" for product in products)
-    check.refuse(
-        "model.impossible_inertia",
-        f"{label}, inertia",
-        f"no body can have the moments {a:g}, {b:g}, {c:g} with the products {listed}{signs}",
-        "products are the entries xy, xz, yz of the tensor, as in URDF",
-        "check values, signs, and that they refer to the centre of mass",
-    )
+    what = f"no body can have the moments {a:g}, {b:g}, {c:g} with the products {listed}{signs}"
+    why = "products are the entries xy, xz, yz of the tensor, as in URDF"
+    fix = "check values, signs, and that they refer to the centre of mass"
+    check.refuse("model.impossible_inertia", f"{label}, inertia", what, why, fix)
 
 
 def _inertia_cure(inertia: list[float]) -> str:

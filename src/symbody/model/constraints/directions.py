@@ -22,13 +22,9 @@ def _check_cosine(check: NumericChecks, angle: Formula, where: str) -> None:
     if value is None:
         return
     if abs(math.sin(value)) < TYPED:
-        check.refuse(
-            "model.flat_angle",
-            where,
-            f"{angle} is {value:g} rad: the directions are parallel",
-            "this needs two equations, and the equation for the cosine has a zero derivative there",
-            'write type = "parallel" instead',
-        )
+        what = f"{angle} is {value:g} rad: the directions are parallel"
+        why = "this needs two equations, and the equation for the cosine has a zero derivative there"
+        check.refuse("model.flat_angle", where, what, why, 'write type = "parallel" instead')
     check_angle(check, angle, where)
 
 

@@ -306,13 +306,10 @@ class ByCoordinate(ByName[G, K], Generic[G, K]):
         if value is None:
             return FrozenMapping()
         if not isinstance(value, Mapping):
-            arguments.add(
-                "model.not_by_coordinate",
-                path,
-                f"{value!r} needs the coordinate that it belongs to",
-                f"the joint has {len(names)} coordinates: {', '.join(names)}",
-                f"write {{ {names[-1]} = .. }}, in Python {{{names[-1]!r}: ..}}",
-            )
+            what = f"{value!r} needs the coordinate that it belongs to"
+            why = f"the joint has {len(names)} coordinates: {', '.join(names)}"
+            fix = f"write {{ {names[-1]} = .. }}, in Python {{{names[-1]!r}: ..}}"
+            arguments.add("model.not_by_coordinate", path, what, why, fix)
             return FrozenMapping()
         items = {str(key): item for key, item in value.items() if item is not None}
         return FrozenMapping(

@@ -139,9 +139,8 @@ def _coupled_name(arguments: Arguments, item: object, path: str) -> str:
     if item != "":
         return arguments.symbol_name(item, path)
     cure = "name the coordinate of a joint, such as theta"
-    arguments.add(
-        "model.not_coupled", path, "there is no coordinate", "an end of the coupling is not connected", cure
-    )
+    why = "an end of the coupling is not connected"
+    arguments.add("model.not_coupled", path, "there is no coordinate", why, cure)
     return "?"
 
 

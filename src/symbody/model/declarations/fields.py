@@ -151,10 +151,9 @@ class Quantity(Field[Value, Formula]):
         formula = arguments.formula(value, path)
         has_angles = "rad" in self.unit or not self.unit or self.scope is Scope.LOAD
         if formula.is_in_degrees and not has_angles:
-            arguments.add(
-                "model.not_an_angle", path, f"{formula} is not a value in {self.unit}",
-                "deg is allowed for angles only", "write the value in SI units",
-            )  # fmt: skip
+            what = f"{formula} is not a value in {self.unit}"
+            why = "deg is allowed for angles only"
+            arguments.add("model.not_an_angle", path, what, why, "write the value in SI units")
         return formula
 
     def schema(self) -> Schema:
@@ -281,9 +280,8 @@ class Flag(PlainField[bool, bool]):
         """Return a truth value."""
         if isinstance(value, bool) or type(value).__name__ == "bool_":  # NumPy's
             return bool(value)
-        arguments.add(
-            "model.not_a_flag", path, f"{value!r} is neither true nor false", "", "write true or false"
-        )
+        what = f"{value!r} is neither true nor false"
+        arguments.add("model.not_a_flag", path, what, "", "write true or false")
         return False
 
     def schema(self) -> Schema:
@@ -316,9 +314,8 @@ class WordChoice(TextField[L, L], Generic[L]):
             if isinstance(value, str) and value == word:
                 return word
         choices = " or ".join(repr(word) for word in self.words)
-        arguments.add(
-            "model.curve_kind", path, f"{path} = {value!r} is not a valid choice", "", f"write {choices}"
-        )
+        what = f"{path} = {value!r} is not a valid choice"
+        arguments.add("model.curve_kind", path, what, "", f"write {choices}")
         return self.words[0]
 
     def schema(self) -> Schema:
@@ -342,13 +339,9 @@ class Numbers(ListOf[Iterable[Value], tuple[Formula, ...]]):
         formulas = ListOf.read(self, owner, arguments, value, path)
         for k, formula in enumerate(formulas):
             if formula.names:
-                arguments.add(
-                    "model.curve_number",
-                    f"{path}[{k}]",
-                    f"{formula} is not a number",
-                    "a curve consists of numbers, so that its slopes can be computed once",
-                    "write a number; scale a curve by a formula with interp1",
-                )
+                why = "a curve consists of numbers, so that its slopes can be computed once"
+                fix = "write a number; scale a curve by a formula with interp1"
+                arguments.add("model.curve_number", f"{path}[{k}]", f"{formula} is not a number", why, fix)
         return formulas
 
     def formula_sites(self, owner: object, value: object, path: str) -> Iterator[FormulaSite]:
@@ -370,10 +363,8 @@ class FilePath(TextField[str | os.PathLike[str], str]):
         """Return the path as text."""
         text = os.fsdecode(value) if isinstance(value, str | os.PathLike) else ""
         if not text.strip() or not text.isprintable():
-            arguments.add(
-                "model.mesh_path", path, f"{value!r} is not the path of a file", "",
-                'write the path of a file, such as "meshes/link.stl"',
-            )  # fmt: skip
+            fix = 'write the path of a file, such as "meshes/link.stl"'
+            arguments.add("model.mesh_path", path, f"{value!r} is not the path of a file", "", fix)
         return text
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:

@@ -130,8 +130,6 @@ class SpringDamper(Connection):
             name for name, value in given.items() if isinstance(value, Curve) or value.constant() != 0
         ] if self.isotropic else []  # fmt: skip
         for name in lost:
-            arguments.add(
-                "model.isotropic", name, f"an isotropic spring has no {name}",
-                "its force is -stiffness r - damping v for any direction of r",
-                f"remove {name} or isotropic, or add a second spring in parallel",
-            )  # fmt: skip
+            why = "its force is -stiffness r - damping v for any direction of r"
+            fix = f"remove {name} or isotropic, or add a second spring in parallel"
+            arguments.add("model.isotropic", name, f"an isotropic spring has no {name}", why, fix)

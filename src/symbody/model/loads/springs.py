@@ -46,13 +46,9 @@ def _six(arguments: Arguments, value: object, path: str) -> Iterable[object]:
     items = arguments.items(value, path)
     if len(items) == len(_NONE):
         return items
-    arguments.add(
-        "model.not_six",
-        path,
-        f"{len(items)} entries instead of six",
-        "a bushing is elastic along x, y, z and about x, y, z",
-        "give six entries, or a 6 x 6 matrix",
-    )
+    what = f"{len(items)} entries instead of six"
+    why = "a bushing is elastic along x, y, z and about x, y, z"
+    arguments.add("model.not_six", path, what, why, "give six entries, or a 6 x 6 matrix")
     return _NONE
 
 
@@ -208,13 +204,9 @@ class Bushing(Connection):
     def check_numbers(self, check: NumericChecks, label: str) -> None:
         """Reject a bushing of a body on itself; remark on negative coefficients of its own directions."""
         if self.start.body == self.end.body:
-            check.refuse(
-                "model.self_joint",
-                f"{label}, between",
-                f"both ends are on {self.start.body}",
-                "a bushing connects two bodies",
-                "put one end on another body, or on ground",
-            )
+            what = f"both ends are on {self.start.body}"
+            fix = "put one end on another body, or on ground"
+            check.refuse("model.self_joint", f"{label}, between", what, "a bushing connects two bodies", fix)
         for word, rows in (("stiffness", self.stiffness_rows), ("damping", self.damping_rows)):
             for k, row in enumerate(rows):
                 values = [check.value(formula, f"{label}, {word}[{k}]") for formula in row]

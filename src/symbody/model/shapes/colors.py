@@ -60,8 +60,6 @@ def read_color(arguments: Arguments, value: object, path: str) -> str:
     if text is not None and (not text or _HEX.fullmatch(text) or text in CSS_COLORS):
         return text
     similar = f"{nearest(text, CSS_COLORS)} " if text and not text.startswith("#") else ""
-    arguments.add(
-        "model.bad_color", path, f"{value!r} is not a colour", "",
-        f'{similar}Write "#rrggbb" in hexadecimal, such as "#d55e00", or a name such as "orange"',
-    )  # fmt: skip
+    fix = f'{similar}Write "#rrggbb" in hexadecimal, such as "#d55e00", or a name such as "orange"'
+    arguments.add("model.bad_color", path, f"{value!r} is not a colour", "", fix)
     return ""

@@ -100,10 +100,8 @@ class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
         items = [value] if isinstance(value, BodyShape) else arguments.items(value, path)
         for k, item in enumerate(items):
             if not isinstance(item, BodyShape):
-                arguments.add(
-                    "model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "",
-                    "give Box, Cylinder, Sphere, Capsule, Cone or Mesh",
-                )  # fmt: skip
+                fix = "give Box, Cylinder, Sphere, Capsule, Cone or Mesh"
+                arguments.add("model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "", fix)
         return tuple(item for item in items if isinstance(item, BodyShape))
 
     def schema(self) -> Schema:

@@ -58,11 +58,10 @@ def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> 
     read = Attributes(where, snap_angles)
     root = parse_xml(text, where)
     if root.tag != "robot":
-        raise FormatError(
-            Problem("urdf.not_a_robot", f"{where}:{root.line}",
-                    f"the file is not URDF: it begins with <{root.tag}>",
-                    _other_format(root.tag), 'give a file that begins with <robot name="..">')
-        )  # fmt: skip
+        what = f"the file is not URDF: it begins with <{root.tag}>"
+        why = _other_format(root.tag)
+        fix = 'give a file that begins with <robot name="..">'
+        raise FormatError(Problem("urdf.not_a_robot", f"{where}:{root.line}", what, why, fix))
     _refuse_templates(read, root)
     name = read.name(root, "")
     colors = read_colors(read, root)

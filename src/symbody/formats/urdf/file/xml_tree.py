@@ -105,10 +105,7 @@ class _Builder:
 
 def _syntax(where: str, error: expat.ExpatError) -> Problem:
     reason = expat.ErrorString(error.code)
-    return Problem(
-        "urdf.syntax",
-        f"{where}:{error.lineno}",
-        f"the file is not XML: {reason} at column {error.offset + 1}",
-        "a tag is not closed, or a quote or bracket is missing, here or before",
-        "correct the XML; if the file is a xacro template, run xacro on it first",
-    )
+    what = f"the file is not XML: {reason} at column {error.offset + 1}"
+    why = "a tag is not closed, or a quote or bracket is missing, here or before"
+    fix = "correct the XML; if the file is a xacro template, run xacro on it first"
+    return Problem("urdf.syntax", f"{where}:{error.lineno}", what, why, fix)

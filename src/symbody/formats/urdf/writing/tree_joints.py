@@ -151,11 +151,9 @@ def _mimics(model: Model, values: Values, problems: list[Problem]) -> dict[str, 
         follower, leader = (homes.get(name) for name in coupling.coupled)
         if follower is None or leader is None or follower in mimics or not values.is_known(coupling.offset):
             what = "it cannot be expressed as one joint that follows another"
-            problems.append(
-                Problem("urdf.cannot_say", f"constraint {coupling.name}", what,
-                        "a joint follows one other, with constant multiplier and offset",
-                        "write it so that each joint is the first of one coupling")
-            )  # fmt: skip
+            why = "a joint follows one other, with constant multiplier and offset"
+            fix = "write it so that each joint is the first of one coupling"
+            problems.append(Problem("urdf.cannot_say", f"constraint {coupling.name}", what, why, fix))
             continue
         mimics[follower] = _mimic(coupling, leader, values)
     return mimics

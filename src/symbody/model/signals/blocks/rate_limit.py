@@ -45,16 +45,12 @@ class RateLimit(SignalBlock):
         """Note a lag that is missing, or one too many."""
         SignalBlock.check(self, arguments)
         if self.time is None and self.sample is None:
-            arguments.add(
-                "block.time", "time", "there is no time constant",
-                "a continuous output follows its input with a lag",
-                "give time, short compared with the motion, or sample, the time between samples",
-            )  # fmt: skip
+            why = "a continuous output follows its input with a lag"
+            fix = "give time, short compared with the motion, or sample, the time between samples"
+            arguments.add("block.time", "time", "there is no time constant", why, fix)
         elif self.time is not None and self.sample is not None:
-            arguments.add(
-                "block.time", "time", "a sampled rate limit has no lag",
-                "at each sample it moves towards its input as far as the slopes allow", "remove time",
-            )  # fmt: skip
+            why = "at each sample it moves towards its input as far as the slopes allow"
+            arguments.add("block.time", "time", "a sampled rate limit has no lag", why, "remove time")
 
     @property
     def continuous(self) -> RateLimit:

@@ -56,11 +56,10 @@ class TransferFunction(SignalBlock):
         """Note polynomials that make no proper transfer function."""
         SignalBlock.check(self, arguments)
         if not self.numerator or not self.denominator:
-            arguments.add(
-                "block.no_polynomial", "denominator", "the polynomials have no leading coefficients",
-                "the first coefficient belongs to the highest power",
-                "write denominator = [1, 2, 1] for s^2 + 2 s + 1",
-            )  # fmt: skip
+            what = "the polynomials have no leading coefficients"
+            why = "the first coefficient belongs to the highest power"
+            fix = "write denominator = [1, 2, 1] for s^2 + 2 s + 1"
+            arguments.add("block.no_polynomial", "denominator", what, why, fix)
         elif len(self._numerator) > len(self.denominator):
             arguments.add(
                 "block.improper", "numerator", "its degree is higher than that of the denominator",
