@@ -8,11 +8,11 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.formats.entries import write_element
 from symbody.model.body import GROUND_FRAMES
 from symbody.model.declarations.field import FileTarget, Node
 from symbody.model.element import Element
 from symbody.model.model import Model
+from symbody.model.registry import write_element
 from symbody.model.shapes.shape import GROUND_SHAPES, shape_types
 
 _WIDTH: Final = 100

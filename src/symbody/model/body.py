@@ -9,9 +9,8 @@ from typing import Any, ClassVar, Final, final
 from symbody.expr.language.tokens import normalize
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import ByName
-from symbody.model.declarations.fields import Flag, Quantity, VectorQuantity, part
+from symbody.model.declarations.fields import DeclaredPart, Flag, Quantity, Refusal, VectorQuantity, part
 from symbody.model.declarations.formula_site import FormulaSite
-from symbody.model.declarations.part_fields import DeclaredPart, Refusal
 from symbody.model.element import Element, FrameRef, make_frame_ref
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping

@@ -11,7 +11,7 @@ from typing import Any, Final
 from symbody.model.body import Body
 from symbody.model.class_folders import definition_name, final_classes, module_names, snake_case
 from symbody.model.declarations.declaration import file_table
-from symbody.model.declarations.field import FileTable
+from symbody.model.declarations.field import FileTable, FileTarget, Node
 from symbody.model.element import Element
 from symbody.model.model import KINDS
 
@@ -112,3 +112,24 @@ def _title(word: str, class_name: str) -> str:
         words = [each if each.isupper() and len(each) > 1 else each.lower() for each in shown]
     text = " ".join(words)
     return text[:1].upper() + text[1:]
+
+
+def read_element(kind: str, entry: Mapping[str, Any], folder: str = "") -> Element:
+    """Return the element of a table that fits the schema; paths of other files start from `folder`.
+
+    Raises
+    ------
+    ModelError
+        With everything in it that is not a name, a place or a formula.
+    """
+    element_class = element_type(kind, str(entry.get("type", "")))
+    return element_class.from_entry(entry, f"{kind} {entry['name']}", folder)
+
+
+def write_element(element: Element, target: FileTarget) -> dict[str, Node]:
+    """Return the table of an element, without what has its default."""
+    entry: dict[str, Node] = {"name": element.name}
+    word = type_word(type(element))
+    if word:
+        entry["type"] = word
+    return {**entry, **element.to_entry(target)}

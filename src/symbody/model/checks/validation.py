@@ -8,8 +8,13 @@ from dataclasses import dataclass, replace
 from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
-from symbody.model.checks.initial import check_initial, initial_problems
-from symbody.model.checks.physics import check_body, check_frame, check_frames
+from symbody.model.checks.physics import (
+    check_body,
+    check_frame,
+    check_frames,
+    check_initial,
+    initial_problems,
+)
 from symbody.model.checks.signals import collect_signals, loop_problems
 from symbody.model.checks.structure import (
     coupling_problems,

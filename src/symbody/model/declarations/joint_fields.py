@@ -11,10 +11,17 @@ from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.declarations.combinators import NULL, AlongCoordinate, ByCoordinate, ListOf, OptionalField
 from symbody.model.declarations.element_fields import Directions
 from symbody.model.declarations.field import FileTarget, Node, PlainField
-from symbody.model.declarations.fields import AngleQuantity, Flag, Quantity, SymbolName, TextField
+from symbody.model.declarations.fields import (
+    AngleQuantity,
+    DeclaredPart,
+    Flag,
+    Quantity,
+    Refusal,
+    SymbolName,
+    TextField,
+)
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.declarations.misfits import Misfit, Path, Schema, wrong_type
-from symbody.model.declarations.part_fields import DeclaredPart, Refusal
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
 from symbody.model.loads.forces import Drive

@@ -9,11 +9,9 @@ from typing import Any, Final
 
 from symbody.errors import FormatError, ModelError, Problem, nearest
 from symbody.expr.graph import Constant
-from symbody.formats.checking import check_structure
-from symbody.formats.entries import read_element
-from symbody.formats.lines import Path
-from symbody.formats.places import Locate, line_locator, relocate
+from symbody.formats.places import Locate, Path, line_locator, relocate
 from symbody.formats.reading import read_text
+from symbody.formats.schema import check_structure
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.urdf.building.bodies import BodyPlan, rotation
 from symbody.formats.urdf.building.conversion import Parts
@@ -25,6 +23,7 @@ from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.model import KINDS
 from symbody.model.naming import GROUND
+from symbody.model.registry import read_element
 
 _ADDRESSES: Final = ("on", "reaction_on", "resolved_in")
 _KINDS: Final = tuple(kind for kind in KINDS if kind != "body")

@@ -10,8 +10,7 @@ from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.declarations.combinators import OptionalField, list_of, optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.signals.block import SignalBlock, in_brackets
-from symbody.model.signals.block_fields import NamedGains, block
+from symbody.model.signals.block import NamedGains, SignalBlock, block, in_brackets
 from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand, Domain, difference
 from symbody.model.signals.signal import Signal
 
