@@ -177,7 +177,7 @@ class Connection(Element):
     @property
     def directions(self) -> Mapping[str, Axis]:
         """Each direction by the place where it stands."""
-        places: dict[str, Axis] = {}
-        for name, role in self.fields.items():
-            places |= role.directions(getattr(self, name), name)
-        return places
+        fields = self.fields.items()
+        return dict(
+            pair for name, role in fields for pair in role.directions(self, getattr(self, name), name)
+        )

@@ -198,16 +198,24 @@ class Field(FileRole, Generic[Given, Kept]):
         """Return the argument for the constructor; other files are named from `folder`."""
         return entry
 
+    def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the values in a value, each with its role and place, to which the following is handed on."""
+        return ()
+
     def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas of the value stand."""
-        return iter(())
+        for role, part, at in self.parts(owner, value, path):
+            yield from role.formula_sites(owner, part, at)
 
     def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
         """Note numbers that cannot be, as far as parameters have values."""
+        for role, part, at in self.parts(owner, value, where):
+            role.check_numbers(check, owner, part, at)
 
-    def directions(self, value: Any, path: str) -> dict[str, Axis]:
-        """Return the directions of the value by the places where they stand."""
-        return {}
+    def directions(self, owner: Any, value: Any, path: str) -> Iterator[tuple[str, Axis]]:
+        """Return the directions of the value, each after its place."""
+        for role, part, at in self.parts(owner, value, path):
+            yield from role.directions(owner, part, at)
 
     def default_value(self, owner: object, name: str) -> object:
         """Return what is kept of the default; REQUIRED if there is none."""

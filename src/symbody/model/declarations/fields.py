@@ -268,9 +268,9 @@ class Direction(Field[AxisLike, Axis]):
         """Return where the components stand."""
         return iter(()) if isinstance(value, str) else component_sites(path, value, Scope.CONSTANT)
 
-    def directions(self, value: Axis, path: str) -> dict[str, Axis]:
+    def directions(self, owner: object, value: Axis, path: str) -> Iterator[tuple[str, Axis]]:
         """Return the direction after its place."""
-        return {path: value}
+        yield path, value
 
     def check_numbers(self, check: NumericChecks, owner: object, value: Axis, where: str) -> None:
         """Refuse a direction of length zero."""

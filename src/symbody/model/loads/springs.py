@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, TypeAlias, final
@@ -13,7 +13,7 @@ from symbody.model.declarations.combinators import ListOf
 from symbody.model.declarations.element_fields import Connection, element
 from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
 from symbody.model.declarations.fields import AngleQuantity, Direction, Quantity
-from symbody.model.declarations.formula_site import FormulaSite, Scope
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.declarations.misfits import (
     FORMULA_SCHEMA,
     Misfit,
@@ -120,10 +120,9 @@ class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficient
         """Return the formulas in the new names."""
         return tuple(_role_of(item).rename(item, names) for item in value)
 
-    def formula_sites(self, owner: object, value: Any, path: str) -> Iterator[FormulaSite]:
-        """Return where the coefficients stand."""
-        for k, item in enumerate(value):
-            yield from _role_of(item).formula_sites(owner, item, f"{path}[{k}]")
+    def parts(self, owner: object, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the coefficients or rows."""
+        return ((_role_of(item), item, f"{path}[{k}]") for k, item in enumerate(value))
 
 
 _VALUE: Final = Quantity(scope=Scope.LOAD)
