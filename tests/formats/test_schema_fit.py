@@ -17,8 +17,8 @@ import pytest
 
 from symbody.errors import FormatError, ModelError
 from symbody.formats.places import pointer
+from symbody.formats.reading import parse_toml
 from symbody.formats.schema import check_structure, file_schema
-from symbody.formats.toml_syntax import parse_toml
 from symbody.model.model import KINDS
 from symbody.model.registry import read_element
 

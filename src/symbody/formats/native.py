@@ -13,9 +13,8 @@ from symbody.collection import without_collection
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.formats.places import Locate, Path, line_locator, pointer, relocate
-from symbody.formats.reading import read_text
+from symbody.formats.reading import parse_toml, read_text
 from symbody.formats.schema import NEWER_SECTIONS, VERSION, check_structure
-from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.writing import write_text
 from symbody.model.body import GROUND_FRAMES
 from symbody.model.declarations.arguments import Arguments

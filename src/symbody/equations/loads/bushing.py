@@ -9,7 +9,7 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import Expr, atan2, number, sqrt
-from symbody.model.loads.springs import BUSHING_COORDINATES, Bushing, Row
+from symbody.model.loads.forces import BUSHING_COORDINATES, Bushing, Row
 from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import Vector, components, cross, dot, vector
 

@@ -15,8 +15,7 @@ from symbody.expr.expression import Expr, atan2, cos, number, sin, sqrt
 from symbody.expr.opcodes import LE
 from symbody.model.loads.curve import Curve
 from symbody.model.loads.curve import Law as LawValue
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import TorsionSpring
+from symbody.model.loads.forces import SpringDamper, TorsionSpring
 from symbody.model.simple_rotation import unit_axis
 from symbody.spatial.matrix import Triple
 from symbody.spatial.rotation import angle_about, compose_steps

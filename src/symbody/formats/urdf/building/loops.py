@@ -10,9 +10,8 @@ from typing import Any, Final
 from symbody.errors import FormatError, ModelError, Problem, nearest
 from symbody.expr.graph import Constant
 from symbody.formats.places import Locate, Path, line_locator, relocate
-from symbody.formats.reading import read_text
+from symbody.formats.reading import parse_toml, read_text
 from symbody.formats.schema import check_structure
-from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.urdf.building.bodies import BodyPlan, rotation
 from symbody.formats.urdf.building.conversion import Parts
 from symbody.formats.urdf.file.placement import FramePlacement, numeral

@@ -12,11 +12,10 @@ from typing import Final
 from symbody.errors import FormatError, ModelError, Problem, UsageError, nearest
 from symbody.expr.graph import Constant
 from symbody.formats.reading import read_text
-from symbody.formats.urdf.file.attributes import EXACT, Attributes
 from symbody.formats.urdf.file.placement import Numbers
 from symbody.formats.urdf.file.robot import Limit, Mimic, Robot, Shape, UrdfJoint, UrdfLink
 from symbody.formats.urdf.file.structure import find_root, tree_problems
-from symbody.formats.urdf.file.xml_tree import XmlNode, parse_xml
+from symbody.formats.urdf.file.xml_tree import EXACT, Attributes, XmlNode, parse_xml
 
 _READ: Final = ("link", "joint", "material")
 _IGNORED: Final = MappingProxyType(
