@@ -81,10 +81,18 @@ class FileTarget(NamedTuple):
         Where it stands: paths of other files lead from there; None leaves them as they are.
     is_alone : bool
         Whether it is to be read without other files, whose content it then has.
+    is_script : bool
+        Whether it is a script, in which parts of elements stay what they are: calls of their classes.
     """
 
     folder: str | None = None
     is_alone: bool = False
+    is_script: bool = False
+
+    def part(self, value: Any, word: str = "") -> Node:
+        """Return a part of an element, of a file as its table, after the word for its type if it has one."""
+        node: Node = value if self.is_script else {**({"type": word} if word else {}), **value.to_entry(self)}
+        return node
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -455,8 +455,7 @@ class DeclaredPart(Field[P, P], Generic[P]):
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
         """Return its table."""
-        entry: dict[str, Node] = value.to_entry(target)
-        return entry
+        return target.part(value)
 
     def rename(self, value: Any, names: NewNames) -> P:
         """Return the part in the new names."""

@@ -139,8 +139,7 @@ class SpringLaw(Field[LawValue, Law]):
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
         """Return the formula, or the table of the curve."""
-        node: Node = value.to_entry(target) if isinstance(value, Curve) else value
-        return node
+        return target.part(value) if isinstance(value, Curve) else value
 
     def rename(self, value: Any, names: NewNames) -> Law:
         """Return the formula in the new names; a curve has none."""

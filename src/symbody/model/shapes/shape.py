@@ -134,7 +134,7 @@ class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
         """Return a list of tables."""
-        return [{"type": snake_case(type(shape).__name__), **shape.to_entry(target)} for shape in value]
+        return [target.part(shape, snake_case(type(shape).__name__)) for shape in value]
 
     def rename(self, value: Any, names: NewNames) -> tuple[BodyShape, ...]:
         """Return the shapes in the new names."""
