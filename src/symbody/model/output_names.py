@@ -170,7 +170,7 @@ def _elements(kind: str, letter: str, *, is_needed: bool = True) -> ElementWord:
     return ElementWord(letter, methodcaller("output_words", kind), is_needed)
 
 
-def _along(kind: str, letter: str) -> tuple[OutputArgument, ...]:
+def _coordinate_words(kind: str, letter: str) -> tuple[OutputArgument, ...]:
     """Return the arguments for an element and one of its coordinates, where it has several."""
     words = _elements(kind, letter)
     return words, CoordinateWord("[rx]" if kind == "angle" else "[x]", words.following)
@@ -187,11 +187,11 @@ _ALL: Final = (
     OutputKind("energy", ENERGIES, "T + V", "J"),
     OutputKind("power", ENERGIES, "power of all that has no potential", "W"),
     OutputKind("length", SPRINGS, "length of a spring; place of a bushing along x, y, z", "m",
-               _along("length", "S")),
+               _coordinate_words("length", "S")),
     OutputKind("angle", SPRINGS, "angle of a torsion spring; angles of a bushing", "rad",
-               _along("angle", "S")),
+               _coordinate_words("angle", "S")),
     OutputKind("effort", LOADS, "applied + spring + damper + prescribed motion, along x", "N, N m",
-               _along("effort", "J"), choose_unit=_effort_unit),
+               _coordinate_words("effort", "J"), choose_unit=_effort_unit),
     OutputKind("friction", LOADS, "effort of dry friction along the coordinate", "N, N m", _FRICTION,
                choose_unit=_effort_unit),
     OutputKind("friction_normal", LOADS, "reaction that friction comes from, or 1", "N", _FRICTION,
