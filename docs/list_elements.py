@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from symbody.formats import schema
-from symbody.model import Bushing, Drive, Force, SpringDamper, Torque, TorsionSpring
+from symbody.model import Drive
 from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.field import Field
 from symbody.model.joint import Joint
+from symbody.model.model import KINDS
 from symbody.model.output_names import OUTPUT_KINDS, TITLES
 from symbody.model.registry import element_types, type_word
 
@@ -64,8 +65,10 @@ def forces() -> str:
         "`potential_energy`",
     )
     drive = ("drive of a joint coordinate x: `force`, `torque`", *_texts(Drive))
-    kinds = (Force, Torque, SpringDamper, TorsionSpring, Bushing)
-    loads = ((f"{_section(kind)}, `sb.{kind.__name__}`", *_texts(kind)) for kind in kinds)
+    kinds = (each for kind in KINDS for each in element_types(kind).values())
+    own = [each for each in kinds if hasattr(each, "sign")]  # a load; Bushing, of kind joint, stands last
+    own.sort(key=lambda kind: kind.kind == "joint")
+    loads = ((f"{_section(kind)}, `sb.{kind.__name__}`", *_texts(kind)) for kind in own)
     return _table(("element", "law", "sign", "outputs"), (gravity, drive, *loads))
 
 
@@ -103,7 +106,14 @@ def _joint(kind: type[Joint]) -> Joint:
 
 
 def _texts(kind: Any) -> tuple[str, str, str]:
-    return (kind.equation, kind.sign, kind.outputs)
+    shown = kind.outputs
+    if not isinstance(shown, str):
+        lists = ((word, names) for word, names in shown.items())
+        shown = ", ".join(
+            " ".join((f"`{word} S {names[0]}".rstrip() + "`", *(f"`{name}`" for name in names[1:])))
+            for word, names in lists
+        )
+    return (kind.equation, kind.sign, shown)
 
 
 def _section(kind: Any) -> str:

@@ -22,7 +22,7 @@ def __getattr__(name: str) -> object:
     except AttributeError as error:
         # loaded when they are needed, as all else
         nearest = import_module("symbody.errors").nearest
-        others = import_module("symbody.model.declarations.typed_tables").OTHER_NAMES
+        others = import_module("symbody.model.declarations.field").OTHER_NAMES
         word = others.get(name.lower(), "").title().replace("_", "")
         cure = f"in symbody it is called {word!r}" if word in __all__ else nearest(name, __all__)
         text = f"symbody has no {name!r}; {cure}"

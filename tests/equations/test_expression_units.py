@@ -6,8 +6,7 @@ import pytest
 
 from symbody import Body, Drive, Force, Frame, Friction, Model, Prismatic, Revolute, form_equations
 from symbody.equations.outputs.dimensions import expression_unit, read_unit
-from symbody.equations.outputs.parameter_units import linear_names, symbol_units
-from symbody.equations.outputs.units import Units
+from symbody.equations.outputs.units import Units, linear_names, symbol_units
 from symbody.expr.language.formula import Formula
 
 KNOWN = {

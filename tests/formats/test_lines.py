@@ -10,7 +10,7 @@ import tomlkit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbody.formats.lines import Path, find_line, key_lines
+from symbody.formats.places import Path, find_line, key_lines
 
 TEXT = '''# a comment with name = "no"
 name = "quoted \\" [x] # no comment"   # comment

@@ -12,11 +12,11 @@ import pytest
 from symbody import formats
 from symbody.errors import FormatError
 from symbody.formats import schema
-from symbody.formats.checking import check_structure
 from symbody.formats.places import pointer
+from symbody.formats.schema import check_structure
 from symbody.model import Model, elements
 from symbody.model.class_folders import definition_name
-from symbody.model.declarations.typed_tables import OTHER_NAMES
+from symbody.model.declarations.field import OTHER_NAMES
 from symbody.model.model import KINDS
 from symbody.model.registry import element_types
 

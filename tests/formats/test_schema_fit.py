@@ -16,12 +16,11 @@ import jsonschema_rs
 import pytest
 
 from symbody.errors import FormatError, ModelError
-from symbody.formats.checking import check_structure
-from symbody.formats.entries import read_element
 from symbody.formats.places import pointer
-from symbody.formats.schema import file_schema
-from symbody.formats.toml_syntax import parse_toml
+from symbody.formats.reading import parse_toml
+from symbody.formats.schema import check_structure, file_schema
 from symbody.model.model import KINDS
+from symbody.model.registry import read_element
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/*.toml"))
 # Codes for words that the schema lists: the constructors check them, so that scripts get the same messages.

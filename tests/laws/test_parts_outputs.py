@@ -118,7 +118,7 @@ class Draw:
             if isinstance(argument, FrameWord) and not argument.is_needed:
                 choices += [""] * len(choices)
             word = self.rng.choice(choices)
-            if isinstance(argument, FrameWord) and (words[-1] == "" or not argument.fits(words)):
+            if isinstance(argument, FrameWord) and (words[-1:] == ("",) or not argument.fits(words)):
                 word = ""  # frames are left out from the end
             shown.append(self.shorten(argument, word))
             full.append(self.full(argument, word, words))

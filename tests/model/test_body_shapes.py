@@ -9,7 +9,7 @@ import pytest
 
 import symbody as sb
 from symbody.errors import ModelError
-from symbody.model.shapes.colors import CSS_COLORS, hex_color
+from symbody.model.shapes.shape import CSS_COLORS, hex_color
 
 
 def codes(make: Callable[[], object]) -> list[str]:

@@ -8,8 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 from symbody.errors import SymbodyError
-from symbody.formats.reading import read_text
-from symbody.formats.toml_syntax import parse_toml
+from symbody.formats.reading import parse_toml, read_text
 from symbody.model.tables.inner_path import inner_path
 
 _DEEPEST: Final = 8  # parts of parts

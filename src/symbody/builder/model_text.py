@@ -15,9 +15,9 @@ from tomlkit.exceptions import TOMLKitError
 from symbody.builder.page_problems import PageProblem, page_notes, page_problems, pointer_parts
 from symbody.errors import FormatError, Problem, SymbodyError, number_in_words
 from symbody.expr.language.formula import Formula
-from symbody.formats.lines import find_line, key_lines
 from symbody.formats.native import from_data, model_to_toml, read_layout, to_data
-from symbody.formats.toml_syntax import parse_toml
+from symbody.formats.places import find_line, key_lines
+from symbody.formats.reading import parse_toml
 from symbody.formats.toml_text import key_comments, write_layout, write_toml
 from symbody.model.declarations.field import Node
 from symbody.model.model import Model

@@ -11,9 +11,7 @@ from typing import Any, Final
 from symbody.builder.formulas import formula_texts
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.formats.checking import check_structure
-from symbody.formats.entries import read_element
-from symbody.formats.version import VERSION
+from symbody.formats.schema import VERSION, check_structure
 from symbody.model.body import Body
 from symbody.model.checks.structure import free_joints
 from symbody.model.checks.symbols import Meaning, constraint_entries, joint_entries, signal_entries
@@ -24,6 +22,7 @@ from symbody.model.model import KINDS
 from symbody.model.naming import GROUND
 from symbody.model.output_arguments import OutputScope, make_scope
 from symbody.model.output_names import read_output
+from symbody.model.registry import read_element
 from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 

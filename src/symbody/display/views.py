@@ -30,7 +30,7 @@ from symbody.display.html import (
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.equation_page import equation_operations, equations_page
 from symbody.equations.outputs.equation_sections import SHOWN_DIGITS
-from symbody.equations.outputs.parameter_units import symbol_units
+from symbody.equations.outputs.units import symbol_units
 from symbody.errors import SymbodyError, number_in_words
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml_tables import math_element, mathml_matrix

@@ -33,11 +33,8 @@ def examples_folder() -> Path:
     for folder in (package / "examples", package.parents[1] / "examples"):
         if folder.is_dir():
             return folder
-    raise EnvironmentFault(
-        Problem(
-            "cli.no_examples", str(package), "the examples are not installed", "", "install symbody again"
-        )
-    )
+    what = "the examples are not installed"
+    raise EnvironmentFault(Problem("cli.no_examples", str(package), what, "", "install symbody again"))
 
 
 def model_file(folder: Path) -> Path:

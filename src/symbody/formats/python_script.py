@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from types import MappingProxyType
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.formats.entries import write_element
-from symbody.model.body import GROUND_FRAMES
-from symbody.model.declarations.field import FileTarget, Node
+from symbody.model.declarations.declaration import Declared
+from symbody.model.declarations.field import FileTarget
 from symbody.model.element import Element
 from symbody.model.model import Model
-from symbody.model.shapes.shape import GROUND_SHAPES, shape_types
 
 _WIDTH: Final = 100
 _NUMBER: Final = re.compile(r"-?(0|[1-9][0-9]*)(\.[0-9]+)?")
-# Values that are parts of their own, by the key they stand under.
-_PARTS: Final = MappingProxyType({"force": "Drive", "torque": "Drive", "friction": "Friction"})
 _INDENT: Final = "    "
-_TARGET: Final = FileTarget(is_alone=True)
+_TARGET: Final = FileTarget(is_alone=True, is_script=True)
 
 
 def model_to_script(model: Model) -> str:
@@ -39,11 +34,9 @@ def model_to_script(model: Model) -> str:
     if model.initial:
         arguments.append(f"initial={_initial(model)}")
     if model.ground:
-        arguments.append(f"ground={_frames(GROUND_FRAMES.to_file(None, model.ground, _TARGET))}")
+        arguments.append(f"ground={_value(dict(model.ground))}")
     if model.ground_shapes:
-        arguments.append(
-            f"ground_shapes={_shapes(GROUND_SHAPES.to_file(None, model.ground_shapes, _TARGET))}"
-        )
+        arguments.append(f"ground_shapes={_value(list(model.ground_shapes))}")
     first = f'"""{_title(model.name)}, written by symbody."""'
     return f"{first}\n\nimport symbody as sb\n\nmodel = {_call('sb.Model', arguments)}\n"
 
@@ -61,56 +54,14 @@ def _title(name: str) -> str:
 
 
 def _element(element: Element) -> str:
-    entry = write_element(element, _TARGET)
-    entry.pop("type", None)
-    arguments = [_value(entry.pop("name"))]
+    entry = element.to_entry(_TARGET)
+    arguments = [_value(element.name)]
     between = entry.pop("between", None)
     if isinstance(between, list):
         arguments += [f"start={_value(between[0])}", f"end={_value(between[1])}"]
-    for key, node in entry.items():
-        name = "shapes" if key == "shape" else key
-        arguments.append(f"{name}={_argument(element.kind, key, node)}")
+    entry.pop("name", None)
+    arguments += [f"{'shapes' if key == 'shape' else key}={_value(node)}" for key, node in entry.items()]
     return _call(f"sb.{type(element).__name__}", arguments)
-
-
-def _argument(kind: str, key: str, node: Node) -> str:
-    if key == "shape":
-        return _shapes(node)
-    if key == "frames":
-        return _frames(node)
-    part = _PARTS.get(key) if kind == "joint" else None
-    if part == "Drive" and isinstance(node, dict) and not _is_drive(node):
-        return _dict_text({name: _part(part, drive) for name, drive in node.items()})
-    return _part(part, node) if part and isinstance(node, dict) else _value(node, key)
-
-
-def _is_drive(node: Mapping[str, Node]) -> bool:
-    """Return whether a table is a drive, and not one of drives by coordinate."""
-    keyed = all(isinstance(item, dict) for item in node.values()) and bool(node)
-    law = node.get("law")
-    is_curve = isinstance(law, dict) and "x" in law
-    return not keyed or is_curve
-
-
-def _part(name: str, node: Node) -> str:
-    if not isinstance(node, dict):
-        return _value(node)
-    return _call(f"sb.{name}", [f"{key}={_value(item, key)}" for key, item in node.items()])
-
-
-def _frames(node: Node | None) -> str:
-    assert isinstance(node, dict)
-    return _dict_text({name: _part("Frame", frame) for name, frame in node.items()})
-
-
-def _shapes(node: Node | None) -> str:
-    assert isinstance(node, list)
-    calls = []
-    for entry in node:
-        assert isinstance(entry, dict)
-        maker = shape_types()[str(entry["type"])]
-        calls.append(_part(maker.__name__, {key: item for key, item in entry.items() if key != "type"}))
-    return _list(calls)
 
 
 def _parameters(parameters: Mapping[str, Formula | None]) -> str:
@@ -119,17 +70,19 @@ def _parameters(parameters: Mapping[str, Formula | None]) -> str:
     )
 
 
-def _value(node: Node, key: str = "") -> str:
+def _value(node: object) -> str:
     """Return a value as Python writes it; numbers stay numbers where they keep their digits."""
     if isinstance(node, Formula):
         return _number(node) or _text(node.text)
+    if isinstance(node, Declared):
+        entry = node.to_entry(_TARGET)
+        return _call(f"sb.{type(node).__name__}", [f"{key}={_value(item)}" for key, item in entry.items()])
     if isinstance(node, dict):
-        if key == "law":
-            return _part("Curve", node)
         return _dict_text({name: _value(item) for name, item in node.items()})
     if isinstance(node, list):
-        return "[" + ", ".join(_value(item) for item in node) + "]"
-    return repr(node) if isinstance(node, int) else _text(node)
+        has_parts = any(isinstance(item, Declared) for item in node)
+        return _list(map(_value, node)) if has_parts else f"[{', '.join(map(_value, node))}]"
+    return _text(node) if isinstance(node, str) else repr(node)
 
 
 def _number(formula: Formula) -> str | None:

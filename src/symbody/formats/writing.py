@@ -114,13 +114,8 @@ def _settle(folder: Path) -> None:
 
 def _unwritable(where: str, error: OSError | ValueError) -> Problem:
     reason = error.strerror if isinstance(error, OSError) else None
-    return Problem(
-        "file.not_saved",
-        where,
-        f"the file cannot be saved: {reason or error}",
-        "an existing file is unchanged",
-        writing_cure(error),
-    )
+    what = f"the file cannot be saved: {reason or error}"
+    return Problem("file.not_saved", where, what, "an existing file is unchanged", writing_cure(error))
 
 
 def writing_cure(error: OSError | ValueError) -> str:

@@ -33,13 +33,13 @@ from .joints import Telescoping as Telescoping
 from .joints import Universal as Universal
 from .joints import Weld as Weld
 from .loads.curve import Curve as Curve
+from .loads.forces import Bushing as Bushing
 from .loads.forces import Drive as Drive
 from .loads.forces import Force as Force
 from .loads.forces import SpringDamper as SpringDamper
 from .loads.forces import Torque as Torque
+from .loads.forces import TorsionSpring as TorsionSpring
 from .loads.friction import Friction as Friction
-from .loads.springs import Bushing as Bushing
-from .loads.springs import TorsionSpring as TorsionSpring
 from .model import Model as Model
 from .model import resolve_parameters as resolve_parameters
 from .parts.include import Include as Include

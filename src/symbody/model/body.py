@@ -9,9 +9,8 @@ from typing import Any, ClassVar, Final, final
 from symbody.expr.language.tokens import normalize
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import ByName
-from symbody.model.declarations.fields import Flag, Quantity, VectorQuantity, part
+from symbody.model.declarations.fields import DeclaredPart, Flag, Quantity, Refusal, VectorQuantity, part
 from symbody.model.declarations.formula_site import FormulaSite
-from symbody.model.declarations.part_fields import DeclaredPart, Refusal
 from symbody.model.element import Element, FrameRef, make_frame_ref
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
@@ -44,13 +43,9 @@ class Frames(ByName[Mapping[str, Frame] | None, Frame]):
             if problem is not None:
                 arguments.problems.append(problem)
             if name == CENTRE:
-                arguments.add(
-                    "names.reserved",
-                    f"{path}.{name}",
-                    f"the name {CENTRE!r} is reserved: every body has a frame of this name",
-                    "it is the centre of mass",
-                    "rename the frame",
-                )
+                what = f"the name {CENTRE!r} is reserved: every body has a frame of this name"
+                why = "it is the centre of mass"
+                arguments.add("names.reserved", f"{path}.{name}", what, why, "rename the frame")
         return table
 
 
@@ -71,6 +66,7 @@ class Body(Element):
     """
 
     kind: ClassVar[str] = "body"
+    group: ClassVar[str] = "Bodies"
 
     mass: Quantity = Quantity(
         "Mass; zero is allowed as long as the mechanism as a whole has mass in every direction of motion.",
@@ -129,13 +125,9 @@ def read_frame_ref(arguments: Arguments, place: object, path: str) -> FrameRef:
         if isinstance(body, str):
             return make_frame_ref(normalize(body), normalize(frame))
     is_frame = isinstance(place, Frame)
-    arguments.add(
-        "model.not_a_place",
-        path,
-        f"{'a Frame' if is_frame else repr(place)} is not a point of a body",
-        "a Frame does not know its body" if is_frame else "",
-        'give a Body, body["frame"], or a text such as "Body.Frame"',
-    )
+    what = f"{'a Frame' if is_frame else repr(place)} is not a point of a body"
+    fix = 'give a Body, body["frame"], or a text such as "Body.Frame"'
+    arguments.add("model.not_a_place", path, what, "a Frame does not know its body" if is_frame else "", fix)
     return FrameRef("ground")
 
 
@@ -143,11 +135,6 @@ def _parse_frame_ref(arguments: Arguments, text: str, path: str) -> FrameRef:
     body, dot, frame = (part.strip() for part in normalize(text).partition("."))
     if body and bool(frame) == bool(dot) and "." not in frame:
         return make_frame_ref(body, frame)
-    arguments.add(
-        "model.bad_address",
-        path,
-        f"{text!r} is not an address",
-        "",
-        "write Body.Frame, or Body for its centre of mass, or ground",
-    )
+    fix = "write Body.Frame, or Body for its centre of mass, or ground"
+    arguments.add("model.bad_address", path, f"{text!r} is not an address", "", fix)
     return FrameRef("ground")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import ClassVar
 
 from symbody.model.declarations.element_fields import Connection, element
@@ -35,3 +37,5 @@ class ConstraintElement(Element):
 @element
 class FrameConstraint(ConstraintElement, Connection):
     """A condition between two frames: its multipliers are a wrench on end and its opposite on start."""
+
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({"reaction": ("",)})

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import ClassVar
 
 from symbody.model.declarations.declaration import Declared
@@ -23,16 +24,29 @@ class Element(Declared):
         The word for it in messages and model files: ``"joint"``.
     word : str
         The type in model files, where the kind has several; by default the name of the class.
+    group : str
+        What the diagram editor calls its group; by default the kind.
+    outputs : mapping of kind to tuple of str
+        What follows its name in the names of outputs of a kind: ``("",)`` if nothing does.
+    effort_unit : str
+        Of its effort; of several with commas, that along displacements first.
     """
 
     kind: ClassVar[str]
     word: ClassVar[str] = ""
+    group: ClassVar[str] = ""
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    effort_unit: ClassVar[str] = ""
 
     name: ElementName = ElementName("Unique among the elements of the model.")
 
     def label(self) -> str:
         """Return kind and name."""
         return f"{self.kind} {self.name}"
+
+    def output_words(self, kind: str) -> tuple[str, ...]:
+        """Return what may follow its name in outputs of a kind; none if it has no such output."""
+        return self.outputs.get(kind, ())
 
     def formula_sites(self) -> Iterator[FormulaSite]:
         """Return where its formulas stand."""

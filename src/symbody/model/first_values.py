@@ -37,10 +37,8 @@ class Initial:
 
     def __post_init__(self) -> None:
         if self.priority not in ("hold", "guess"):
-            raise UsageError(
-                Problem("model.priority", "initial", f"priority = {self.priority!r} is not a valid choice",
-                        fix="write 'hold' or 'guess'")
-            )  # fmt: skip
+            what = f"priority = {self.priority!r} is not a valid choice"
+            raise UsageError(Problem("model.priority", "initial", what, fix="write 'hold' or 'guess'"))
 
 
 # What callers give, with or without a priority of its own.

@@ -36,7 +36,7 @@ class Turn(Field[tuple[AxisLike, Value], tuple[Axis, Formula]]):
 
     _: KW_ONLY
     axis: Any = field(default_factory=Direction)
-    angle: Any = field(default_factory=AngleQuantity)
+    angle: Any = field(default_factory=lambda: AngleQuantity(unit="rad"))
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Axis, Formula]:
         """Return the axis and the angle [rad]."""
@@ -158,25 +158,16 @@ class Frame(ElementPart):
 def check_rotation(arguments: Arguments, rotate: Rotation, matrix: Matrix | None) -> None:
     """Note turns beside a matrix."""
     if matrix is not None and rotate:
-        arguments.add(
-            "model.two_rotations",
-            "",
-            "the frame has both rotations and a matrix",
-            "either of them defines the orientation of the frame",
-            "remove one of them",
-        )
+        what = "the frame has both rotations and a matrix"
+        why = "either of them defines the orientation of the frame"
+        arguments.add("model.two_rotations", "", what, why, "remove one of them")
 
 
 def _turn(arguments: Arguments, turn: object, path: str) -> tuple[Axis, Formula]:
     pair = arguments.items(turn, path)
     if len(pair) != 2:
-        arguments.add(
-            "model.not_a_turn",
-            path,
-            "a rotation is an axis and an angle",
-            "",
-            'write for instance ["z", "pi/2"]; several rotations form a list of such pairs',
-        )
+        fix = 'write for instance ["z", "pi/2"]; several rotations form a list of such pairs'
+        arguments.add("model.not_a_turn", path, "a rotation is an axis and an angle", "", fix)
         return "x", ZERO
     return read_axis(arguments, pair[0], f"{path}[0]"), arguments.formula(pair[1], f"{path}[1]")
 

@@ -282,6 +282,14 @@ class Joint(Connection):
         """Number of directions the joint prevents."""
         return self.locked_rotations + self.locked_translations
 
+    def output_words(self, kind: str) -> tuple[str, ...]:
+        """Return what may follow its name in outputs of a kind: of several coordinates those driven."""
+        if kind == "effort":
+            driven = tuple(x for x in self.coordinates if x in self.drives or x in self.motions)
+            return driven if len(self.coordinates) > 1 else ("",) * len(driven)
+        has_friction = self.friction is not None and not self.friction.is_none
+        return ("",) if kind == "reaction" or (kind == "friction" and has_friction) else ()
+
     def coordinate_path(self, word: str, coordinate: str) -> str:
         """Return where `word` stands for a coordinate: ``"torque"``, or ``"torque.theta"`` of several."""
         return word if len(self.coordinates) == 1 else f"{word}.{coordinate}"
@@ -318,30 +326,18 @@ class Joint(Connection):
 def _refuse_key(joint: Joint, arguments: Arguments, word: str, key: str, fitting: Iterable[str]) -> None:
     path = joint.coordinate_path(word, key)
     if key in (joint.quaternion or ()):
-        arguments.add(
-            "model.quaternion_component",
-            path,
-            f"{key} is a component of a quaternion, which cannot be driven individually",
-            "the four components depend on each other",
-            'choose angles, for instance angles = "313"; or apply a [[torque]] to the body',
-        )
+        what = f"{key} is a component of a quaternion, which cannot be driven individually"
+        why = "the four components depend on each other"
+        fix = 'choose angles, for instance angles = "313"; or apply a [[torque]] to the body'
+        arguments.add("model.quaternion_component", path, what, why, fix)
     elif key in joint.coordinates:
         other = "torque" if word == "force" else "force"
-        arguments.add(
-            "model.wrong_drive",
-            path,
-            f"{key} is {'an angle' if word == 'force' else 'a displacement'}",
-            "force is for displacements, torque is for angles",
-            f"write {other} instead of {word}",
-        )
+        what = f"{key} is {'an angle' if word == 'force' else 'a displacement'}"
+        why = "force is for displacements, torque is for angles"
+        arguments.add("model.wrong_drive", path, what, why, f"write {other} instead of {word}")
     else:
-        arguments.add(
-            "model.unknown_coordinate",
-            path,
-            f"the joint has no coordinate {key!r}",
-            "",
-            nearest(key, fitting),
-        )
+        what = f"the joint has no coordinate {key!r}"
+        arguments.add("model.unknown_coordinate", path, what, "", nearest(key, fitting))
 
 
 def _check_motions(joint: Joint, arguments: Arguments) -> None:

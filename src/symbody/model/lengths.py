@@ -10,8 +10,7 @@ from symbody.model.constraint import ConstraintElement
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.loads.curve import Curve, Law
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import Bushing
+from symbody.model.loads.forces import Bushing, SpringDamper
 from symbody.model.model import Model
 
 # Formulas of a constraint that are lengths, if its multiplier is a force.

@@ -283,13 +283,9 @@ def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str]
 def _elements(arguments: Arguments, items: Iterable[object]) -> list[Element]:
     for k, item in enumerate(items):
         if not isinstance(item, Element):
-            arguments.add(
-                "model.not_an_element",
-                f"elements[{k}]",
-                f"{item!r} is not a part of a mechanism",
-                "",
-                "give bodies, joints, forces and other elements",
-            )
+            what = f"{item!r} is not a part of a mechanism"
+            fix = "give bodies, joints, forces and other elements"
+            arguments.add("model.not_an_element", f"elements[{k}]", what, "", fix)
     return [item for item in items if isinstance(item, Element)]
 
 
@@ -300,13 +296,7 @@ def _sort_by_kind(elements: Iterable[Element]) -> tuple[Element, ...]:
 def _find_named(elements: Mapping[str, E], kind: str, name: str) -> E:
     element = elements.get(name)
     if element is None:
-        raise ModelError(
-            Problem(
-                "model.unknown_element",
-                f"{kind} {name}",
-                f"the model has no {kind} {name!r}",
-                "",
-                nearest(name, list(elements)),
-            )
-        )
+        what = f"the model has no {kind} {name!r}"
+        fix = nearest(name, list(elements))
+        raise ModelError(Problem("model.unknown_element", f"{kind} {name}", what, "", fix))
     return element

@@ -24,29 +24,16 @@ def symbol_problem(name: object, where: str) -> Problem | None:
     if found is not None or not isinstance(name, str):
         return found
     if name in RESERVED_SYMBOLS:
-        return Problem(
-            "names.reserved",
-            where,
-            f"the name {name!r} is reserved: it is {RESERVED_SYMBOLS[name]}",
-            "",
-            f"rename it, for instance {name}_1",
-        )
+        what = f"the name {name!r} is reserved: it is {RESERVED_SYMBOLS[name]}"
+        return Problem("names.reserved", where, what, "", f"rename it, for instance {name}_1")
     if name in KEYWORDS:
-        return Problem(
-            "names.keyword",
-            where,
-            f"{name!r} is a word of the expression language",
-            "a formula could not refer to the symbol",
-            f"rename it, for instance {name}_1",
-        )
+        what = f"{name!r} is a word of the expression language"
+        why = "a formula could not refer to the symbol"
+        return Problem("names.keyword", where, what, why, f"rename it, for instance {name}_1")
     if not is_name(normalize(name)):
-        return Problem(
-            "names.not_a_symbol",
-            where,
-            f"{name!r} cannot be written in a formula",
-            "symbols have names of letters, digits and _, so that formulas can contain them",
-            _SYMBOL_CURE,
-        )
+        what = f"{name!r} cannot be written in a formula"
+        why = "symbols have names of letters, digits and _, so that formulas can contain them"
+        return Problem("names.not_a_symbol", where, what, why, _SYMBOL_CURE)
     return None
 
 
@@ -59,22 +46,13 @@ def element_problem(name: object, where: str) -> Problem | None:
     if found is not None or not isinstance(name, str):
         return found
     if name.lower() == GROUND:
-        return Problem(
-            "names.reserved",
-            where,
-            f"the name {name!r} is reserved for the fixed frame",
-            "",
-            "rename the element; frames of the ground go into [ground.frames]",
-        )
+        fix = "rename the element; frames of the ground go into [ground.frames]"
+        return Problem("names.reserved", where, f"the name {name!r} is reserved for the fixed frame", "", fix)
     for mark in ".\"'":
         if mark in name:
-            return Problem(
-                "names.mark",
-                where,
-                f"the name {name!r} contains {mark!r}",
-                "addresses are written Body.Frame, and names with spaces are quoted in outputs",
-                f"remove the {mark!r}, or replace it by _",
-            )
+            why = "addresses are written Body.Frame, and names with spaces are quoted in outputs"
+            fix = f"remove the {mark!r}, or replace it by _"
+            return Problem("names.mark", where, f"the name {name!r} contains {mark!r}", why, fix)
     return None
 
 
@@ -93,46 +71,23 @@ def make_symbol(name: str) -> str:
 
 def _text_problem(name: object, where: str) -> Problem | None:
     if not isinstance(name, str):
-        return Problem(
-            "names.not_text",
-            where,
-            f"{name!r} of type {type(name).__name__} is not a name",
-            "",
-            "give a text",
-        )
+        what = f"{name!r} of type {type(name).__name__} is not a name"
+        return Problem("names.not_text", where, what, "", "give a text")
     if not name.strip():
         return Problem("names.empty", where, "the name is empty", "", "give it a name")
     if len(name) > MAX_NAME:
-        return Problem(
-            "names.too_long",
-            where,
-            f"a name of {len(name)} characters ({name[:24]!r}...)",
-            "only generated names are this long",
-            f"use at most {MAX_NAME} characters",
-        )
+        what = f"a name of {len(name)} characters ({name[:24]!r}...)"
+        why = "only generated names are this long"
+        return Problem("names.too_long", where, what, why, f"use at most {MAX_NAME} characters")
     if not name.isprintable():
         hidden = next(c for c in name if not c.isprintable())
-        return Problem(
-            "names.control_character",
-            where,
-            f"the name {name!a} contains U+{ord(hidden):04X}, which does not print",
-            "it probably came with pasted text, and makes the name look different from what it is",
-            "type the name again",
-        )
+        what = f"the name {name!a} contains U+{ord(hidden):04X}, which does not print"
+        why = "it probably came with pasted text, and makes the name look different from what it is"
+        return Problem("names.control_character", where, what, why, "type the name again")
     if name != name.strip():
-        return Problem(
-            "names.blank",
-            where,
-            f"the name {name!r} begins or ends with a space",
-            "",
-            f"write {name.strip()!r}",
-        )
+        what = f"the name {name!r} begins or ends with a space"
+        return Problem("names.blank", where, what, "", f"write {name.strip()!r}")
     if name.isdigit():
-        return Problem(
-            "names.digits",
-            where,
-            f"the name {name!r} has only digits",
-            "it would be read as a number",
-            f"write _{name}",
-        )
+        what = f"the name {name!r} has only digits"
+        return Problem("names.digits", where, what, "it would be read as a number", f"write _{name}")
     return None

@@ -41,13 +41,9 @@ class NumericChecks:
             return None
         if math.isfinite(as_float(value)):
             return as_float(value)
-        self.refuse(
-            "model.not_finite",
-            where,
-            f"{formula} is {as_float(value)} with the given values",
-            "a function has no real value there, or the result is too large",
-            "change the values",
-        )
+        what = f"{formula} is {as_float(value)} with the given values"
+        why = "a function has no real value there, or the result is too large"
+        self.refuse("model.not_finite", where, what, why, "change the values")
         return None
 
     def values(self, formulas: Iterable[Formula], where: str) -> list[float] | None:
@@ -77,13 +73,8 @@ def check_axis(check: NumericChecks, axis: Sequence[Formula], where: str) -> Non
         return
     length = math.hypot(*values)
     if length == 0:
-        check.refuse(
-            "model.zero_axis",
-            where,
-            "the axis has length zero",
-            "all its components are 0",
-            'give a direction, for instance "z" or [0, 0, 1]',
-        )
+        fix = 'give a direction, for instance "z" or [0, 0, 1]'
+        check.refuse("model.zero_axis", where, "the axis has length zero", "all its components are 0", fix)
     elif abs(length - 1) > _UNIT:
         check.note(f"{where}: the axis of length {length:g} is normalized")
 
@@ -101,9 +92,8 @@ def positive_length(why: str) -> Callable[[NumericChecks, Formula, str], None]:
     def check_length(check: NumericChecks, length: Formula, where: str) -> None:
         value = check.value(length, where)
         if value is not None and value <= 0:
-            check.refuse(
-                "model.no_length", where, f"{length} is {value:g} m", why, "give a length above zero"
-            )
+            what = f"{length} is {value:g} m"
+            check.refuse("model.no_length", where, what, why, "give a length above zero")
 
     return check_length
 

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Final, Protocol
+from typing import Protocol
 
 from symbody.model.body import Body
 from symbody.model.constraints import Rolling
@@ -21,7 +21,6 @@ from symbody.model.joint import Joint
 from symbody.model.naming import GROUND
 
 Words = tuple[str, ...]
-NOTHING: Final = ("",)  # follows the name of an element
 
 
 @dataclass(frozen=True, slots=True)

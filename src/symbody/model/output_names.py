@@ -9,21 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import methodcaller
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-from symbody.model.constraint import FrameConstraint
-from symbody.model.constraints import Distance
-from symbody.model.element import Element
 from symbody.model.joint import Joint
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import BUSHING_COORDINATES, Bushing, TorsionSpring
 from symbody.model.output_arguments import (
-    NOTHING,
     CoordinateWord,
     ElementWord,
     EntryWord,
-    Following,
     FrameWord,
     OutputArgument,
     OutputRenaming,
@@ -143,41 +137,6 @@ MOTION_WORDS: Final = MappingProxyType(
 )
 
 
-def effort_coordinates(element: Element) -> tuple[str, ...]:
-    """Return the coordinates along which an element has an effort; "" for the only one."""
-    if isinstance(element, Joint):
-        driven = [x for x in element.coordinates if x in element.drives or x in element.motions]
-        return tuple(driven) if len(element.coordinates) > 1 else NOTHING * bool(driven)
-    if isinstance(element, Bushing):
-        return BUSHING_COORDINATES
-    return NOTHING if isinstance(element, SpringDamper | TorsionSpring) else ()
-
-
-def _lengths(element: Element) -> tuple[str, ...]:
-    if isinstance(element, Bushing):
-        return BUSHING_COORDINATES[:3]
-    return NOTHING if isinstance(element, SpringDamper) else ()
-
-
-def _angles(element: Element) -> tuple[str, ...]:
-    if isinstance(element, Bushing):
-        return BUSHING_COORDINATES[3:]
-    return NOTHING if isinstance(element, TorsionSpring) else ()
-
-
-def _is_link(element: Element) -> tuple[str, ...]:
-    return NOTHING if isinstance(element, Joint | FrameConstraint) else ()
-
-
-def _rubs(element: Element) -> tuple[str, ...]:
-    friction = element.friction if isinstance(element, Joint) else None
-    return NOTHING if friction is not None and not friction.is_none else ()
-
-
-def _is_rope(element: Element) -> tuple[str, ...]:
-    return NOTHING if isinstance(element, Distance) and element.rope else ()
-
-
 def _effort_unit(words: Words, scope: OutputScope) -> str:
     """Return the unit of what acts along the coordinate of an element: the only one, if none is named."""
     owner, word = scope.elements.get(words[0]), words[-1] if len(words) > 1 else ""
@@ -187,7 +146,8 @@ def _effort_unit(words: Words, scope: OutputScope) -> str:
         coordinate = word or owner.coordinates[0]
         turning = owner.rotation_coordinates if owner.quaternion is None else ()
         return "N m" if coordinate in turning else "N" if coordinate in owner.translation_coordinates else ""
-    return "N m" if isinstance(owner, TorsionSpring) or word.startswith("r") else "N"
+    units = owner.effort_unit.split(", ")
+    return units[-1] if word.startswith("r") else units[0]
 
 
 def _normal_unit(words: Words, scope: OutputScope) -> str:
@@ -205,13 +165,20 @@ def _has_axes(words: Words) -> bool:
     return words[:1] != ("R",)
 
 
-def _one(following: Following, letter: str) -> tuple[OutputArgument, ...]:
-    return (ElementWord(letter, following),)
+def _elements(kind: str, letter: str, *, is_needed: bool = True) -> ElementWord:
+    """Return the argument for the elements that have outputs of a kind."""
+    return ElementWord(letter, methodcaller("output_words", kind), is_needed)
 
 
-_FRICTION: Final = _one(_rubs, "J")
-_ROPE: Final = _one(_is_rope, "R")
-_MULTIPLIER: Final = "lambda_"
+def _coordinate_words(kind: str, letter: str) -> tuple[OutputArgument, ...]:
+    """Return the arguments for an element and one of its coordinates, where it has several."""
+    words = _elements(kind, letter)
+    return words, CoordinateWord("[rx]" if kind == "angle" else "[x]", words.following)
+
+
+_FRICTION: Final = (_elements("friction", "J"),)
+_ROPE: Final = (_elements("rope", "R"),)
+MULTIPLIER: Final = "lambda_"
 _ROW: Final = re.compile(r"_(?:\d+|motion(?:_\d+)?|stick)")
 
 _ALL: Final = (
@@ -220,20 +187,19 @@ _ALL: Final = (
     OutputKind("energy", ENERGIES, "T + V", "J"),
     OutputKind("power", ENERGIES, "power of all that has no potential", "W"),
     OutputKind("length", SPRINGS, "length of a spring; place of a bushing along x, y, z", "m",
-               (ElementWord("S", _lengths), CoordinateWord("[x]", _lengths))),
+               _coordinate_words("length", "S")),
     OutputKind("angle", SPRINGS, "angle of a torsion spring; angles of a bushing", "rad",
-               (ElementWord("S", _angles), CoordinateWord("[rx]", _angles))),
+               _coordinate_words("angle", "S")),
     OutputKind("effort", LOADS, "applied + spring + damper + prescribed motion, along x", "N, N m",
-               (ElementWord("J", effort_coordinates), CoordinateWord("[x]", effort_coordinates)),
-               choose_unit=_effort_unit),
+               _coordinate_words("effort", "J"), choose_unit=_effort_unit),
     OutputKind("friction", LOADS, "effort of dry friction along the coordinate", "N, N m", _FRICTION,
                choose_unit=_effort_unit),
     OutputKind("friction_normal", LOADS, "reaction that friction comes from, or 1", "N", _FRICTION,
                choose_unit=_normal_unit),
     OutputKind("friction_reserve", LOADS, "effort up to which it sticks, less the present one", "N, N m",
-               (ElementWord("[J]", _rubs, is_needed=False),), "n", _effort_unit),
+               (_elements("friction", "[J]", is_needed=False),), "n", _effort_unit),
     OutputKind("reaction", REACTIONS, "wrench on B by A of what connects A and B", "N, N m",
-               (ElementWord("J", _is_link), EntryWord("[Fx]", lambda _: WRENCH)), "6",
+               (_elements("reaction", "J"), EntryWord("[Fx]", lambda _: WRENCH)), "6",
                lambda words, _: {"F": "N", "M": "N m"}.get(words[1][:1], "")),
     OutputKind("rope_tension", ROPES, "force with which a rope pulls", "N", _ROPE),
     OutputKind("rope_length", ROPES, "length of the rope itself", "m", _ROPE),
@@ -311,7 +277,7 @@ def is_multiplier(name: str, elements: Iterable[str]) -> bool:
     >>> is_multiplier("lambda_rod_2", ["rod"]), is_multiplier("lambda_max", ["rod"])
     (True, False)
     """
-    text = name.removeprefix(_MULTIPLIER)
+    text = name.removeprefix(MULTIPLIER)
     return text != name and any(
         text.startswith(element) and _ROW.fullmatch(text, len(element)) for element in elements
     )

@@ -56,15 +56,10 @@ def parameter_values(parameters: Parameters) -> tuple[dict[str, Constant], list[
         if value is None:
             continue
         if isinstance(value, float) and not math.isfinite(value):
-            problems.append(
-                Problem(
-                    "parameters.not_finite",
-                    f"model, parameters.{name}",
-                    f"{name} = {formula} is {value}",
-                    "a function has no real value there, or the result is too large",
-                    "change the formula or the values it uses",
-                )
-            )
+            what = f"{name} = {formula} is {value}"
+            why = "a function has no real value there, or the result is too large"
+            fix = "change the formula or the values it uses"
+            problems.append(Problem("parameters.not_finite", f"model, parameters.{name}", what, why, fix))
         else:
             values[name] = value
     return values, problems
@@ -84,23 +79,13 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
         if name in parameters:
             changed[name] = arguments.formula(value, name)
         else:
-            arguments.add(
-                "parameters.unknown",
-                name,
-                f"the model has no parameter {name!r}",
-                "",
-                nearest(name, parameters),
-            )
+            what = f"the model has no parameter {name!r}"
+            arguments.add("parameters.unknown", name, what, "", nearest(name, parameters))
     for name, formula in changed.items():
         for word in () if formula is None else formula.names:
             if word != "pi" and word not in changed:
-                arguments.add(
-                    "names.unknown",
-                    name,
-                    f"{formula} contains {word!r}, which is not a parameter",
-                    "",
-                    nearest(word, changed),
-                )
+                what = f"{formula} contains {word!r}, which is not a parameter"
+                arguments.add("names.unknown", name, what, "", nearest(word, changed))
     arguments.raise_all()
     order = dependence_order(changed)
     values, problems = parameter_values(changed)
@@ -108,15 +93,10 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
         raise ModelError(*problems)
     missing = [name for name in order if changed[name] is None]
     if missing:
-        raise ModelError(
-            Problem(
-                "parameters.missing",
-                "parameters",
-                f"no value is given for {', '.join(missing)}",
-                "they are declared without one",
-                "give values in the model, or parameters={name: value}",
-            )
-        )
+        what = f"no value is given for {', '.join(missing)}"
+        why = "they are declared without one"
+        fix = "give values in the model, or parameters={name: value}"
+        raise ModelError(Problem("parameters.missing", "parameters", what, why, fix))
     return {name: values[name] for name in parameters}
 
 
@@ -150,13 +130,10 @@ def _dependencies(parameters: Parameters, name: str) -> list[str]:
 
 
 def _cycle_problem(cycle: list[str]) -> Problem:
-    return Problem(
-        "parameters.cycle",
-        f"model, parameters.{cycle[0]}",
-        "parameters depend on each other in a cycle: " + " -> ".join(cycle),
-        "each needs the value of the next",
-        "give one of them as a number",
-    )
+    what = "parameters depend on each other in a cycle: " + " -> ".join(cycle)
+    why = "each needs the value of the next"
+    fix = "give one of them as a number"
+    return Problem("parameters.cycle", f"model, parameters.{cycle[0]}", what, why, fix)
 
 
 def _parameter_problem(name: str, problem: Problem) -> Problem:

@@ -11,7 +11,7 @@ from typing import Any, Final
 from symbody.model.body import Body
 from symbody.model.class_folders import definition_name, final_classes, module_names, snake_case
 from symbody.model.declarations.declaration import file_table
-from symbody.model.declarations.field import FileTable
+from symbody.model.declarations.field import FileTable, FileTarget, Node
 from symbody.model.element import Element
 from symbody.model.model import KINDS
 
@@ -23,21 +23,6 @@ _FOLDERS: Final = (
 )  # fmt: skip
 # Kinds of which a file has several types, named by a word.
 TYPED: Final = ("joint", "constraint", "block")
-# What the diagram editor calls groups of kinds.
-_GROUPS: Final = MappingProxyType(
-    {
-        "body": "Bodies",
-        "joint": "Joints",
-        "constraint": "Constraints",
-        "spring": "Springs and dampers",
-        "torsion_spring": "Springs and dampers",
-        "force": "Forces and torques",
-        "torque": "Forces and torques",
-        "signal": "Signals",
-        "table": "Signals",
-        "block": "Blocks",
-    }
-)
 
 
 @cache
@@ -108,7 +93,7 @@ def _entry(kind: str, word: str, each: type[Element]) -> dict[str, Any]:
         "section": kind,
         "type": word,
         "title": _title(title, each.__name__),
-        "group": _GROUPS.get(kind, kind.capitalize()),
+        "group": each.group or f"{kind.capitalize()}s",
         "summary": each.summary(),
         "definition": definition_name(title),
         "fields": [json.loads(json.dumps(field.panel(name))) for name, field in each.fields.items()],
@@ -127,3 +112,24 @@ def _title(word: str, class_name: str) -> str:
         words = [each if each.isupper() and len(each) > 1 else each.lower() for each in shown]
     text = " ".join(words)
     return text[:1].upper() + text[1:]
+
+
+def read_element(kind: str, entry: Mapping[str, Any], folder: str = "") -> Element:
+    """Return the element of a table that fits the schema; paths of other files start from `folder`.
+
+    Raises
+    ------
+    ModelError
+        With everything in it that is not a name, a place or a formula.
+    """
+    element_class = element_type(kind, str(entry.get("type", "")))
+    return element_class.from_entry(entry, f"{kind} {entry['name']}", folder)
+
+
+def write_element(element: Element, target: FileTarget) -> dict[str, Node]:
+    """Return the table of an element, without what has its default."""
+    entry: dict[str, Node] = {"name": element.name}
+    word = type_word(type(element))
+    if word:
+        entry["type"] = word
+    return {**entry, **element.to_entry(target)}

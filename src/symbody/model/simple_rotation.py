@@ -49,13 +49,7 @@ def read_axis(arguments: Arguments, value: object, path: str) -> Axis:
     if isinstance(value, str):
         if value in LETTERS:
             return value
-        arguments.add(
-            "model.axis_letter",
-            path,
-            f"{value!r} is not an axis",
-            "",
-            _axis_cure(value),
-        )
+        arguments.add("model.axis_letter", path, f"{value!r} is not an axis", "", _axis_cure(value))
         return "x"
     return arguments.triple(value, path)
 

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.outputs.parameter_units import symbol_units
+from symbody.equations.outputs.units import symbol_units
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
-from symbody.equations.outputs.display import equation_sides, signed_terms
+from symbody.equations.outputs.equation_sections import equation_sides, signed_terms
 from symbody.errors import SymbodyError
 from symbody.expr.canonical import ZERO, sub
 from symbody.expr.fingerprints.monomials import Monomials, monomials

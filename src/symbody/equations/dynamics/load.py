@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import singledispatch
 
 from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import Expr
 from symbody.expr.graph import SymbolKind
 from symbody.expr.rewrite import dependence
@@ -102,6 +105,12 @@ class Law:
     efforts: Mapping[str, Expr] = field(default_factory=dict)
     measures: Mapping[str, Expr] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+
+
+@singledispatch
+def load_law(element: object, names: Names, kinematics: Kinematics, roles: Sequence[JointRole]) -> Law | None:
+    """Return what an element does to the bodies, None if nothing; each file of `loads` registers some."""
+    return None
 
 
 def wrenches(kinematics: Kinematics, load: Load) -> list[tuple[str, Vector, Vector]]:

@@ -9,7 +9,7 @@ from symbody.errors import FormulationError, Problem
 from symbody.graph.topology import Topology
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.joint import Joint
-from symbody.model.loads.springs import TorsionSpring
+from symbody.model.loads.forces import TorsionSpring
 from symbody.model.model import Model
 
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from symbody.equations.dynamics.load import Law, Load, PointForce, couple, is_constant
+from symbody.equations.dynamics.load import Law, Load, PointForce, couple, is_constant, load_law
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import Expr, atan2, number, sqrt
-from symbody.model.loads.springs import BUSHING_COORDINATES, Bushing, Row
+from symbody.model.loads.forces import BUSHING_COORDINATES, Bushing, Row
 from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import Vector, components, cross, dot, vector
 
 
-def bushing_law(names: Names, kinematics: Kinematics, bushing: Bushing) -> Law:
+@load_law.register(Bushing)
+def _bushing_law(bushing: Bushing, names: Names, kinematics: Kinematics, roles: Sequence[JointRole]) -> Law:
     """Return the law of a bushing: efforts along the coordinates of a free joint with angles x-y-z.
 
     Their rates are components of the relative velocity and, of the angles, products of the angular velocity

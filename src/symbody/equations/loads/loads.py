@@ -8,20 +8,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from typing import Final
 
 from symbody.equations.dynamics.inertia import Inertia
-from symbody.equations.dynamics.load import GeneralizedForce, Law, Load, Moment, PointForce, is_constant
+from symbody.equations.dynamics.load import (
+    GeneralizedForce,
+    Law,
+    Load,
+    Moment,
+    PointForce,
+    is_constant,
+    load_law,
+)
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.loads.friction import FrictionLaw
-from symbody.equations.loads.springs import law_value, spring_law
+from symbody.equations.loads.springs import law_value
 from symbody.expr.expression import Expr, number
+from symbody.model.class_folders import module_names
 from symbody.model.joint import Joint
 from symbody.model.loads.forces import Drive, Force, Torque
-from symbody.model.loads.springs import Spring
 from symbody.model.model import Model
 from symbody.spatial.vector import cross, dot, vector
+
+_FOLDER: Final = __name__.rpartition(".")[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +87,7 @@ def form_loads(
     weights : bool
         Whether gravity is among the loads; a recursion accelerates ground instead.
     """
+    _register_laws()
     zero = number(names.graph, 0)
     laws = _weights(model, names, kinematics, bodies) if weights else []
     efforts: dict[str, Expr] = {}
@@ -90,12 +104,9 @@ def form_loads(
             laws.append(drive_law)
     laws += [Law((rubbing.load,), zero, rubbing.effort * rubbing.rate) for rubbing in friction]
     for element in model.elements:
-        if isinstance(element, Force):
-            laws.append(_force_law(names, kinematics, element))
-        elif isinstance(element, Torque):
-            laws.append(_torque_law(names, kinematics, element))
-        elif isinstance(element, Spring):
-            laws.append(spring_law(names, kinematics, roles, element))
+        law = load_law(element, names, kinematics, roles)
+        if law is not None:
+            laws.append(law)
     potential, power = zero, zero
     measures: dict[str, Expr] = {}
     for law in laws:
@@ -110,6 +121,13 @@ def form_loads(
     loads = tuple(load for law in laws for load in law.loads)
     notes = tuple(note for law in laws for note in law.notes)
     return Loads(loads, potential, power, efforts, without_potential, measures, notes)
+
+
+@cache
+def _register_laws() -> None:
+    """Load the files of this folder, each of which registers the laws of its elements."""
+    for file in module_names(_FOLDER):
+        import_module(f"{_FOLDER}.{file}")
 
 
 def effort_name(joint: Joint, coordinate: str) -> str:
@@ -141,7 +159,8 @@ def _drive_law(names: Names, drive: Drive, x: Expr, rate: Expr, coordinate: str,
     return Law((load,), number(rate.graph, 0), (other + spring) * rate)
 
 
-def _force_law(names: Names, kinematics: Kinematics, force: Force) -> Law:
+@load_law.register(Force)
+def _force_law(force: Force, names: Names, kinematics: Kinematics, roles: Sequence[JointRole]) -> Law:
     tree = kinematics.tree
     value = vector(force.resolved_in.full_name, names.triple(force.vector, f"force {force.name}"))
     on, back = force.on.full_name, force.reaction_on.body
@@ -152,7 +171,8 @@ def _force_law(names: Names, kinematics: Kinematics, force: Force) -> Law:
     return Law((PointForce(on, value), PointForce(back, -value, arm)), number(names.graph, 0), power)
 
 
-def _torque_law(names: Names, kinematics: Kinematics, torque: Torque) -> Law:
+@load_law.register(Torque)
+def _torque_law(torque: Torque, names: Names, kinematics: Kinematics, roles: Sequence[JointRole]) -> Law:
     value = vector(torque.resolved_in.full_name, names.triple(torque.vector, f"torque {torque.name}"))
     on, back = torque.on.body, torque.reaction_on.body
     turning = kinematics.angular_velocities[on].value - kinematics.angular_velocities[back].value

@@ -4,32 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.equations.dynamics.load import Law, PointForce, PointToPointForce, couple, is_constant
+from symbody.equations.dynamics.load import Law, PointForce, PointToPointForce, couple, is_constant, load_law
 from symbody.equations.kinematics.joint_axes import perpendiculars
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole, joint_steps
-from symbody.equations.loads.bushing import bushing_law
 from symbody.equations.loads.curves import curve_value
 from symbody.expr import canonical
 from symbody.expr.expression import Expr, atan2, cos, number, sin, sqrt
 from symbody.expr.opcodes import LE
 from symbody.model.loads.curve import Curve
 from symbody.model.loads.curve import Law as LawValue
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
+from symbody.model.loads.forces import SpringDamper, TorsionSpring
 from symbody.model.simple_rotation import unit_axis
 from symbody.spatial.matrix import Triple
 from symbody.spatial.rotation import angle_about, compose_steps
 from symbody.spatial.vector import dot, vector
 
 
-def spring_law(names: Names, kinematics: Kinematics, roles: Sequence[JointRole], spring: Spring) -> Law:
-    """Return what a spring does; positive efforts push its ends apart, or turn end forward."""
-    if isinstance(spring, Bushing):
-        return bushing_law(names, kinematics, spring)
-    if isinstance(spring, TorsionSpring):
-        return _torsion_law(names, kinematics, roles, spring)
+@load_law.register(SpringDamper)
+def _spring_law(
+    spring: SpringDamper, names: Names, kinematics: Kinematics, roles: Sequence[JointRole]
+) -> Law:
     law = _isotropic_law if spring.isotropic else _point_spring_law
     return law(names, kinematics, spring)
 
@@ -103,8 +99,9 @@ def _point_spring_law(names: Names, kinematics: Kinematics, spring: SpringDamper
     return Law((load,), zero, factor * closing, None, efforts, measures)
 
 
+@load_law.register(TorsionSpring)
 def _torsion_law(
-    names: Names, kinematics: Kinematics, roles: Sequence[JointRole], spring: TorsionSpring
+    spring: TorsionSpring, names: Names, kinematics: Kinematics, roles: Sequence[JointRole]
 ) -> Law:
     """Return the law of a torsion spring.
 

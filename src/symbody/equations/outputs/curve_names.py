@@ -18,8 +18,7 @@ from symbody.expr.graph import Graph
 from symbody.expr.opcodes import CALL, LT
 from symbody.expr.rewrite import substitute
 from symbody.model.loads.curve import Curve
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import TorsionSpring
+from symbody.model.loads.forces import SpringDamper, TorsionSpring
 from symbody.model.model import Model
 
 Piece = tuple[float, ...]

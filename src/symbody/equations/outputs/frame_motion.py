@@ -44,10 +44,9 @@ def frame_motion_entries(
         If the kind or a frame is unknown.
     """
     if kind not in MOTION_WORDS:
-        raise FormulationError(
-            Problem("equations.unknown_motion", f"frame {kind}", f"{kind!r} is not a kind of motion", "",
-                    f"write one of {', '.join(MOTION_WORDS)}")
-        )  # fmt: skip
+        what = f"{kind!r} is not a kind of motion"
+        fix = f"write one of {', '.join(MOTION_WORDS)}"
+        raise FormulationError(Problem("equations.unknown_motion", f"frame {kind}", what, "", fix))
     end, reference, resolved_in = (formed.frame(name) for name in (end, reference, resolved_in))
     tree = formed.kinematics.tree
     if kind == "R":
@@ -63,19 +62,17 @@ def frame_output(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[tuple
     has_entry = is_entry and (len(frames) > most or not scope.is_frame(last[0], may_be_entry=True))
     entry = frames.pop() if has_entry else ""
     if not 1 <= len(frames) <= most:
-        raise FormulationError(
-            Problem("equations.frame_words", f"frame {text}", f"{text!r} does not name a motion",
-                    "an output of motion is named by its kind and its frames",
-                    'write "frame r END REFERENCE RESOLVED_IN" or "frame R END REFERENCE"')
-        )  # fmt: skip
+        what = f"{text!r} does not name a motion"
+        why = "an output of motion is named by its kind and its frames"
+        fix = 'write "frame r END REFERENCE RESOLVED_IN" or "frame R END REFERENCE"'
+        raise FormulationError(Problem("equations.frame_words", f"frame {text}", what, why, fix))
     shape, values = frame_motion_entries(formed, kind, *frames)
     if not entry:
         return shape, values
     places = ["xyz".index(letter) for letter in entry]
     if len(places) != len(shape):
-        raise FormulationError(
-            Problem("equations.frame_entry", f"frame {text}", f"{entry!r} is not an entry",
-                    f"this output has {len(shape)} ind{'ex' if len(shape) == 1 else 'ices'}",
-                    'end with "x" for a vector, "xy" for a matrix')
-        )  # fmt: skip
+        what = f"{entry!r} is not an entry"
+        why = f"this output has {len(shape)} ind{'ex' if len(shape) == 1 else 'ices'}"
+        fix = 'end with "x" for a vector, "xy" for a matrix'
+        raise FormulationError(Problem("equations.frame_entry", f"frame {text}", what, why, fix))
     return (), [values[places[0] if len(places) == 1 else 3 * places[0] + places[1]]]

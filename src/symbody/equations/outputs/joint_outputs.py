@@ -54,10 +54,9 @@ def reaction_wrench(
         arm = formed.kinematics.position(formed.frame(at), owner.end.full_name)
         wrench = Wrench(wrench.force, wrench.moment + cross(formed.kinematics.tree, arm, wrench.force))
     if on and on not in (owner.end.body, owner.start.body):
-        raise FormulationError(
-            Problem("equations.not_its_body", f"joint {joint}", f"the joint does not act on {on!r}", "",
-                    f"name {owner.start.body} or {owner.end.body}")
-        )  # fmt: skip
+        what = f"the joint does not act on {on!r}"
+        fix = f"name {owner.start.body} or {owner.end.body}"
+        raise FormulationError(Problem("equations.not_its_body", f"joint {joint}", what, "", fix))
     return Wrench(-wrench.force, -wrench.moment) if on == owner.start.body else wrench
 
 
@@ -73,11 +72,9 @@ def reaction_output(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[tu
     name, *entry = filter(None, words)
     if entry and (len(entry) > 1 or entry[0] not in WRENCH):
         text = " ".join(words)
-        raise FormulationError(
-            Problem("equations.reaction_words", f"reaction {text}",
-                    f"{text!r} is not the name of a reaction", "",
-                    f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(WRENCH)}')
-        )  # fmt: skip
+        what = f"{text!r} is not the name of a reaction"
+        fix = f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(WRENCH)}'
+        raise FormulationError(Problem("equations.reaction_words", f"reaction {text}", what, "", fix))
     values = reaction_entries(formed, name)
     return ((), [values[WRENCH.index(entry[0])]]) if entry else ((6,), values)
 
@@ -105,10 +102,9 @@ def effort_output(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[tupl
     name = " ".join(filter(None, words))
     found = dict(_prescribed_coordinates(formed))
     if name not in effort_names(formed):
-        raise FormulationError(
-            Problem("equations.unknown_effort", f"effort {name}",
-                    f"there is no driven joint coordinate {name!r}", "", nearest(name, effort_names(formed)))
-        )  # fmt: skip
+        what = f"there is no driven joint coordinate {name!r}"
+        fix = nearest(name, effort_names(formed))
+        raise FormulationError(Problem("equations.unknown_effort", f"effort {name}", what, "", fix))
     if name in found:
         return (), [_holding_effort(formed, *found[name])]
     effort = formed.loads.efforts.get(name, Expr(formed.graph, 0))

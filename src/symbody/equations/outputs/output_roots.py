@@ -5,20 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from types import MappingProxyType
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.outputs.derivative_outputs import (
-    derivative_roots,
-    differentiate_output,
-)
-from symbody.equations.outputs.frame_cures import frame_cure
 from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_output
-from symbody.equations.outputs.friction_outputs import friction_effort, friction_normal, friction_reserve
-from symbody.equations.outputs.joint_outputs import effort_output, reaction_output, total_power
-from symbody.equations.outputs.quotation import quotation_cure
-from symbody.equations.outputs.rope_outputs import (
+from symbody.equations.outputs.friction_outputs import (
+    friction_effort,
+    friction_normal,
+    friction_reserve,
     rope_acceleration_size,
     rope_length,
     rope_slack,
@@ -26,7 +22,10 @@ from symbody.equations.outputs.rope_outputs import (
     rope_slack_rate,
     rope_tension,
 )
+from symbody.equations.outputs.joint_outputs import effort_output, reaction_output, total_power
+from symbody.equations.outputs.output_cures import frame_cure, quotation_cure
 from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
+from symbody.equations.recursive.udot_derivatives import columns_of_slopes
 from symbody.equations.solving.drift_correction import (
     position_move,
     position_residual,
@@ -35,18 +34,22 @@ from symbody.equations.solving.drift_correction import (
 )
 from symbody.equations.solving.mode_responses import mode_responses
 from symbody.equations.solving.self_stress import substitute_shares
-from symbody.equations.solving.slopes import inverse_dynamics
+from symbody.equations.solving.slopes import acceleration_slopes, inverse_dynamics
 from symbody.equations.solving.solution import resistance, solve, substitute_solution
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
+from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequences.sequence import Roots
 from symbody.model.output_names import (
+    DERIVATIVE_GROUPS,
     FRAME_OUTPUT,
+    MULTIPLIER,
     OUTPUT_KINDS,
+    DerivativeRequest,
     OutputName,
     kind_of,
     list_outputs,
@@ -119,7 +122,7 @@ def _named_output(formed: EquationsOfMotion, asked: OutputName, name: str) -> Ou
 
 def _multiplier(formed: EquationsOfMotion, name: str) -> Expr | None:
     """Return the multiplier of this name, None if there is none; names of constraints may have blanks."""
-    if not name.startswith("lambda_"):
+    if not name.startswith(MULTIPLIER):
         return None
     if any(name == row.name for row in formed.coupled.rows):
         return substitute_shares(formed, [formed.coupling_multipliers[name]])[0]
@@ -138,10 +141,8 @@ def _expression(formed: EquationsOfMotion, name: str) -> Output:
         fault = error.problems[0]
         is_quoted = fault.code == "equations.quoted_output"
         cure = fault.fix if is_quoted else _cure(formed, name)
-        raise FormulationError(
-            Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
-                    fault.what, cure)
-        ) from error  # fmt: skip
+        what = f"{name!r} is neither an output nor an expression"
+        raise FormulationError(Problem("equations.unknown_output", name, what, fault.what, cure)) from error
     _check_is_measured(formed, name, value)
     return (), [value]
 
@@ -195,13 +196,9 @@ def _quoted_output(formed: EquationsOfMotion, formula: Formula, where: str, name
             formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix, where)
         ) from error
     if roots.shape:
-        raise ExpressionError(
-            formula.problem(
-                "equations.quoted_output", column,
-                f"{name!r} is not a number: its shape is {roots.shape}", "",
-                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'", where,
-            )
-        )  # fmt: skip
+        what = f"{name!r} is not a number: its shape is {roots.shape}"
+        fix = "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'"
+        raise ExpressionError(formula.problem("equations.quoted_output", column, what, "", fix, where))
     return roots.nodes[0]
 
 
@@ -386,3 +383,67 @@ MAKERS: Final = _for_all_kinds(
         "alignment": _vector(lambda formed: list(formed.alignments)),
     }
 )
+
+
+def derivative_roots(
+    formed: EquationsOfMotion,
+    name: str,
+    asked: DerivativeRequest,
+    values: Roots,
+    *,
+    side_by_side: bool = False,
+) -> Roots:
+    """Return the derivatives of `values`, the roots of the output; the last axis counts the symbols.
+
+    All other symbols are held fixed; components of a quaternion count as independent.
+
+    Parameters
+    ----------
+    side_by_side : bool
+        Whether programs for several columns may be among the nodes: faster as code, but for nothing else.
+
+    Raises
+    ------
+    FormulationError
+        If a word is none of ``q``, ``u``, ``r``, ``s`` and no symbol of the equations, with the nearest ones.
+    """
+    by = tuple(chain.from_iterable(_symbols(formed, name, word) for word in asked.by))
+    rows = differentiate_output(formed, asked.output, values.nodes, by, side_by_side=side_by_side)
+    shape = values.shape if asked.alone else (*values.shape, len(by))
+    given = values.nodes if side_by_side else ()
+    return Roots(name, shape, tuple(entry.index for row in rows for entry in row), given)
+
+
+def differentiate_output(
+    formed: EquationsOfMotion,
+    output: str,
+    nodes: Sequence[int],
+    by: Sequence[Symbol],
+    *,
+    side_by_side: bool = False,
+) -> list[list[Expr]]:
+    """Return the derivatives of an output, one row an entry; those of u' by way of the inverse dynamics."""
+    graph = formed.graph
+    places = [graph.symbol(symbol) for symbol in by]
+    if output == "inverse_dynamics":
+        columns = columns_of_slopes(graph, nodes, places)
+        return [[Expr(graph, column[k]) for column in columns] for k in range(len(nodes))]
+    first = len(formed.u) if output in ("udot", "xdot") else 0
+    slopes = acceleration_slopes(formed, by, side_by_side=side_by_side) if first else []
+    rest = jacobian(graph, nodes[first:], places)
+    return [*slopes, *([Expr(graph, entry) for entry in row] for row in rest)]
+
+
+def _symbols(formed: EquationsOfMotion, name: str, word: str) -> tuple[Symbol, ...]:
+    """Return the symbols of a group or of one name; parentheses reach a symbol named like a group."""
+    groups = {"q": formed.q, "u": formed.u, "r": formed.inputs, "s": formed.signal_states}
+    if word in groups:
+        return groups[word]
+    graph, inner = formed.graph, word.strip("() ")
+    node = formed.names.node(inner)
+    if node is not None and graph.ops[node] == SYMBOL:
+        return (graph.symbols[graph.left[node]],)
+    known = [*DERIVATIVE_GROUPS, *formed.names.symbols]
+    what = f"cannot differentiate by {word!r}"
+    why = "it is not a symbol of these equations, or is replaced by an expression"
+    raise FormulationError(Problem("equations.derivative_by", name, what, why, nearest(inner, known)))

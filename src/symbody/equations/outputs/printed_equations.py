@@ -88,8 +88,7 @@ def checked_digits(digits: int | None) -> int | None:
         If it is not from 1 to 17.
     """
     if digits is not None and not 1 <= digits <= 17:
-        raise UsageError(
-            Problem("call.argument", "digits", f"{digits} significant digits cannot be printed",
-                    fix="give a whole number from 1 to 17, or None for all digits")
-        )  # fmt: skip
+        what = f"{digits} significant digits cannot be printed"
+        fix = "give a whole number from 1 to 17, or None for all digits"
+        raise UsageError(Problem("call.argument", "digits", what, fix=fix))
     return digits

@@ -147,11 +147,10 @@ def _definition(formed: EquationsOfMotion, signal: Signal, raw_output: RawOutput
         first = error.problems[0]
         raise FormulationError(Problem(first.code, where, first.what, first.why, first.fix)) from error
     if shape:
-        raise FormulationError(
-            Problem("signal.no_number", where, f"{text!r} is not a number: its shape is {shape}",
-                    "a signal is one number at each time",
-                    "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'")
-        )  # fmt: skip
+        what = f"{text!r} is not a number: its shape is {shape}"
+        why = "a signal is one number at each time"
+        fix = "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'"
+        raise FormulationError(Problem("signal.no_number", where, what, why, fix))
     return values[0]
 
 

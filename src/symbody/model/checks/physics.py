@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Final
 
-from symbody.errors import Problem
+from symbody.errors import Problem, nearest
 from symbody.expr.graph import Constant
+from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
+from symbody.model.checks.symbols import Symbols
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
@@ -26,13 +28,9 @@ def check_body(check: NumericChecks, body: Body, label: str) -> None:
     """Check mass, inertia and frames of a body."""
     mass = check.value(body.mass, f"{label}, mass")
     if mass is not None and mass < 0:
-        check.refuse(
-            "model.negative_mass",
-            f"{label}, mass",
-            f"the mass is {mass:g} kg",
-            "a sign is wrong",
-            "give a positive mass, or 0 for a massless body",
-        )
+        what = f"the mass is {mass:g} kg"
+        fix = "give a positive mass, or 0 for a massless body"
+        check.refuse("model.negative_mass", f"{label}, mass", what, "a sign is wrong", fix)
     inertia = check.values(body.inertia, f"{label}, inertia")
     products = check.values(body.products, f"{label}, products")
     if inertia is not None and products is not None:
@@ -72,21 +70,13 @@ def _check_matrix(check: NumericChecks, r: list[list[float]], where: str) -> Non
     defect = max(abs(product - (i == j)) for i, j, product in products)
     orientation = determinant(r)
     if defect > _ORTHONORMAL:
-        check.refuse(
-            "model.not_a_rotation",
-            where,
-            f"the rows deviate from an orthonormal set by {defect:.3g}",
-            "rows of a rotation matrix have length 1 and are perpendicular",
-            "give more digits, or use rotate instead",
-        )
+        what = f"the rows deviate from an orthonormal set by {defect:.3g}"
+        why = "rows of a rotation matrix have length 1 and are perpendicular"
+        check.refuse("model.not_a_rotation", where, what, why, "give more digits, or use rotate instead")
     elif orientation < 0:
-        check.refuse(
-            "model.not_a_rotation",
-            where,
-            "the determinant is -1: the axes are left-handed",
-            "two rows are swapped, or one has the wrong sign",
-            "use a right-handed set of axes",
-        )
+        what = "the determinant is -1: the axes are left-handed"
+        why = "two rows are swapped, or one has the wrong sign"
+        check.refuse("model.not_a_rotation", where, what, why, "use a right-handed set of axes")
 
 
 def _check_inertia(check: NumericChecks, label: str, inertia: list[float], products: list[float]) -> None:
@@ -96,24 +86,17 @@ def _check_inertia(check: NumericChecks, label: str, inertia: list[float], produ
         return
     a, b, c = inertia
     if not any(products):
-        check.refuse(
-            "model.impossible_inertia",
-            f"{label}, inertia",
-            f"no body can have the moments {a:.12g}, {b:.12g}, {c:.12g}",
-            "each moment must be positive and at most the sum of the other two",
-            _inertia_cure(inertia),
-        )
+        what = f"no body can have the moments {a:.12g}, {b:.12g}, {c:.12g}"
+        why = "each moment must be positive and at most the sum of the other two"
+        check.refuse("model.impossible_inertia", f"{label}, inertia", what, why, _inertia_cure(inertia))
         return
     flipped = is_possible_inertia(inertia, [-product for product in products])
     signs = "; with the opposite signs of the products a body would be possible" if flipped else ""
     listed = ", ".join(f"{product:g}" for product in products)
-    check.refuse(
-        "model.impossible_inertia",
-        f"{label}, inertia",
-        f"no body can have the moments {a:g}, {b:g}, {c:g} with the products {listed}{signs}",
-        "products are the entries xy, xz, yz of the tensor, as in URDF",
-        "check values, signs, and that they refer to the centre of mass",
-    )
+    what = f"no body can have the moments {a:g}, {b:g}, {c:g} with the products {listed}{signs}"
+    why = "products are the entries xy, xz, yz of the tensor, as in URDF"
+    fix = "check values, signs, and that they refer to the centre of mass"
+    check.refuse("model.impossible_inertia", f"{label}, inertia", what, why, fix)
 
 
 def _inertia_cure(inertia: list[float]) -> str:
@@ -160,3 +143,74 @@ def value_problems(
         elif isinstance(element, Joint | Signal | SignalBlock):
             element.check_numbers(check, label)
     return check.problems
+
+
+_WORDS: Final = ("coordinate", "rate", "speed")
+_NORM: Final = 1e-6
+
+
+def initial_problems(
+    initial: Mapping[str, Formula], symbols: Symbols, joints: Iterable[Joint]
+) -> list[Problem]:
+    """Return a problem for each initial value of what has none."""
+    legal = [name for name, meaning in symbols.meanings.items() if meaning.word in _WORDS]
+    prescribed = {
+        f"{name}{suffix}": joint
+        for joint in joints
+        if not joint.as_constraint
+        for name in joint.motion
+        for suffix in ("", "_dot")
+    }
+    states = [name for name, meaning in symbols.meanings.items() if meaning.word == "signal"]
+    problems = []
+    for name in initial:
+        if name in prescribed:
+            problems.append(_prescribed_problem(name, prescribed[name]))
+        elif name in states:
+            problems.append(_signal_problem(name, symbols.meanings[name].where))
+        elif name not in legal:
+            problems.append(_unknown_problem(name, legal))
+    return problems
+
+
+def check_initial(check: NumericChecks, initial: Mapping[str, Formula], joints: Iterable[Joint]) -> None:
+    """Check the values; four that form a quaternion must not all be zero."""
+    values = {name: check.value(formula, f"model, initial.{name}") for name, formula in initial.items()}
+    for joint in joints:
+        names = joint.quaternion or ()
+        numbers = [value for name in names if (value := values.get(name)) is not None]
+        if len(numbers) == 4:
+            _check_quaternion(check, joint.name, names, numbers)
+
+
+def _check_quaternion(
+    check: NumericChecks, joint: str, names: Sequence[str], values: Sequence[float]
+) -> None:
+    listed = ", ".join(names)
+    norm = math.hypot(*values)
+    if norm == 0:
+        what = f"{listed} are all zero"
+        why = "a quaternion of norm zero is not a rotation"
+        fix = f"write 1 for {names[0]}, or leave all four out: no rotation"
+        check.refuse("initial.zero_quaternion", f"model, initial.{names[0]}", what, why, fix)
+    elif abs(norm - 1) > _NORM:
+        check.note(f"joint {joint}: the initial quaternion {listed} of norm {norm:g} is normalized")
+
+
+def _unknown_problem(name: str, known: Iterable[str]) -> Problem:
+    what = f"there is no coordinate, rate or speed {name!r}"
+    why = "initial values can be set for coordinates, their rates x_dot, and speeds"
+    return Problem("initial.unknown", f"model, initial.{name}", what, why, nearest(name, known))
+
+
+def _signal_problem(name: str, where: str) -> Problem:
+    why = "the initial value of a signal with a rate is part of the signal"
+    fix = f'write [[signal]] name = "{name}", rate = .., initial = ..'
+    return Problem("signal.initial", f"model, initial.{name}", f"{name} is a signal ({where})", why, fix)
+
+
+def _prescribed_problem(name: str, joint: Joint) -> Problem:
+    what = f"the prescribed motion of joint {joint.name} determines {name}"
+    why = "a prescribed coordinate is not an unknown and starts where its motion starts"
+    fix = "remove the initial value or the motion"
+    return Problem("initial.prescribed", f"model, initial.{name}", what, why, fix)

@@ -50,10 +50,7 @@ def dependence_order(needed: Mapping[str, Iterable[str]]) -> list[str]:
 def loop_problem(ring: Iterable[str]) -> Problem:
     """Return what to say about names of which each needs the next, the first repeated at the end."""
     names = list(ring)[::-1]
-    return Problem(
-        "signal.loop",
-        f"signal {names[0]}",
-        "signals depend on each other in a cycle: " + " -> ".join(names),
-        "each is computed from the next at the same instant, and none of them is a state",
-        f'make one of them a state, for instance rate = "(.. - {names[0]})/T" with a short time T',
-    )
+    what = "signals depend on each other in a cycle: " + " -> ".join(names)
+    why = "each is computed from the next at the same instant, and none of them is a state"
+    fix = f'make one of them a state, for instance rate = "(.. - {names[0]})/T" with a short time T'
+    return Problem("signal.loop", f"signal {names[0]}", what, why, fix)

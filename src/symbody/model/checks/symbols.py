@@ -164,20 +164,13 @@ def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -
             if is_coordinate
             else _CURES.get(kind, "write the formula without it")
         )
-        return site.formula.problem(
-            "names.not_here", column, f"{name!r} is {word}, which is not allowed here", takes, cure, where
-        )
+        what = f"{name!r} is {word}, which is not allowed here"
+        return site.formula.problem("names.not_here", column, what, takes, cure, where)
     cure = nearest(name, [*site.local_names, *symbols.allowed_names(site.scope)])
     defined = f'[parameters] {name} = .. in a file, parameters={{"{name}": ..}} in Python'
     defined += f', or inputs = ["{name}"]' if "inputs" in takes else ""
-    return site.formula.problem(
-        "names.unknown",
-        column,
-        f"there is no symbol {name!r}",
-        takes,
-        cure if is_coordinate else f"{cure} Or define it: {defined}",
-        where,
-    )
+    fix = cure if is_coordinate else f"{cure} Or define it: {defined}"
+    return site.formula.problem("names.unknown", column, f"there is no symbol {name!r}", takes, fix, where)
 
 
 _ARTICLES = {"input": "an", "acceleration": "an"}
@@ -207,10 +200,5 @@ def _duplicate(name: str, meanings: list[Meaning]) -> Problem:
     derived = any(meaning.word in ("rate", "acceleration", "signal rate") for meaning in meanings)
     made = "x_dot and x_ddot are defined for every coordinate x, w_dot for every speed or state w"
     why = made if derived else "every symbol has one meaning"
-    return Problem(
-        "names.duplicate",
-        places,
-        f"the name {name!r} has {len(meanings)} meanings: {listed}",
-        why,
-        "rename all but one",
-    )
+    what = f"the name {name!r} has {len(meanings)} meanings: {listed}"
+    return Problem("names.duplicate", places, what, why, "rename all but one")

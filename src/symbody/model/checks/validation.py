@@ -8,8 +8,13 @@ from dataclasses import dataclass, replace
 from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
-from symbody.model.checks.initial import check_initial, initial_problems
-from symbody.model.checks.physics import check_body, check_frame, check_frames
+from symbody.model.checks.physics import (
+    check_body,
+    check_frame,
+    check_frames,
+    check_initial,
+    initial_problems,
+)
 from symbody.model.checks.signals import collect_signals, loop_problems
 from symbody.model.checks.structure import (
     coupling_problems,
@@ -239,13 +244,11 @@ def _check_shapes(check: NumericChecks, shapes: Sequence[BodyShape], where: str)
         for path, formula in shape.lengths:
             length = check.value(formula, f"{place}.{path}")
             if length is not None and length < 0:
-                check.refuse(
-                    "model.negative_size", f"{place}.{path}", f"the length is {length:g} m",
-                    "a sign is wrong", "give a positive length",
-                )  # fmt: skip
+                what = f"the length is {length:g} m"
+                fix = "give a positive length"
+                check.refuse("model.negative_size", f"{place}.{path}", what, "a sign is wrong", fix)
         opacity = check.value(shape.opacity, f"{place}.opacity")
         if opacity is not None and not 0 <= opacity <= 1:
-            check.refuse(
-                "model.opacity", f"{place}.opacity", f"the opacity is {opacity:g}",
-                "0 is invisible, 1 is opaque", "give a number from 0 to 1",
-            )  # fmt: skip
+            what = f"the opacity is {opacity:g}"
+            why = "0 is invisible, 1 is opaque"
+            check.refuse("model.opacity", f"{place}.opacity", what, why, "give a number from 0 to 1")

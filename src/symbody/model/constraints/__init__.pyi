@@ -3,10 +3,10 @@ from .couplings import Constraint as Constraint
 from .couplings import Differential as Differential
 from .couplings import Gear as Gear
 from .couplings import RackPinion as RackPinion
-from .directions import Angle as Angle
-from .directions import Parallel as Parallel
-from .directions import Perpendicular as Perpendicular
+from .points import Angle as Angle
 from .points import Distance as Distance
+from .points import Parallel as Parallel
+from .points import Perpendicular as Perpendicular
 from .points import PointOnCurve as PointOnCurve
 from .points import PointOnLine as PointOnLine
 from .points import PointOnPlane as PointOnPlane

@@ -1,14 +1,17 @@
-"""Points held at a distance, on a line, a plane, a curve or a surface."""
+"""Points held at a distance, on a line, a plane, a curve or a surface; directions held at an angle."""
 
 from __future__ import annotations
 
-from typing import ClassVar, final
+import math
+from typing import ClassVar, Final, final
 
+from symbody.expr.language.formula import Formula
 from symbody.model.constraint import FrameConstraint
-from symbody.model.declarations.element_fields import CurvePoint, VanishingFormulas, element
-from symbody.model.declarations.fields import Direction, Flag, Quantity, SymbolName
+from symbody.model.declarations.element_fields import CurvePoint, Directions, VanishingFormulas, element
+from symbody.model.declarations.fields import AngleQuantity, Direction, Flag, Quantity, SymbolName
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.numeric_checks import NumericChecks, positive_length
+from symbody.model.numeric_checks import NumericChecks, check_angle, positive_length
+from symbody.tolerances import TYPED
 
 
 @final
@@ -31,6 +34,10 @@ class Distance(FrameConstraint):
         fits=positive_length("two coincident points need a spherical joint"),
     )
     rope: Flag = Flag("Whether the points may come closer.", default=False)
+
+    def output_words(self, kind: str) -> tuple[str, ...]:
+        """Return what may follow its name in outputs of a kind, of ropes alone in those of ropes."""
+        return ("",) * self.rope if kind == "rope" else FrameConstraint.output_words(self, kind)
 
 
 @final
@@ -114,4 +121,64 @@ class PointOnSurface(FrameConstraint):
         "Left-hand side that is 0: a formula in x, y, z of the point in the start frame [m], parameters and "
         "t.",
         scope=Scope.POINT,
+    )
+
+
+_BOTH: Final = "A direction in the start frame and one in the end frame."
+
+
+def _check_cosine(check: NumericChecks, angle: Formula, where: str) -> None:
+    """Refuse angles at which the cosine stands still: the constraint would hold two freedoms, not one."""
+    value = check.value(angle, where)
+    if value is None:
+        return
+    if abs(math.sin(value)) < TYPED:
+        what = f"{angle} is {value:g} rad: the directions are parallel"
+        why = "this needs two equations, and the equation for the cosine has a zero derivative there"
+        check.refuse("model.flat_angle", where, what, why, 'write type = "parallel" instead')
+    check_angle(check, angle, where)
+
+
+@final
+@element
+class Parallel(FrameConstraint):
+    """Holds a direction of end parallel to one of start."""
+
+    rows: ClassVar[str] = "2"
+    holds: ClassVar[str] = "the second axis has no component along two perpendiculars `n` of the first"
+    multiplier: ClassVar[str] = "the moment on end about `second x n`"
+    multiplier_unit: ClassVar[str] = "N m"
+
+    axes: Directions = Directions(_BOTH, default=("z", "z"))
+
+
+@final
+@element
+class Perpendicular(FrameConstraint):
+    """Holds a direction of end perpendicular to one of start."""
+
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`first . second = 0`"
+    multiplier: ClassVar[str] = "the moment on end about `second x first`"
+    multiplier_unit: ClassVar[str] = "N m"
+
+    axes: Directions = Directions(_BOTH)
+
+
+@final
+@element
+class Angle(FrameConstraint):
+    """Constrains the angle between a direction of start and one of end, by an equation in its cosine.
+
+    The angle must stay away from 0 and pi, where the cosine has no slope.
+    """
+
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`first . second = cos(value)`"
+    multiplier: ClassVar[str] = "times the sine of the angle: the moment on end about `second x first`"
+    multiplier_unit: ClassVar[str] = "N m"
+
+    axes: Directions = Directions(_BOTH)
+    value: AngleQuantity = AngleQuantity(
+        "The angle, a formula in parameters and t.", unit="rad", scope=Scope.PRESCRIBED, fits=_check_cosine
     )

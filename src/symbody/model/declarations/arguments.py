@@ -66,19 +66,12 @@ class Arguments:
         items = list(values) if _is_many(values) else None
         if items is None or len(items) != 3:
             found = f"one: {reprlib.repr(values)}" if items is None else str(len(items))
-            self.add(
-                "model.not_three",
-                path,
-                f"three entries are needed, not {found}",
-                "",
-                "give the components along x, y and z",
-            )
+            what = f"three entries are needed, not {found}"
+            self.add("model.not_three", path, what, "", "give the components along x, y and z")
             return (ZERO, ZERO, ZERO)
         if all(map(_is_many, items)):
-            self.add(
-                "model.not_three", path, "three entries are needed, but a matrix was given", "",
-                "give its diagonal; entries xy, xz, yz of an inertia are products=",
-            )  # fmt: skip
+            fix = "give its diagonal; entries xy, xz, yz of an inertia are products="
+            self.add("model.not_three", path, "three entries are needed, but a matrix was given", "", fix)
             return (ZERO, ZERO, ZERO)
         x, y, z = (self.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
         return (x, y, z)
@@ -93,19 +86,15 @@ class Arguments:
     def table(self, values: object, path: str, read: Callable[[object, str], T]) -> FrozenMapping[T]:
         """Return a table of what `read` makes of each value."""
         if not isinstance(values, Mapping):
-            self.add(
-                "model.not_a_table", path, f"{values!r} is not a mapping of names", "", "write {name: value}"
-            )
+            what = f"{values!r} is not a mapping of names"
+            self.add("model.not_a_table", path, what, "", "write {name: value}")
             return FrozenMapping()
         entries: dict[str, T] = {}
         for name, value in values.items():
             key = normalize(name) if isinstance(name, str) else str(name)
             if key in entries:
-                self.add(
-                    "names.duplicate",
-                    f"{path}.{key}" if path else key,
-                    f"the name {key!r} appears twice after Unicode normalization",
-                )
+                what = f"the name {key!r} appears twice after Unicode normalization"
+                self.add("names.duplicate", f"{path}.{key}" if path else key, what)
             entries[key] = read(value, f"{path}.{key}" if path else key)
         return FrozenMapping(entries)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, Final, Generic, TypeVar
 
@@ -17,11 +17,8 @@ from symbody.model.declarations.field import (
     NewNames,
     Node,
 )
-from symbody.model.declarations.formula_site import FormulaSite
 from symbody.model.declarations.misfits import Misfit, Path, Schema, list_misfits, mapping_misfits
 from symbody.model.frozen_mapping import FrozenMapping
-from symbody.model.numeric_checks import NumericChecks
-from symbody.model.simple_rotation import Axis
 
 G = TypeVar("G")
 K = TypeVar("K")
@@ -87,18 +84,9 @@ class OptionalField(Field[Given | None, Kept | None], Generic[Given, Kept]):
         """Return the value in the new names."""
         return None if value is None else self._inner().rename(value, names)
 
-    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas of the value stand."""
-        return iter(()) if value is None else self._inner().formula_sites(owner, value, path)
-
-    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
-        """Note numbers of a value that cannot be."""
-        if value is not None:
-            self._inner().check_numbers(check, owner, value, where)
-
-    def directions(self, value: Any, path: str) -> dict[str, Axis]:
-        """Return the directions of a value."""
-        return {} if value is None else self._inner().directions(value, path)
+    def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the value as one of the role."""
+        return () if value is None else ((self.inner, value, path),)
 
     @property
     def fits(self) -> Any:
@@ -179,20 +167,9 @@ class ListOf(Field[Given, Kept]):
         same: Kept = kept
         return same
 
-    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas of the items stand."""
-        for k, item in enumerate(value):
-            yield from self.item.formula_sites(owner, item, f"{path}[{k}]")
-
-    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
-        """Note numbers of the items that cannot be."""
-        for k, item in enumerate(value):
-            self.item.check_numbers(check, owner, item, f"{where}[{k}]")
-
-    def directions(self, value: Any, path: str) -> dict[str, Axis]:
-        """Return the directions of the items."""
-        pairs = ((item, f"{path}[{k}]") for k, item in enumerate(value))
-        return {place: axis for item, at in pairs for place, axis in self.item.directions(item, at).items()}
+    def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the items."""
+        return ((self.item, item, f"{path}[{k}]") for k, item in enumerate(value))
 
 
 def list_of(
@@ -277,15 +254,9 @@ class ByName(Field[G, FrozenMapping[K]], Generic[G, K]):
         """Return the values in the new names."""
         return FrozenMapping({name: self._item().rename(item, names) for name, item in value.items()})
 
-    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas of the values stand."""
-        for name, item in value.items():
-            yield from self._item().formula_sites(owner, item, f"{path}.{name}")
-
-    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
-        """Note numbers of the values that cannot be."""
-        for name, item in value.items():
-            self._item().check_numbers(check, owner, item, f"{where}.{name}")
+    def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the values."""
+        return ((self.item, item, f"{path}.{name}") for name, item in value.items())
 
     def _item(self) -> Field[Any, K]:
         item: Field[Any, K] = self.item
@@ -306,13 +277,10 @@ class ByCoordinate(ByName[G, K], Generic[G, K]):
         if value is None:
             return FrozenMapping()
         if not isinstance(value, Mapping):
-            arguments.add(
-                "model.not_by_coordinate",
-                path,
-                f"{value!r} needs the coordinate that it belongs to",
-                f"the joint has {len(names)} coordinates: {', '.join(names)}",
-                f"write {{ {names[-1]} = .. }}, in Python {{{names[-1]!r}: ..}}",
-            )
+            what = f"{value!r} needs the coordinate that it belongs to"
+            why = f"the joint has {len(names)} coordinates: {', '.join(names)}"
+            fix = f"write {{ {names[-1]} = .. }}, in Python {{{names[-1]!r}: ..}}"
+            arguments.add("model.not_by_coordinate", path, what, why, fix)
             return FrozenMapping()
         items = {str(key): item for key, item in value.items() if item is not None}
         return FrozenMapping(
@@ -331,15 +299,9 @@ class ByCoordinate(ByName[G, K], Generic[G, K]):
         """Return the values in the new names, under those of the coordinates."""
         return FrozenMapping({names.symbol(k): self.item.rename(item, names) for k, item in value.items()})
 
-    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas of the values stand."""
-        for coordinate, item in value.items():
-            yield from self.item.formula_sites(owner, item, owner.coordinate_path(path, coordinate))
-
-    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
-        """Note numbers of the values that cannot be."""
-        for coordinate, item in value.items():
-            self.item.check_numbers(check, owner, item, owner.coordinate_path(where, coordinate))
+    def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the values."""
+        return ((self.item, item, owner.coordinate_path(path, name)) for name, item in value.items())
 
 
 class AlongCoordinate(ByCoordinate[G, K]):

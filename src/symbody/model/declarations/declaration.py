@@ -193,11 +193,9 @@ class Declared(Displayed):
             shown = reprlib.repr(value)
         except Exception:  # whatever it is, it is not ours
             shown = "something"
-        return Problem(
-            "call.argument", f"{type(self).__name__}, argument {name}",
-            f"{shown}, of type {type(value).__name__}, is not valid here", "",
-            f"give {_IN_WORDS.get(fits, fits)}",
-        )  # fmt: skip
+        what = f"{shown}, of type {type(value).__name__}, is not valid here"
+        fix = f"give {_IN_WORDS.get(fits, fits)}"
+        return Problem("call.argument", f"{type(self).__name__}, argument {name}", what, "", fix)
 
 
 def _argument_text(value: object) -> str:

@@ -139,9 +139,8 @@ def _coupled_name(arguments: Arguments, item: object, path: str) -> str:
     if item != "":
         return arguments.symbol_name(item, path)
     cure = "name the coordinate of a joint, such as theta"
-    arguments.add(
-        "model.not_coupled", path, "there is no coordinate", "an end of the coupling is not connected", cure
-    )
+    why = "an end of the coupling is not connected"
+    arguments.add("model.not_coupled", path, "there is no coordinate", why, cure)
     return "?"
 
 
@@ -153,7 +152,7 @@ class CurvePoint(VectorQuantity):
     def formula_sites(self, owner: Any, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas of the curve stand."""
         for k, formula in enumerate(value):
-            yield FormulaSite(f"{path}[{k}]", formula, Scope.PRESCRIBED, (owner.parameter,))
+            yield FormulaSite(f"{path}[{k}]", formula, Scope.PRESCRIBED, (owner.parameter,), self.unit)
 
 
 # A type checker has to see all roles whose fields may be without default.
@@ -178,7 +177,7 @@ class Connection(Element):
     @property
     def directions(self) -> Mapping[str, Axis]:
         """Each direction by the place where it stands."""
-        places: dict[str, Axis] = {}
-        for name, role in self.fields.items():
-            places |= role.directions(getattr(self, name), name)
-        return places
+        fields = self.fields.items()
+        return dict(
+            pair for name, role in fields for pair in role.directions(self, getattr(self, name), name)
+        )

@@ -35,6 +35,9 @@ from symbody.model.simple_rotation import Axis
 
 if TYPE_CHECKING:
     from symbody.model.element import FrameRef
+from types import MappingProxyType
+
+from symbody.errors import nearest
 
 Given = TypeVar("Given", contravariant=True)
 Kept = TypeVar("Kept", covariant=True)
@@ -78,10 +81,18 @@ class FileTarget(NamedTuple):
         Where it stands: paths of other files lead from there; None leaves them as they are.
     is_alone : bool
         Whether it is to be read without other files, whose content it then has.
+    is_script : bool
+        Whether it is a script, in which parts of elements stay what they are: calls of their classes.
     """
 
     folder: str | None = None
     is_alone: bool = False
+    is_script: bool = False
+
+    def part(self, value: Any, word: str = "") -> Node:
+        """Return a part of an element, of a file as its table, after the word for its type if it has one."""
+        node: Node = value if self.is_script else {**({"type": word} if word else {}), **value.to_entry(self)}
+        return node
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -195,16 +206,24 @@ class Field(FileRole, Generic[Given, Kept]):
         """Return the argument for the constructor; other files are named from `folder`."""
         return entry
 
+    def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the values in a value, each with its role and place, to which the following is handed on."""
+        return ()
+
     def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas of the value stand."""
-        return iter(())
+        for role, part, at in self.parts(owner, value, path):
+            yield from role.formula_sites(owner, part, at)
 
     def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
         """Note numbers that cannot be, as far as parameters have values."""
+        for role, part, at in self.parts(owner, value, where):
+            role.check_numbers(check, owner, part, at)
 
-    def directions(self, value: Any, path: str) -> dict[str, Axis]:
-        """Return the directions of the value by the places where they stand."""
-        return {}
+    def directions(self, owner: Any, value: Any, path: str) -> Iterator[tuple[str, Axis]]:
+        """Return the directions of the value, each after its place."""
+        for role, part, at in self.parts(owner, value, path):
+            yield from role.directions(owner, part, at)
 
     def default_value(self, owner: object, name: str) -> object:
         """Return what is kept of the default; REQUIRED if there is none."""
@@ -320,3 +339,59 @@ class TypeWord(PlainField[str, str]):
     def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
         """Return nothing: the word has led to its table."""
         return ()
+
+
+# What other programs, and books, call our types.
+OTHER_NAMES: Final = MappingProxyType(
+    {
+        other: ours
+        for ours, others in (
+            ("revolute", "hinge pin pivot rotational continuous"),
+            ("prismatic", "slider slide translational linear"),
+            ("spherical", "ball"),
+            ("weld", "fixed rigid"),
+            ("free", "floating"),
+            ("universal", "cardan hooke"),
+            ("constant_velocity", "rzeppa"),
+            ("screw", "helical"),
+            ("pin_slot", "slot"),
+            ("distance", "rod link"),
+            ("point_on_curve", "cam"),
+            ("rolling", "wheel disc"),
+            ("knife_edge", "skate blade"),
+        )
+        for other in others.split()
+    }
+)
+_USUAL_TYPES: Final = MappingProxyType(
+    {"block": "pid", "constraint": "distance", "joint": "revolute", "shape": "box"}
+)
+
+
+def typed_list_schema(tables: Mapping[str, FileTable]) -> Schema:
+    """Return the schema of a list of tables, by type where there are several."""
+    if len(tables) == 1:
+        return {"type": "array", "items": next(iter(tables.values())).reference}
+    references = {word: table.reference for word, table in tables.items()}
+    mapping = {word: reference["$ref"] for word, reference in references.items()}
+    discriminator = {"mapping": mapping, "propertyName": "type"}
+    items = {"discriminator": discriminator, "oneOf": list(references.values())}
+    return {"type": "array", "items": items}
+
+
+def typed_misfits(entry: object, path: Path, kind: str, tables: Mapping[str, FileTable]) -> Iterable[Misfit]:
+    """Return the misfits of an entry by the table of its type, where there are several."""
+    if "" in tables:
+        return tables[""].misfits(entry, path)
+    if not isinstance(entry, dict):
+        return wrong_type(entry, path, "a table")
+    if "type" not in entry:
+        cure = f'add type = "{_USUAL_TYPES[kind]}", for instance'
+        return (Misfit(path, "missing_key", "'type' is missing", "", cure),)
+    word = entry["type"]
+    table = tables.get(word) if isinstance(word, str) else None
+    if table is not None:
+        return table.misfits(entry, path)
+    meant = OTHER_NAMES.get(str(word).lower(), "")
+    cure = f"the key is called {meant!r}" if meant in tables else nearest(str(word), tables)
+    return (Misfit(path, "unknown_type", f"there is no {kind} type {str(word)!r}", "", cure),)

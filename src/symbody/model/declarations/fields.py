@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, ClassVar, Final, Generic, TypeAlias, TypeVar, dataclass_transform
+from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeAlias, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.declarations.combinators import ListOf, OptionalField, list_of
-from symbody.model.declarations.declaration import Declared, declare
-from symbody.model.declarations.field import Field, FileTarget, Given, Kept, NewNames, Node, PlainField
+from symbody.model.declarations.declaration import Declared, ElementPart, declare, file_table
+from symbody.model.declarations.field import (
+    Field,
+    FileTable,
+    FileTarget,
+    Given,
+    Kept,
+    NewNames,
+    Node,
+    PlainField,
+)
 from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.declarations.misfits import (
     FORMULA_SCHEMA,
@@ -151,10 +160,9 @@ class Quantity(Field[Value, Formula]):
         formula = arguments.formula(value, path)
         has_angles = "rad" in self.unit or not self.unit or self.scope is Scope.LOAD
         if formula.is_in_degrees and not has_angles:
-            arguments.add(
-                "model.not_an_angle", path, f"{formula} is not a value in {self.unit}",
-                "deg is allowed for angles only", "write the value in SI units",
-            )  # fmt: skip
+            what = f"{formula} is not a value in {self.unit}"
+            why = "deg is allowed for angles only"
+            arguments.add("model.not_an_angle", path, what, why, "write the value in SI units")
         return formula
 
     def schema(self) -> Schema:
@@ -176,7 +184,7 @@ class Quantity(Field[Value, Formula]):
 
     def formula_sites(self, owner: object, value: Formula, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""
-        yield FormulaSite(path, value, self.scope)
+        yield FormulaSite(path, value, self.scope, (), self.unit)
 
     def check_numbers(self, check: NumericChecks, owner: object, value: Formula, where: str) -> None:
         """Note a value that does not fit."""
@@ -214,7 +222,7 @@ class VectorQuantity(ListOf[Iterable[Value], Triple]):
 
     def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
-        return component_sites(path, value, self.scope)
+        return component_sites(path, value, self.scope, self.unit)
 
 
 class Direction(Field[AxisLike, Axis]):
@@ -260,9 +268,9 @@ class Direction(Field[AxisLike, Axis]):
         """Return where the components stand."""
         return iter(()) if isinstance(value, str) else component_sites(path, value, Scope.CONSTANT)
 
-    def directions(self, value: Axis, path: str) -> dict[str, Axis]:
+    def directions(self, owner: object, value: Axis, path: str) -> Iterator[tuple[str, Axis]]:
         """Return the direction after its place."""
-        return {path: value}
+        yield path, value
 
     def check_numbers(self, check: NumericChecks, owner: object, value: Axis, where: str) -> None:
         """Refuse a direction of length zero."""
@@ -281,9 +289,8 @@ class Flag(PlainField[bool, bool]):
         """Return a truth value."""
         if isinstance(value, bool) or type(value).__name__ == "bool_":  # NumPy's
             return bool(value)
-        arguments.add(
-            "model.not_a_flag", path, f"{value!r} is neither true nor false", "", "write true or false"
-        )
+        what = f"{value!r} is neither true nor false"
+        arguments.add("model.not_a_flag", path, what, "", "write true or false")
         return False
 
     def schema(self) -> Schema:
@@ -316,9 +323,8 @@ class WordChoice(TextField[L, L], Generic[L]):
             if isinstance(value, str) and value == word:
                 return word
         choices = " or ".join(repr(word) for word in self.words)
-        arguments.add(
-            "model.curve_kind", path, f"{path} = {value!r} is not a valid choice", "", f"write {choices}"
-        )
+        what = f"{path} = {value!r} is not a valid choice"
+        arguments.add("model.curve_kind", path, what, "", f"write {choices}")
         return self.words[0]
 
     def schema(self) -> Schema:
@@ -342,13 +348,9 @@ class Numbers(ListOf[Iterable[Value], tuple[Formula, ...]]):
         formulas = ListOf.read(self, owner, arguments, value, path)
         for k, formula in enumerate(formulas):
             if formula.names:
-                arguments.add(
-                    "model.curve_number",
-                    f"{path}[{k}]",
-                    f"{formula} is not a number",
-                    "a curve consists of numbers, so that its slopes can be computed once",
-                    "write a number; scale a curve by a formula with interp1",
-                )
+                why = "a curve consists of numbers, so that its slopes can be computed once"
+                fix = "write a number; scale a curve by a formula with interp1"
+                arguments.add("model.curve_number", f"{path}[{k}]", f"{formula} is not a number", why, fix)
         return formulas
 
     def formula_sites(self, owner: object, value: object, path: str) -> Iterator[FormulaSite]:
@@ -370,10 +372,8 @@ class FilePath(TextField[str | os.PathLike[str], str]):
         """Return the path as text."""
         text = os.fsdecode(value) if isinstance(value, str | os.PathLike) else ""
         if not text.strip() or not text.isprintable():
-            arguments.add(
-                "model.mesh_path", path, f"{value!r} is not the path of a file", "",
-                'write the path of a file, such as "meshes/link.stl"',
-            )  # fmt: skip
+            fix = 'write the path of a file, such as "meshes/link.stl"'
+            arguments.add("model.mesh_path", path, f"{value!r} is not the path of a file", "", fix)
         return text
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
@@ -391,3 +391,99 @@ class FilePath(TextField[str | os.PathLike[str], str]):
 def part(kind: type[D]) -> type[D]:
     """Return a class as one that declares its arguments by the roles above."""
     return declare(kind)
+
+
+P = TypeVar("P", bound=ElementPart)
+
+
+class Refusal(NamedTuple):
+    """A fault; `what` contains ``{value}`` where the value is shown."""
+
+    code: str
+    what: str = ""
+    fix: str = ""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DeclaredPart(Field[P, P], Generic[P]):
+    """A part of an element, which is a table of its own in a file.
+
+    Attributes
+    ----------
+    kind : type
+        Its class.
+    refusal : Refusal
+        The fault of something else in its place.
+    """
+
+    role: ClassVar[str] = "part"
+    takes: ClassVar[str]
+    annotation: ClassVar[str]
+
+    _: KW_ONLY
+    kind: Any = None
+    refusal: Refusal = Refusal("")
+
+    def __post_init__(self) -> None:
+        """Take over the name of the class."""
+        for word in ("takes", "annotation"):
+            object.__setattr__(self, word, self.kind.__name__)
+
+    def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> P:
+        """Return the part; an empty one stands for something else."""
+        if not isinstance(value, self.kind):
+            code, what, fix = self.refusal
+            arguments.add(code, path, what.format(value=repr(value)), "", fix)
+        part: P = value if isinstance(value, self.kind) else self.kind()
+        return part
+
+    def schema(self) -> Schema:
+        """Return the name of its table."""
+        return self._table.reference
+
+    def tables(self) -> Iterable[FileTable]:
+        """Return its table."""
+        return (self._table,)
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of the table."""
+        return self._table.misfits(entry, path)
+
+    def from_file(self, entry: object, arguments: Arguments, path: str, folder: str) -> object:
+        """Return the part that a table describes; an empty one for a table with faults."""
+        return read_part(self.kind, entry, arguments, path, folder) or self.kind()
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return its table."""
+        return target.part(value)
+
+    def rename(self, value: Any, names: NewNames) -> P:
+        """Return the part in the new names."""
+        part: P = value.rename(names)
+        return part
+
+    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
+        """Return where its formulas stand."""
+        sites: Iterator[FormulaSite] = value.formula_sites(path)
+        return sites
+
+    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
+        """Note its numbers that cannot be."""
+        value.check_numbers(check, where)
+
+    @property
+    def _table(self) -> FileTable:
+        return file_table(self.kind, f"{self.kind.__name__}Entry")
+
+
+def read_part(kind: type[P], entry: object, arguments: Arguments, path: str, folder: str) -> P | None:
+    """Return the part that a table describes; its faults are placed below `path`, with None for them."""
+    if not isinstance(entry, Mapping):
+        return None
+    inner = Arguments("")
+    made = inner.attempt(lambda: kind.from_entry(entry, "", folder))
+    for problem in inner.problems:
+        rest = problem.where.partition(", ")[2]
+        place = f"{path}.{rest}" if rest else path
+        arguments.add(problem.code, place, problem.what, problem.why, problem.fix)
+    return made

@@ -32,14 +32,19 @@ class FormulaSite(NamedTuple):
         Where in the element, in the words of the model file: ``"frames.tip.at[1]"``.
     local_names : tuple of str
         Names that mean something in this formula alone.
+    unit : str
+        Of its value, as its role has it: "" if that says none, several with commas.
     """
 
     path: str
     formula: Formula
     scope: Scope
     local_names: tuple[str, ...] = ()
+    unit: str = ""
 
 
-def component_sites(path: str, formulas: Iterable[Formula], scope: Scope) -> Iterator[FormulaSite]:
+def component_sites(
+    path: str, formulas: Iterable[Formula], scope: Scope, unit: str = ""
+) -> Iterator[FormulaSite]:
     """Return the uses of the formulas of a list."""
-    return (FormulaSite(f"{path}[{k}]", formula, scope) for k, formula in enumerate(formulas))
+    return (FormulaSite(f"{path}[{k}]", formula, scope, (), unit) for k, formula in enumerate(formulas))

@@ -11,10 +11,17 @@ from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.declarations.combinators import NULL, AlongCoordinate, ByCoordinate, ListOf, OptionalField
 from symbody.model.declarations.element_fields import Directions
 from symbody.model.declarations.field import FileTarget, Node, PlainField
-from symbody.model.declarations.fields import AngleQuantity, Flag, Quantity, SymbolName, TextField
+from symbody.model.declarations.fields import (
+    AngleQuantity,
+    DeclaredPart,
+    Flag,
+    Quantity,
+    Refusal,
+    SymbolName,
+    TextField,
+)
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.declarations.misfits import Misfit, Path, Schema, wrong_type
-from symbody.model.declarations.part_fields import DeclaredPart, Refusal
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
 from symbody.model.loads.forces import Drive
@@ -48,13 +55,8 @@ class TreeMembership(PlainField[TreeChoice, InTrees]):
             return InTrees(value, value)
         if isinstance(value, Mapping) and not _tree_misfits(value, ()):
             return InTrees(value.get("rotation"), value.get("translation"))
-        arguments.add(
-            "model.bad_tree",
-            path,
-            f"{value!r} is not a valid choice of trees",
-            "",
-            "write true, false, or { rotation = true, translation = false }; leave it out for automatic",
-        )
+        fix = "write true, false, or { rotation = true, translation = false }; leave it out for automatic"
+        arguments.add("model.bad_tree", path, f"{value!r} is not a valid choice of trees", "", fix)
         return InTrees()
 
     def schema(self) -> Schema:
@@ -220,13 +222,9 @@ class PrescribedMotions(ByCoordinate[Mapping[str, Value] | None, Formula]):
 def _refuse_negative_armature(check: NumericChecks, formula: Formula, where: str) -> None:
     inertia = check.value(formula, where)
     if inertia is not None and inertia < 0:
-        check.refuse(
-            "model.negative_armature",
-            where,
-            f"the inertia of the rotor is {inertia:g}",
-            "a sign is wrong",
-            "give a positive inertia, or leave armature out",
-        )
+        what = f"the inertia of the rotor is {inertia:g}"
+        fix = "give a positive inertia, or leave armature out"
+        check.refuse("model.negative_armature", where, what, "a sign is wrong", fix)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -265,13 +263,10 @@ class DryFriction(OptionalField[Friction, Friction]):
         friction = OptionalField.read(self, owner, arguments, value, path)
         if friction is None or len(owner.coordinates) == 1:
             return friction
-        arguments.add(
-            "model.friction_directions",
-            path,
-            f"the joint has {len(owner.coordinates)} free directions",
-            "friction is defined for one direction only",
-            "replace the joint by joints with one coordinate each, with massless bodies between them",
-        )
+        what = f"the joint has {len(owner.coordinates)} free directions"
+        why = "friction is defined for one direction only"
+        fix = "replace the joint by joints with one coordinate each, with massless bodies between them"
+        arguments.add("model.friction_directions", path, what, why, fix)
         return None
 
     def check_numbers(self, check: NumericChecks, owner: Joint, value: Any, where: str) -> None:
@@ -290,13 +285,9 @@ class Letter(TextField[str, str]):
         """Return the letter."""
         if isinstance(value, str) and value in LETTERS:
             return value
-        arguments.add(
-            "model.axis_letter",
-            path,
-            f"{value!r} is not an axis of the start frame",
-            "the coordinates are along or about the other two axes",
-            'write "x", "y" or "z"; for another direction rotate the connected frames',
-        )
+        why = "the coordinates are along or about the other two axes"
+        fix = 'write "x", "y" or "z"; for another direction rotate the connected frames'
+        arguments.add("model.axis_letter", path, f"{value!r} is not an axis of the start frame", why, fix)
         return "z"
 
     def schema(self) -> Schema:
@@ -350,13 +341,9 @@ def read_names(arguments: Arguments, value: object, path: str, default: tuple[st
         return default
     items = arguments.items(value, path)
     if len(items) != len(default):
-        arguments.add(
-            "model.wrong_number",
-            path,
-            f"{len(items)} names instead of {len(default)}",
-            f"the default names are {', '.join(default)}",
-            f"give {len(default)} names, or none",
-        )
+        what = f"{len(items)} names instead of {len(default)}"
+        why = f"the default names are {', '.join(default)}"
+        arguments.add("model.wrong_number", path, what, why, f"give {len(default)} names, or none")
         return default
     pairs = zip(items, default, strict=True)
     return tuple(_symbol(arguments, item, f"{path}[{k}]", other) for k, (item, other) in enumerate(pairs))

@@ -39,13 +39,9 @@ class AngleSequence(TextField[str, str]):
         is_known = len(digits) == len(axes) == 3
         if is_known and digits[0] != digits[1] != digits[2]:
             return f"{text[: -len(axes)]}{digits}"
-        arguments.add(
-            "model.angle_sequence",
-            path,
-            f"{value!r} is not a sequence of rotations",
-            "two successive rotations about one axis are a single rotation" if is_known else "",
-            'write three axes such as "313" or "zxz", "space 313" for axes fixed in start, or "quaternion"',
-        )
+        why = "two successive rotations about one axis are a single rotation" if is_known else ""
+        fix = 'write three axes such as "313" or "zxz", "space 313" for axes fixed in start, or "quaternion"'
+        arguments.add("model.angle_sequence", path, f"{value!r} is not a sequence of rotations", why, fix)
         return QUATERNION
 
     def schema(self) -> Schema:
@@ -63,13 +59,8 @@ class ThreeAngles(AngleSequence):
         if value != QUATERNION:
             digits = super().read(owner, arguments, value, path)
             return "123" if digits == QUATERNION else digits
-        arguments.add(
-            "model.angle_sequence",
-            path,
-            "the joint has three angles, no quaternion",
-            "",
-            'write three axes such as "123", or make it a spherical or free joint',
-        )
+        fix = 'write three axes such as "123", or make it a spherical or free joint'
+        arguments.add("model.angle_sequence", path, "the joint has three angles, no quaternion", "", fix)
         return "123"
 
 
@@ -97,22 +88,14 @@ class SpeedChoice(TextField[str | None, str]):
             return default
         if not isinstance(value, str) or value not in self.words:
             words = ", ".join(f'"{word}"' for word in self.words[:-1])
-            arguments.add(
-                "model.speeds",
-                path,
-                f"{value!r} is not a valid choice of speeds",
-                "",
-                f'write {words} or "{self.words[-1]}"',
-            )
+            what = f"{value!r} is not a valid choice of speeds"
+            arguments.add("model.speeds", path, what, "", f'write {words} or "{self.words[-1]}"')
             return default
         if value == RATES and owner.quaternion:
-            arguments.add(
-                "model.quaternion_rates",
-                path,
-                "the rates of a quaternion cannot be the speeds",
-                "four rates describe three degrees of freedom",
-                'write speeds = "end" or "start", or choose angles, for instance angles = "313"',
-            )
+            what = "the rates of a quaternion cannot be the speeds"
+            why = "four rates describe three degrees of freedom"
+            fix = 'write speeds = "end" or "start", or choose angles, for instance angles = "313"'
+            arguments.add("model.quaternion_rates", path, what, why, fix)
             return default
         return value
 
@@ -145,13 +128,10 @@ class SpeedNames(OptionalField[Iterable[str], tuple[str, ...]]):
         if value is None:
             return None
         if owner.speeds == RATES:
-            arguments.add(
-                "model.names_of_rates",
-                path,
-                "the speeds are rates of coordinates, which already have names",
-                f"they are called {owner.coordinates[-1]}_dot and so on",
-                'write speeds = "end" or "start", or leave speed_names out',
-            )
+            what = "the speeds are rates of coordinates, which already have names"
+            why = f"they are called {owner.coordinates[-1]}_dot and so on"
+            fix = 'write speeds = "end" or "start", or leave speed_names out'
+            arguments.add("model.names_of_rates", path, what, why, fix)
             return None
         return read_names(
             arguments, value, path, tuple(name for kind in self.kinds for name in _own_names(owner, kind))

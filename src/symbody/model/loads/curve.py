@@ -139,8 +139,7 @@ class SpringLaw(Field[LawValue, Law]):
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
         """Return the formula, or the table of the curve."""
-        node: Node = value.to_entry(target) if isinstance(value, Curve) else value
-        return node
+        return target.part(value) if isinstance(value, Curve) else value
 
     def rename(self, value: Any, names: NewNames) -> Law:
         """Return the formula in the new names; a curve has none."""
@@ -149,7 +148,7 @@ class SpringLaw(Field[LawValue, Law]):
     def formula_sites(self, owner: object, value: Law, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands; a curve has none."""
         if not isinstance(value, Curve):
-            yield FormulaSite(path, value, Scope.LOAD, self.own)
+            yield FormulaSite(path, value, Scope.LOAD, self.own, self.unit)
 
 
 def read_law(arguments: Arguments, value: object, path: str) -> Law:
@@ -162,13 +161,8 @@ def read_law(arguments: Arguments, value: object, path: str) -> Law:
     wrong = words - {"x", "y", "kind", "outside"} or {"x", "y"} - words
     if wrong:
         fault = "is missing" if wrong <= {"x", "y"} else "is not a valid choice"
-        arguments.add(
-            "model.curve_words",
-            path,
-            f"{', '.join(sorted(wrong))} {fault} in a curve",
-            "",
-            "write { x = [..], y = [..] }, with kind and outside if needed",
-        )
+        fix = "write { x = [..], y = [..] }, with kind and outside if needed"
+        arguments.add("model.curve_words", path, f"{', '.join(sorted(wrong))} {fault} in a curve", "", fix)
         return ZERO
     inner = Arguments("curve")
     made = inner.attempt(lambda: _make_curve(value))
@@ -188,23 +182,15 @@ def _make_curve(table: Mapping[str, object]) -> Curve:
 
 def _check_points(arguments: Arguments, x: Sequence[float], y: Sequence[float]) -> None:
     if len(x) != len(y) or len(x) < 2:
-        arguments.add(
-            "model.curve_length",
-            "",
-            f"there are {len(x)} arguments and {len(y)} values",
-            "every argument needs one value, and a line needs two points",
-            "give two lists of the same length, with two points or more",
-        )
+        why = "every argument needs one value, and a line needs two points"
+        fix = "give two lists of the same length, with two points or more"
+        arguments.add("model.curve_length", "", f"there are {len(x)} arguments and {len(y)} values", why, fix)
         return
     for k, (left, right) in enumerate(pairwise(x)):
         if not left < right:
-            arguments.add(
-                "model.curve_order",
-                f"x[{k + 1}]",
-                f"{right:g} follows {left:g}",
-                "arguments must increase; for a jump use two that differ slightly",
-                "sort the points, with each argument only once",
-            )
+            why = "arguments must increase; for a jump use two that differ slightly"
+            fix = "sort the points, with each argument only once"
+            arguments.add("model.curve_order", f"x[{k + 1}]", f"{right:g} follows {left:g}", why, fix)
             return
 
 

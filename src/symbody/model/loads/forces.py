@@ -1,17 +1,32 @@
-"""Drives of joint coordinates, and forces, torques and springs between frames."""
+"""Drives of joint coordinates, forces and torques, springs along a line or an axis, and bushings."""
 
 from __future__ import annotations
 
-from typing import ClassVar, Final, final
+from collections.abc import Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from types import MappingProxyType
+from typing import Any, ClassVar, Final, TypeAlias, final
 
-from symbody.model.declarations.arguments import Arguments
+from symbody.expr.language.formula import Formula
+from symbody.model.declarations.arguments import ZERO, Arguments, Value
+from symbody.model.declarations.combinators import ListOf
 from symbody.model.declarations.declaration import ElementPart
 from symbody.model.declarations.element_fields import AttachedFrame, Connection, element
-from symbody.model.declarations.fields import AngleQuantity, Flag, Quantity, VectorQuantity, part
+from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
+from symbody.model.declarations.fields import AngleQuantity, Direction, Flag, Quantity, VectorQuantity, part
 from symbody.model.declarations.formula_site import Scope
+from symbody.model.declarations.misfits import (
+    FORMULA_SCHEMA,
+    Misfit,
+    Path,
+    Schema,
+    formula_misfits,
+    list_misfits,
+    wrong_type,
+)
 from symbody.model.element import Element
 from symbody.model.loads.curve import Curve, SpringLaw
-from symbody.model.numeric_checks import note_negative
+from symbody.model.numeric_checks import NumericChecks, note_negative
 
 # What the law of a spring between points may read beside the names of loads.
 LENGTH: Final = ("length", "length_rate")
@@ -51,7 +66,7 @@ class Force(Element):
 
     equation: ClassVar[str] = "vector at the point `on`, in the axes of `resolved_in`"
     sign: ClassVar[str] = "the opposite force acts on `reaction_on` at the same point"
-    outputs: ClassVar[str] = ""
+    group: ClassVar[str] = "Forces and torques"
     kind: ClassVar[str] = "force"
 
     on: AttachedFrame = AttachedFrame("The point where the force acts.")
@@ -69,7 +84,7 @@ class Torque(Element):
 
     equation: ClassVar[str] = "vector on `on`"
     sign: ClassVar[str] = "the opposite torque acts on `reaction_on`"
-    outputs: ClassVar[str] = ""
+    group: ClassVar[str] = "Forces and torques"
     kind: ClassVar[str] = "torque"
 
     on: AttachedFrame = AttachedFrame("The body on which the torque acts.")
@@ -98,7 +113,9 @@ class SpringDamper(Connection):
         "`isotropic`: the vector -stiffness r - damping r' on end, r' as seen from ground"
     )
     sign: ClassVar[str] = "positive pushes the ends apart; `free` exactly 0: vector law, smooth at length 0"
-    outputs: ClassVar[str] = "`length S`, `effort S`"
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({"length": ("",), "effort": ("",)})
+    effort_unit: ClassVar[str] = "N"
+    group: ClassVar[str] = "Springs and dampers"
     kind: ClassVar[str] = "spring"
 
     stiffness: Quantity = Quantity(unit="N/m", default=0, scope=Scope.LOAD, fits=note_negative)
@@ -126,8 +143,213 @@ class SpringDamper(Connection):
             name for name, value in given.items() if isinstance(value, Curve) or value.constant() != 0
         ] if self.isotropic else []  # fmt: skip
         for name in lost:
-            arguments.add(
-                "model.isotropic", name, f"an isotropic spring has no {name}",
-                "its force is -stiffness r - damping v for any direction of r",
-                f"remove {name} or isotropic, or add a second spring in parallel",
-            )  # fmt: skip
+            why = "its force is -stiffness r - damping v for any direction of r"
+            fix = f"remove {name} or isotropic, or add a second spring in parallel"
+            arguments.add("model.isotropic", name, f"an isotropic spring has no {name}", why, fix)
+
+
+# What the law of a torsion spring may read beside the names of loads.
+ANGLE: Final = ("angle", "angle_rate")
+
+# The coordinates of a bushing: displacements, then Cardan angles.
+BUSHING_COORDINATES: Final = ("x", "y", "z", "rx", "ry", "rz")
+
+Row: TypeAlias = tuple[Formula, ...]
+Coefficients: TypeAlias = tuple[Formula | Row, ...]
+_NONE: Final = (0, 0, 0, 0, 0, 0)
+
+
+_ROW: Final = {"type": "array", "items": FORMULA_SCHEMA, "minItems": 6, "maxItems": 6}
+_SIX_OR_MATRIX: Final[Schema] = {"anyOf": [_ROW, {**_ROW, "items": _ROW}]}
+
+
+def _six(arguments: Arguments, value: object, path: str) -> Iterable[object]:
+    """Return six entries; zeros stand for another number."""
+    items = arguments.items(value, path)
+    if len(items) == len(_NONE):
+        return items
+    what = f"{len(items)} entries instead of six"
+    why = "a bushing is elastic along x, y, z and about x, y, z"
+    arguments.add("model.not_six", path, what, why, "give six entries, or a 6 x 6 matrix")
+    return _NONE
+
+
+def _six_misfits(entry: object, path: Path) -> Iterable[Misfit]:
+    if not isinstance(entry, list) or len(entry) != len(_NONE):
+        return wrong_type(entry, path, "six numbers or expressions, or six rows of six")
+    rows = [item for item in entry if isinstance(item, list)]
+    if any(len(row) != len(_NONE) for row in rows):
+        return wrong_type(entry, path, "rows of six numbers or expressions")
+    return list_misfits(entry, path, _row_misfits if rows else formula_misfits)
+
+
+def _row_misfits(entry: object, path: Path) -> Iterable[Misfit]:
+    return list_misfits(entry, path, formula_misfits)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Six(ListOf[Iterable[Value], Row]):
+    """Three lengths and three angles, or one row of a matrix."""
+
+    role: ClassVar[str] = "six"
+    takes: ClassVar[str] = "(6,) number or formula"
+    annotation: ClassVar[str] = "Iterable[Value]"
+
+    _: KW_ONLY
+    item: Any = field(default_factory=lambda: Quantity(scope=Scope.LOAD))
+
+    def items(self, arguments: Arguments, value: object, path: str) -> Iterable[object]:
+        """Return six values."""
+        return _six(arguments, value, path)
+
+    def schema(self) -> Schema:
+        """Return what a file may have: `read` takes six values of it."""
+        return _SIX_OR_MATRIX
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of six values, or of six rows."""
+        return _six_misfits(entry, path)
+
+
+class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficients]):
+    """Six coefficients, or six rows of six."""
+
+    role: ClassVar[str] = "six"
+    takes: ClassVar[str] = "(6,) or (6, 6) number or formula"
+    annotation: ClassVar[str] = "Iterable[Value] | Iterable[Iterable[Value]]"
+    explanation: ClassVar[str] = "Values along x, y, z and about x, y, z; a 6 x 6 matrix couples them."
+
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Coefficients:
+        """Return six formulas, or rows of them."""
+        items = list(_six(arguments, value, path))
+        has_rows = any(isinstance(item, Iterable) and not isinstance(item, str) for item in items)
+        role: Field[Any, Any] = _LINE if has_rows else _VALUE
+        return tuple(role.read(owner, arguments, item, f"{path}[{k}]") for k, item in enumerate(items))
+
+    def schema(self) -> Schema:
+        """Return six formulas, or six rows of six."""
+        return _LINE.schema()
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of six values, or of six rows."""
+        return _LINE.misfits(entry, path)
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return six formulas, or rows of them."""
+        return [list(item) if isinstance(item, tuple) else item for item in value]
+
+    def rename(self, value: Any, names: NewNames) -> Coefficients:
+        """Return the formulas in the new names."""
+        return tuple(_role_of(item).rename(item, names) for item in value)
+
+    def parts(self, owner: object, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the coefficients or rows."""
+        return ((_role_of(item), item, f"{path}[{k}]") for k, item in enumerate(value))
+
+
+_VALUE: Final = Quantity(scope=Scope.LOAD)
+_LINE: Final = Six()
+
+
+def _role_of(item: Formula | Row) -> Field[Any, Any]:
+    return _LINE if isinstance(item, tuple) else _VALUE
+
+
+@final
+@element
+class TorsionSpring(Connection):
+    """A spring and damper about an axis, with opposite torques on two bodies.
+
+    The torque on end is ``applied + law - stiffness*(angle - free) - damping*angle_rate`` along the axis,
+    which is fixed in the start frame; `angle_rate` is the component of end's angular velocity relative to
+    start along it. The angle is zero where the frames have the same axes. Joints about parallel axes between
+    the two count their turns; else the angle is measured on the frames, within half a turn of `free`.
+    """
+
+    equation: ClassVar[str] = (
+        "applied + law - stiffness (angle - free) - damping angle_rate about `axis`, fixed in start"
+    )
+    sign: ClassVar[str] = "positive turns the end in the positive direction about the axis"
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({"angle": ("",), "effort": ("",)})
+    effort_unit: ClassVar[str] = "N m"
+    group: ClassVar[str] = "Springs and dampers"
+    kind: ClassVar[str] = "torsion_spring"
+
+    axis: Direction = Direction("In the start frame.", default="z")
+    stiffness: Quantity = Quantity(unit="N m/rad", default=0, scope=Scope.LOAD, fits=note_negative)
+    damping: Quantity = Quantity(unit="N m s/rad", default=0, scope=Scope.LOAD, fits=note_negative)
+    free: AngleQuantity = AngleQuantity(
+        "Angle at which it is relaxed.", unit="rad", default=0, scope=Scope.LOAD
+    )
+    applied: Quantity = Quantity(
+        "Additional torque on the end along the axis.", unit="N m", default=0, scope=Scope.LOAD
+    )
+    law: SpringLaw = SpringLaw(
+        "Additional torque on the end, a formula in angle and angle_rate; a curve is a function of the "
+        "angle.",
+        unit="N m",
+        default=0,
+        own=ANGLE,
+    )
+
+
+@final
+@element
+class Bushing(Connection):
+    """A compliance between two frames in all six directions; it constrains no motion, so there is no joint.
+
+    Its coordinates are those of a free joint with ``angles="xyz"``: the position of end's origin in start
+    axes, and the Cardan angles, which for small angles are the rotation vector. Along each acts
+    ``-stiffness*(x - free) - damping*x_dot``, with the opposite wrench on start. It is singular where the
+    second angle is a quarter turn.
+    """
+
+    equation: ClassVar[str] = (
+        "-stiffness (x - free) - damping x' in six coordinates; six values or a 6 x 6 matrix"
+    )
+    sign: ClassVar[str] = "forces and torques on the end along the coordinates"
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {
+            "length": BUSHING_COORDINATES[:3],
+            "angle": BUSHING_COORDINATES[3:],
+            "effort": BUSHING_COORDINATES,
+        }
+    )
+    effort_unit: ClassVar[str] = "N, N m"
+    kind: ClassVar[str] = "joint"
+
+    stiffness: SixOrMatrix = SixOrMatrix(unit="N/m, N m/rad", default=_NONE)
+    damping: SixOrMatrix = SixOrMatrix(unit="N s/m, N m s/rad", default=_NONE)
+    free: Six = Six("Position [m] and angles [rad] at which it is relaxed.", default=_NONE)
+
+    def check_numbers(self, check: NumericChecks, label: str) -> None:
+        """Reject a bushing of a body on itself; remark on negative coefficients of its own directions."""
+        if self.start.body == self.end.body:
+            what = f"both ends are on {self.start.body}"
+            fix = "put one end on another body, or on ground"
+            check.refuse("model.self_joint", f"{label}, between", what, "a bushing connects two bodies", fix)
+        for word, rows in (("stiffness", self.stiffness_rows), ("damping", self.damping_rows)):
+            for k, row in enumerate(rows):
+                values = [check.value(formula, f"{label}, {word}[{k}]") for formula in row]
+                diagonal = values[k]
+                if diagonal is not None and diagonal < 0:
+                    check.note(f"{label}: the {word} {row[k]} is negative ({diagonal:g})")
+
+    @property
+    def stiffness_rows(self) -> tuple[Row, ...]:
+        """The stiffness as a matrix."""
+        return _matrix(self.stiffness)
+
+    @property
+    def damping_rows(self) -> tuple[Row, ...]:
+        """The damping as a matrix."""
+        return _matrix(self.damping)
+
+
+def _matrix(values: Coefficients) -> tuple[Row, ...]:
+    """Return the rows of a matrix of which, perhaps, the diagonal alone is given."""
+    width = range(len(values))
+    return tuple(
+        tuple(item if j == k else ZERO for j in width) if isinstance(item, Formula) else item
+        for k, item in enumerate(values)
+    )

@@ -82,25 +82,20 @@ def check_friction(check: NumericChecks, friction: Friction, where: str, turns: 
     for name in _CONSTANT:
         value = _value(check, friction, name, where)
         if value is not None and value <= 0:
-            check.refuse(
-                "model.friction_scale", f"{where}.{name}", f"{name} is {value:g}",
-                "it is a scale or a lever arm",
-                f"give a positive number, or leave {name} out",
-            )  # fmt: skip
+            why = "it is a scale or a lever arm"
+            fix = f"give a positive number, or leave {name} out"
+            check.refuse("model.friction_scale", f"{where}.{name}", f"{name} is {value:g}", why, fix)
     for moving, resting in (("mu", "mu_static"), ("force", "static")):
         low, high = _value(check, friction, moving, where), _value(check, friction, resting, where)
         if low is not None and high is not None and high < low:
-            check.refuse(
-                "model.static_friction", f"{where}.{resting}",
-                f"{resting} = {high:g} is less than {moving} = {low:g}",
-                "a sticking joint would slip and immediately stick again",
-                f"give a value of at least {low:g}, or leave {resting} out",
-            )  # fmt: skip
+            what = f"{resting} = {high:g} is less than {moving} = {low:g}"
+            why = "a sticking joint would slip and immediately stick again"
+            fix = f"give a value of at least {low:g}, or leave {resting} out"
+            check.refuse("model.static_friction", f"{where}.{resting}", what, why, fix)
     if turns and friction.reads_reaction and not friction.is_none and friction.radius is None:
-        check.refuse(
-            "model.friction_radius", f"{where}.radius", "the radius of the bearing is missing",
-            "friction in a rotating joint is a torque: mu * radius * reaction", "give radius = .. in m",
-        )  # fmt: skip
+        what = "the radius of the bearing is missing"
+        why = "friction in a rotating joint is a torque: mu * radius * reaction"
+        check.refuse("model.friction_radius", f"{where}.radius", what, why, "give radius = .. in m")
 
 
 def _value(check: NumericChecks, friction: Friction, name: str, where: str) -> float | None:
@@ -121,8 +116,6 @@ def _check_laws(friction: Friction, arguments: Arguments) -> None:
 
 
 def _refuse_mixture(arguments: Arguments, word: str, partner: str) -> None:
-    arguments.add(
-        "model.mixed_friction", word, f"{word} requires {partner}, which is missing",
-        "the friction force is proportional to the reaction, or it is given directly",
-        "write mu, mu_static, radius; or force, static",
-    )  # fmt: skip
+    why = "the friction force is proportional to the reaction, or it is given directly"
+    fix = "write mu, mu_static, radius; or force, static"
+    arguments.add("model.mixed_friction", word, f"{word} requires {partner}, which is missing", why, fix)

@@ -7,21 +7,31 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from symbody.errors import Problem
+from symbody.errors import ExpressionError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.tokens import is_name
 from symbody.model.body import Body
 from symbody.model.checks.validation import Draft
-from symbody.model.element import Element, FrameRef
+from symbody.model.declarations.arguments import ZERO
+from symbody.model.declarations.formula_site import Triple
+from symbody.model.element import Element, FrameRef, make_frame_ref
 from symbody.model.first_values import FirstValues
 from symbody.model.frame import Frame
 from symbody.model.frame_index import frame_index
 from symbody.model.frozen_mapping import FrozenMapping
-from symbody.model.naming import GROUND
-from symbody.model.output_arguments import name_beginnings
+from symbody.model.naming import GROUND, RESERVED_SYMBOLS
+from symbody.model.output_arguments import OutputScope, join_words, name_beginnings
+from symbody.model.output_names import (
+    DERIVATIVE_GROUPS,
+    MULTIPLIER,
+    DerivativeRequest,
+    is_multiplier,
+    kind_of,
+    parse_derivative,
+    read_output,
+    rename_output,
+)
 from symbody.model.parts.include import Include
-from symbody.model.parts.placing import place_frame, place_shape
-from symbody.model.parts.renaming import Renaming
 from symbody.model.shapes.shape import BodyShape
 from symbody.model.signals.signal import Signal
 
@@ -212,3 +222,177 @@ def _with_frames(elements: Sequence[Element], content: PartContent) -> list[Elem
 def _ground_frames(draft: Draft, content: PartContent) -> FrozenMapping[Frame]:
     added = content.frames if content.at.body == GROUND else {}
     return FrozenMapping({**draft.ground, **added})
+
+
+@dataclass(frozen=True, slots=True)
+class Renaming:
+    """New names for the elements and symbols of a part.
+
+    Attributes
+    ----------
+    prefix : str
+        Of elements and of frames on the ground.
+    symbols : mapping of str to str
+        All symbols of the part with their new names.
+    scope : OutputScope
+        Elements of the part, with the joints that stand for the motion of bodies without one, and its frames.
+    at : FrameRef
+        What is the ground of the part.
+    beginnings : frozenset of str
+        What elements of the whole begin with, which may be the name of one of the part.
+    """
+
+    prefix: str
+    symbols: Mapping[str, str]
+    scope: OutputScope
+    at: FrameRef
+    beginnings: frozenset[str] = frozenset()
+
+    @property
+    def ground(self) -> str:
+        """The frame that is the ground of the part; "" if it is the ground of the model."""
+        return "" if self.at == FrameRef(GROUND) else self.at.full_name
+
+    def element_name(self, name: str) -> str:
+        """Return the new name of an element."""
+        return f"{self.prefix}_{name}"
+
+    def symbol(self, name: str) -> str:
+        """Return the new name of a symbol."""
+        return self.symbols.get(name, name)
+
+    def frame(self, address: FrameRef) -> FrameRef:
+        """Return where a frame of the part is."""
+        if address.body != GROUND:
+            return FrameRef(self.element_name(address.body), address.frame)
+        return FrameRef(self.at.body, self.element_name(address.frame)) if address.frame else self.at
+
+    def formula(self, formula: Formula) -> Formula:
+        """Return a formula in the new names."""
+        return formula.rename(self.symbols)
+
+    def output(self, text: str) -> str:
+        """Return the name of an output, or an expression, in the new names."""
+        derivative = parse_derivative(text)
+        if derivative is not None:
+            return self._derivative(derivative)
+        asked = read_output(text, self.scope)
+        if asked is not None:
+            return join_words(rename_output(asked, self.scope, self), self.beginnings)
+        if is_multiplier(text, self.scope.elements):
+            return self._output_symbol(text)
+        return self._expression(text)
+
+    def _derivative(self, asked: DerivativeRequest) -> str:
+        output = self.output(asked.output)
+        if asked.alone:
+            (word,) = (self._output_symbol(word) for word in asked.by)
+            return f"d {output}/d({word})" if word in DERIVATIVE_GROUPS else f"d {output}/d {word}"
+        return f"d {output}/d({', '.join(map(self._derivative_word, asked.by))})"
+
+    def _derivative_word(self, word: str) -> str:
+        return word if word in DERIVATIVE_GROUPS else self._output_symbol(word.strip("() "))
+
+    def address(self, word: str) -> str:
+        """Return the new address of a frame, or of a contact, which has one of its own."""
+        body, _, point = word.partition(".")
+        ref = self.scope.frames.find(make_frame_ref(body, point))
+        return self.frame(ref).full_name if isinstance(ref, FrameRef) else self.element_name(word)
+
+    def _expression(self, text: str) -> str:
+        try:
+            formula = Formula.from_value(text, has_outputs=True)
+        except ExpressionError:
+            return text  # whoever makes the output says what is wrong
+        names = {name: self._output_symbol(name) for name in formula.names}
+        new = formula.rename(names, {name: self.output(name) for name in formula.outputs}).text
+        return new if kind_of(new) is None else f"({new})"
+
+    def _output_symbol(self, name: str) -> str:
+        """Return the new name of a symbol in an output; equations name some after elements."""
+        if name in self.symbols or name in RESERVED_SYMBOLS:
+            return self.symbol(name)
+        if is_multiplier(name, self.scope.elements):
+            return f"{MULTIPLIER}{self.element_name(name.removeprefix(MULTIPLIER))}"
+        return self.element_name(name)
+
+
+P = TypeVar("P", Frame, BodyShape)
+
+
+def place_frame(base: Frame, frame: Frame) -> Frame:
+    """Return a frame given in the axes of `base` in the axes of the body on which that stands.
+
+    Raises
+    ------
+    NotImplementedError
+        If the rotation cannot be written with sines and cosines of the angles of `base`; it says what it is.
+    """
+    return _place(base, frame)
+
+
+def place_shape(base: Frame, shape: BodyShape) -> BodyShape:
+    """Return a shape in the axes of the body on which `base` stands; see `place_frame`."""
+    return _place(base, shape)
+
+
+def _place(base: Frame, item: P) -> P:
+    if base == Frame():
+        return item
+    at = _sum(base.at, _rotate(base, item.at))
+    if base.matrix is not None and not item.rotate and item.matrix is None:
+        return replace(item, at=at, matrix=base.matrix)
+    if item.matrix is not None and not base.rotate and base.matrix is None:
+        return replace(item, at=at)
+    if base.matrix is not None or item.matrix is not None:
+        raise NotImplementedError("a matrix, as well as the frame on it")
+    return replace(item, at=at, rotate=(*base.rotate, *item.rotate))
+
+
+def _rotate(base: Frame, vector: Triple) -> Triple:
+    if base.matrix is not None:
+        x, y, z = (_sum_of(_product(a, b) for a, b in zip(row, vector, strict=True)) for row in base.matrix)
+        return (x, y, z)
+    for axis, angle in reversed(base.rotate):
+        if not isinstance(axis, str):
+            raise NotImplementedError("an angle about an oblique axis")
+        vector = _turn(axis, angle, vector)
+    return vector
+
+
+def _turn(axis: str, angle: Formula, vector: Triple) -> Triple:
+    """Return a vector turned about a letter's axis."""
+    k = "xyz".index(axis)
+    i, j = (k + 1) % 3, (k + 2) % 3
+    c, s = Formula.from_value(f"cos({angle.text})"), Formula.from_value(f"sin({angle.text})")
+    entries = list(vector)
+    entries[i] = _difference(_product(c, vector[i]), _product(s, vector[j]))
+    entries[j] = _sum_of((_product(s, vector[i]), _product(c, vector[j])))
+    x, y, z = entries
+    return (x, y, z)
+
+
+def _sum(a: Triple, b: Triple) -> Triple:
+    x, y, z = (_sum_of(pair) for pair in zip(a, b, strict=True))
+    return (x, y, z)
+
+
+def _sum_of(terms: Iterable[Formula]) -> Formula:
+    shown = [term for term in terms if term.constant() != 0]
+    if not shown:
+        return ZERO
+    return shown[0] if len(shown) == 1 else Formula.from_value(" + ".join(f"({x.text})" for x in shown))
+
+
+def _product(a: Formula, b: Formula) -> Formula:
+    if a.constant() == 0 or b.constant() == 0:
+        return ZERO
+    if b.constant() == 1:
+        return a
+    return b if a.constant() == 1 else Formula.from_value(f"({a.text})*({b.text})")
+
+
+def _difference(a: Formula, b: Formula) -> Formula:
+    if b.constant() == 0:
+        return a
+    return Formula.from_value(f"-({b.text})" if a.constant() == 0 else f"({a.text}) - ({b.text})")

@@ -108,9 +108,8 @@ class Include:
             if name not in self.part.inputs and formula.names != (formula.text,):
                 what = f"the signal {name} cannot become {formula.text!r}"
                 why = "a signal of the part is an output: connect it by giving it a name in the whole model"
-                arguments.add(
-                    "include.connect", f"connect.{name}", what, why, f'write {name} = "another_name"'
-                )
+                fix = f'write {name} = "another_name"'
+                arguments.add("include.connect", f"connect.{name}", what, why, fix)
         for name in self.share:
             if name in self.connect or name in self.parameters:
                 what = f"{name} is shared and also has its own value"

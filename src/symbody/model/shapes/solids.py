@@ -1,11 +1,32 @@
-"""Shapes with few numbers: boxes, cylinders, spheres, capsules and cones."""
+"""Shapes with sizes, and meshes from files."""
 
 from __future__ import annotations
 
-from typing import final
+import os
+from collections.abc import Iterable
+from pathlib import Path as FilePlace
+from typing import Any, ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.declarations.fields import Quantity, VectorQuantity, part
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.field import FileTarget, Node
+from symbody.model.declarations.fields import (
+    THREE_FORMULAS,
+    FilePath,
+    Folder,
+    Quantity,
+    VectorQuantity,
+    part,
+)
+from symbody.model.declarations.formula_site import Triple
+from symbody.model.declarations.misfits import (
+    FORMULA_SCHEMA,
+    Misfit,
+    Path,
+    Schema,
+    formula_misfits,
+    wrong_type,
+)
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.shapes.shape import CENTRE, COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
 
@@ -85,3 +106,80 @@ class Sphere(BodyShape):
     def lengths(self) -> tuple[tuple[str, Formula], ...]:
         """The radius."""
         return (("radius", self.radius),)
+
+
+class ScaleFactors(VectorQuantity):
+    """A factor for all directions, or three."""
+
+    role: ClassVar[str] = "factors"
+    takes: ClassVar[str] = "number, formula or three of them"
+    annotation: ClassVar[str] = "Value | Iterable[Value]"
+
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Triple:
+        """Return three formulas."""
+        if isinstance(value, Iterable) and not isinstance(value, str):
+            return arguments.triple(value, path)
+        factor = arguments.formula(value, path)
+        return (factor, factor, factor)
+
+    def schema(self) -> Schema:
+        """Return one formula or three."""
+        return {"anyOf": [FORMULA_SCHEMA, THREE_FORMULAS]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of one formula or three."""
+        if isinstance(entry, dict) or (isinstance(entry, list) and len(entry) != 3):
+            return wrong_type(entry, path, "a number, or three")
+        return (
+            VectorQuantity.misfits(self, entry, path)
+            if isinstance(entry, list)
+            else formula_misfits(entry, path)
+        )
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return one factor where all are the same."""
+        factors: list[Node] = list(value)
+        return factors[0] if len(set(value)) == 1 else factors
+
+
+@final
+@part
+class Mesh(BodyShape):
+    """Triangles from a file: STL, OBJ, glTF or GLB, DAE."""
+
+    path: FilePath = FilePath(
+        "Path of the file, relative to the directory of the model file, or to `folder`."
+    )
+    scale: ScaleFactors = ScaleFactors("Metres per unit of the file; one number or three.", default=1)
+    at: VectorQuantity = VectorQuantity(
+        "Origin of the file's axes, relative to the centre of mass, in the body's axes.",
+        unit="m",
+        default=(0, 0, 0),
+    )
+    rotate: Turns = ROTATE
+    matrix: RotationMatrix = MATRIX
+    color: Color = COLOR
+    opacity: Quantity = OPACITY
+    folder: Folder = Folder(
+        'Directory that the path is relative to: that of the model file; "" is the working directory.'
+    )
+
+    @property
+    def lengths(self) -> tuple[tuple[str, Formula], ...]:
+        """None: a scale may be negative, which mirrors."""
+        return ()
+
+    @property
+    def place(self) -> str:
+        """The path of the file from the working directory."""
+        return os.path.join(self.folder, self.path)
+
+    def path_from(self, folder: str) -> str:
+        """Return the path from another folder, with slashes; absolute paths and addresses do not change."""
+        is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
+        if is_same or os.path.isabs(self.path) or "://" in self.path:
+            return self.path
+        try:
+            return FilePlace(os.path.relpath(self.place, folder)).as_posix()
+        except ValueError:  # on another drive
+            return os.path.abspath(self.place)

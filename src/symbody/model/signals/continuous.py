@@ -48,7 +48,6 @@ def _continuous(element: Element, problems: list[Problem]) -> Element:
 
 
 def _no_equivalent(element: Element, why: str) -> Problem:
-    return Problem(
-        "signal.no_continuous", f"{element.kind} {element.name}", "it has no continuous equivalent", why,
-        "replace it in the model by a signal with a rate, or by its formula",
-    )  # fmt: skip
+    what = "it has no continuous equivalent"
+    fix = "replace it in the model by a signal with a rate, or by its formula"
+    return Problem("signal.no_continuous", f"{element.kind} {element.name}", what, why, fix)

@@ -87,9 +87,8 @@ def read_points(place: str, where: str, columns: Sequence[Column], units: Sequen
     problems = problems or order_problems(points, [f"{where}:{number}" for number in lines])
     if not problems and len(points) < 2:
         what = f"there are {number_in_words(len(points), 'row')} of values"
-        problems.append(
-            Problem("table.short", where, what, "a line needs two points", "give two rows or more")
-        )
+        why = "a line needs two points"
+        problems.append(Problem("table.short", where, what, why, "give two rows or more"))
     if problems:
         raise ModelError(*problems[:_MOST_PROBLEMS])
     return tuple(points)
@@ -100,9 +99,8 @@ def order_problems(points: Sequence[Point], places: Sequence[str]) -> list[Probl
     for k, ((x, _), (following, _)) in enumerate(pairwise(points), 1):
         if following < x:
             what = f"{following:g} follows {x:g}"
-            return [
-                Problem("table.order", places[k], what, "the first column must increase", "sort the rows")
-            ]
+            why = "the first column must increase"
+            return [Problem("table.order", places[k], what, why, "sort the rows")]
         if k > 1 and following == x == points[k - 2][0]:
             what = f"{x:g} is listed three times"
             fix = "give it once, or twice for a jump: the second value applies from there on"
@@ -119,9 +117,8 @@ def _rows(place: str, where: str) -> Iterator[tuple[int, list[str]]]:
         with open(place, encoding="utf-8-sig", newline="") as file:
             if file.seek(0, 2) > MAX_BYTES:
                 what = f"the file is larger than {MAX_BYTES // 1_000_000} MB"
-                raise ModelError(
-                    Problem("table.too_large", where, what, "", "use fewer rows, or split the file")
-                )
+                cure = "use fewer rows, or split the file"
+                raise ModelError(Problem("table.too_large", where, what, "", cure))
             file.seek(0)
             separator = _separator(file)
             file.seek(0)
@@ -161,9 +158,8 @@ def _places(first: list[str], columns: Sequence[Column], where: str) -> tuple[li
             if not 1 <= column <= len(first):
                 what = f"there is no column {column}"
                 why = f"the first row has {number_in_words(len(first), 'column')}, counted from 1"
-                raise ModelError(
-                    Problem("table.column", where, what, why, f"give 1 to {len(first)}, or names")
-                )
+                cure = f"give 1 to {len(first)}, or names"
+                raise ModelError(Problem("table.column", where, what, why, cure))
             places.append(column - 1)
         elif first.count(column) == 1:
             places.append(first.index(column))

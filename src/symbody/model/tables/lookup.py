@@ -105,12 +105,10 @@ class TableFile(Text):
             return Text.to_file(self, owner, value, target)
         place: str = owner.path_from(target.folder)
         if place.startswith(".."):
-            raise FormatError(
-                Problem("file.outside", f"table {owner.name}, file",
-                        f"{value!r} is outside the folder in which the model is saved",
-                        "a model file may only refer to files in its own folder",
-                        "copy the file into the folder first, or save the model next to the file")
-            )  # fmt: skip
+            what = f"{value!r} is outside the folder in which the model is saved"
+            why = "a model file may only refer to files in its own folder"
+            fix = "copy the file into the folder first, or save the model next to the file"
+            raise FormatError(Problem("file.outside", f"table {owner.name}, file", what, why, fix))
         return place
 
 
@@ -135,9 +133,8 @@ class TablePoints(PlainField[Iterable[Iterable[float]] | None, tuple[Point, ...]
                 return ()
             points.append(point)
         if len(points) < 2:
-            arguments.add(
-                "table.short", path, f"there are {len(points)} points", "a line needs two", "give more"
-            )
+            what = f"there are {len(points)} points"
+            arguments.add("table.short", path, what, "a line needs two", "give more")
         arguments.problems += order_problems(
             points, [arguments.where(f"{path}[{k}]") for k in range(len(points))]
         )
@@ -183,6 +180,7 @@ class Lookup(Element):
     """
 
     kind: ClassVar[str] = "table"
+    group: ClassVar[str] = "Signals"
 
     name: SymbolElementName = SymbolElementName("Unique among the symbols of the model.")
     file: TableFile = TableFile(

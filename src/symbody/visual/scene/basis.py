@@ -14,8 +14,7 @@ from symbody.model.constraints.rolling import Rolling
 from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.lengths import model_lengths
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import Bushing, TorsionSpring
+from symbody.model.loads.forces import Bushing, SpringDamper, TorsionSpring
 from symbody.model.model import Model
 from symbody.model.naming import GROUND
 from symbody.visual.scene.freedoms import JointFreedoms, joint_freedoms

@@ -22,8 +22,7 @@ from symbody.model.constraints.rolling import KnifeEdge, Rolling
 from symbody.model.declarations.arguments import Value
 from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import Bushing, TorsionSpring
+from symbody.model.loads.forces import Bushing, SpringDamper, TorsionSpring
 from symbody.model.model import Model
 from symbody.model.naming import CENTRE, GROUND
 from symbody.visual.scene.basis import SceneBasis, scene_basis

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Final
 
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.graph import Constant
-from symbody.formats.urdf.building.bodies import BodyPlan, ground_frame, plan_body, possible, symbol_names
-from symbody.formats.urdf.building.lumping import Lump, lump_links
-from symbody.formats.urdf.building.movable import (
-    Moving,
-    joint_coordinates,
-    joint_speeds,
-    make_free_joint,
-    normal_turn,
+from symbody.expr.language.tokens import MAX_NAME, normalize
+from symbody.formats.urdf.building.bodies import (
+    BodyPlan,
+    Lump,
+    ground_frame,
+    lump_links,
+    plan_body,
+    possible,
+    symbol_names,
+    visual_shape,
 )
-from symbody.formats.urdf.building.naming import Naming
-from symbody.formats.urdf.building.visuals import visual_shape
-from symbody.formats.urdf.file.placement import FramePlacement, numeral
+from symbody.formats.urdf.file.placement import FramePlacement, Numbers, PlacementAngle, exact_angle, numeral
 from symbody.formats.urdf.file.robot import Robot, UrdfJoint, UrdfLink
 from symbody.formats.urdf.file.structure import outward
 from symbody.model.constraint import ConstraintElement
@@ -26,6 +30,10 @@ from symbody.model.constraints import Constraint, Gear, RackPinion
 from symbody.model.element import Element, FrameRef
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
+from symbody.model.joints import Free, Planar, Prismatic, Revolute, Weld
+from symbody.model.loads.forces import Drive
+from symbody.model.loads.friction import Friction
+from symbody.model.naming import CENTRE, GROUND, RESERVED_SYMBOLS, make_symbol
 from symbody.model.shapes import BodyShape
 
 BASE = "base"
@@ -296,3 +304,211 @@ def _follow_leader(
         return RackPinion(name, symbols, radius=numeral(factor), offset=numeral(offset))
     own, other = symbols
     return Constraint(name, f"{own} - ({numeral(factor)})*{other} - ({numeral(offset)})")
+
+
+_MARKS = str.maketrans({".": "_", '"': "_", "'": "_"})
+_DERIVED = ("", "_dot", "_ddot")
+_LONGEST = MAX_NAME - 16  # leaves room for what is put before and behind
+
+
+class Naming:
+    """Hands out names of one model."""
+
+    __slots__ = ("_elements", "_symbols", "notes")
+
+    def __init__(self) -> None:
+        self._elements = {GROUND, CENTRE}
+        self._symbols = set(RESERVED_SYMBOLS)
+        self.notes: list[str] = []
+
+    def element(self, name: str, suffix: str, what: str) -> str:
+        """Return the name of a body, joint or frame; `suffix` distinguishes it from a namesake."""
+        plain = " ".join(normalize(name).translate(_MARKS).split())[:_LONGEST]
+        if plain.isdigit() or plain.lower() == GROUND or plain == CENTRE:
+            plain = f"{plain}{suffix}" if not plain.isdigit() else f"_{plain}"
+        found, number = plain, 1
+        while found in self._elements:
+            found = f"{plain}{suffix}" + (f"_{number}" if number > 1 else "")
+            number += 1
+        self._elements.add(found)
+        if found != normalize(name):
+            self.notes.append(f"{what} {name} is called {found!r} in the model")
+        return found
+
+    def symbol(self, name: str, what: str) -> str:
+        """Return the name of a coordinate, so that it, its rate and its acceleration are free."""
+        plain = make_symbol(name[:_LONGEST])
+        found, number = plain, 1
+        while not self._symbols.isdisjoint(f"{found}{end}" for end in _DERIVED):
+            number += 1
+            found = f"{plain}_{number}"
+        self._symbols.update(f"{found}{end}" for end in _DERIVED)
+        if found != normalize(name):
+            self.notes.append(f"{what} {name} has the symbol {found}")
+        return found
+
+    def take(self, *symbols: str) -> None:
+        """Reserve symbols that must be called so."""
+        self._symbols.update(symbols)
+
+
+_LETTERS: Final = MappingProxyType[Numbers, str]({(1, 0, 0): "x", (0, 1, 0): "y", (0, 0, 1): "z"})
+# From the z axis to the opposites of the axes.
+_OPPOSITES: Final[Mapping[Numbers, tuple[str, PlacementAngle]]] = MappingProxyType(
+    {
+        (-1, 0, 0): ("y", exact_angle(Fraction(-1, 2))),
+        (0, -1, 0): ("x", exact_angle(Fraction(1, 2))),
+        (0, 0, -1): ("x", exact_angle(Fraction(1))),
+    }
+)
+_POSITION: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
+_TWIST: Final = ("vx", "vy", "vz", "wx", "wy", "wz")
+
+
+@dataclass(frozen=True, slots=True)
+class Moving:
+    """A joint with the names it has in the model.
+
+    Attributes
+    ----------
+    name : str
+        Of the element.
+    symbol : str
+        Its coordinate, or what the names of its coordinates begin with.
+    inputs : tuple of str
+        Efforts along its coordinates; none where it follows another or floats.
+    fixed : number or None
+        The value of a coordinate that never changes.
+    """
+
+    joint: UrdfJoint
+    name: str
+    symbol: str
+    inputs: tuple[str, ...]
+    start: FrameRef
+    end: FrameRef
+    fixed: Constant | None = None
+
+    def element(self) -> Joint:
+        """Return the joint of the model."""
+        return _MAKERS[self.joint.kind](self)
+
+
+def joint_coordinates(kind: str, symbol: str) -> tuple[str, ...]:
+    """Return the coordinates of a joint of the robot."""
+    if kind == "floating":
+        return tuple(f"{symbol}_{part}" for part in _POSITION)
+    if kind == "planar":
+        return tuple(f"{symbol}_{k}" for k in (1, 2, 3))
+    return () if kind == "fixed" else (symbol,)
+
+
+def joint_speeds(kind: str, symbol: str) -> tuple[str, ...]:
+    """Return the speeds of a joint that are not rates of its coordinates."""
+    return tuple(f"{symbol}_{part}" for part in _TWIST) if kind == "floating" else ()
+
+
+def make_free_joint(name: str, symbol: str, start: FrameRef, end: FrameRef) -> Free:
+    """Return a joint without any constraint, with its velocities along axes of its end."""
+    return Free(
+        name,
+        start,
+        end,
+        coordinates=joint_coordinates("floating", symbol),
+        speeds="twist",
+        speed_names=joint_speeds("floating", symbol),
+    )
+
+
+def normal_turn(joint: UrdfJoint) -> FramePlacement:
+    """Return how the frames of a planar joint are turned so that an axis of theirs is its normal."""
+    axis = joint.axis
+    if joint.kind != "planar" or axis in _LETTERS:
+        return FramePlacement()
+    if axis in _OPPOSITES:
+        return FramePlacement(turns=(_OPPOSITES[axis],))
+    x, y, z = map(float, axis)
+    about_z, about_y = (
+        PlacementAngle(None, math.atan2(y, x)),
+        PlacementAngle(None, math.atan2(math.hypot(x, y), z)),
+    )
+    return FramePlacement(turns=(("z", about_z), ("y", about_y)))
+
+
+def _revolute(moving: Moving) -> Joint:
+    return Revolute(
+        moving.name,
+        moving.start,
+        moving.end,
+        axis=_axis(moving.joint),
+        coordinate=moving.symbol,
+        torque=_drive(moving),
+        motion=_motion(moving),
+        friction=_friction(moving.joint),
+    )
+
+
+def _prismatic(moving: Moving) -> Joint:
+    return Prismatic(
+        moving.name,
+        moving.start,
+        moving.end,
+        axis=_axis(moving.joint),
+        coordinate=moving.symbol,
+        force=_drive(moving),
+        motion=_motion(moving),
+        friction=_friction(moving.joint),
+    )
+
+
+def _planar(moving: Moving) -> Joint:
+    names = joint_coordinates("planar", moving.symbol)
+    drives = {name: Drive(applied=own) for name, own in zip(names, moving.inputs, strict=True)}
+    return Planar(
+        moving.name,
+        moving.start,
+        moving.end,
+        axis=_LETTERS.get(moving.joint.axis, "z"),
+        coordinates=names,
+        force={name: drives[name] for name in names[:2]},
+        torque={names[2]: drives[names[2]]},
+    )
+
+
+def _floating_joint(moving: Moving) -> Joint:
+    return make_free_joint(moving.name, moving.symbol, moving.start, moving.end)
+
+
+def _weld(moving: Moving) -> Joint:
+    return Weld(moving.name, moving.start, moving.end)
+
+
+_MAKERS: Final[Mapping[str, Callable[[Moving], Joint]]] = MappingProxyType(
+    {
+        "revolute": _revolute,
+        "continuous": _revolute,
+        "prismatic": _prismatic,
+        "planar": _planar,
+        "floating": _floating_joint,
+        "fixed": _weld,
+    }
+)
+
+
+def _axis(joint: UrdfJoint) -> str | list[str]:
+    return _LETTERS.get(joint.axis) or [numeral(x) for x in joint.axis]
+
+
+def _drive(moving: Moving) -> Drive | None:
+    applied = moving.inputs[0] if moving.inputs else 0
+    if not applied and not moving.joint.damping:
+        return None
+    return Drive(applied=applied, damping=numeral(moving.joint.damping))
+
+
+def _friction(joint: UrdfJoint) -> Friction | None:
+    return Friction(force=numeral(joint.friction)) if joint.friction else None
+
+
+def _motion(moving: Moving) -> str | None:
+    return None if moving.fixed is None else numeral(moving.fixed)

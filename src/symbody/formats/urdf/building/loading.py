@@ -8,8 +8,7 @@ from typing import Final
 
 from symbody.arguments import checked_arguments
 from symbody.errors import ModelError, Problem
-from symbody.formats.lines import Path
-from symbody.formats.places import relocate
+from symbody.formats.places import Path, relocate
 from symbody.formats.reading import read_text
 from symbody.formats.urdf.building.conversion import Parts, convert_robot
 from symbody.formats.urdf.building.loops import NO_LOOPS, Loops, read_loops

@@ -9,12 +9,9 @@ from typing import Any, Final
 
 from symbody.errors import FormatError, ModelError, Problem, nearest
 from symbody.expr.graph import Constant
-from symbody.formats.checking import check_structure
-from symbody.formats.entries import read_element
-from symbody.formats.lines import Path
-from symbody.formats.places import Locate, line_locator, relocate
-from symbody.formats.reading import read_text
-from symbody.formats.toml_syntax import parse_toml
+from symbody.formats.places import Locate, Path, line_locator, relocate
+from symbody.formats.reading import parse_toml, read_text
+from symbody.formats.schema import check_structure
 from symbody.formats.urdf.building.bodies import BodyPlan, rotation
 from symbody.formats.urdf.building.conversion import Parts
 from symbody.formats.urdf.file.placement import FramePlacement, numeral
@@ -25,6 +22,7 @@ from symbody.model.frame import Frame
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.model import KINDS
 from symbody.model.naming import GROUND
+from symbody.model.registry import read_element
 
 _ADDRESSES: Final = ("on", "reaction_on", "resolved_in")
 _KINDS: Final = tuple(kind for kind in KINDS if kind != "body")
@@ -136,14 +134,12 @@ class _LoopPoints:
             extra = sorted(set(entry) - {"name", "frames"})
             if link not in self._parts.homes:
                 cure = nearest(link, self._parts.homes)
-                self._problems.append(
-                    Problem("urdf.unknown_link", place, f"there is no link {link!r}", "", cure)
-                )
+                what = f"there is no link {link!r}"
+                self._problems.append(Problem("urdf.unknown_link", place, what, "", cure))
             elif extra:
-                self._problems.append(
-                    Problem("urdf.loops_key", place, f"{', '.join(extra)} of a link cannot be given here",
-                            "the robot's file defines it", "give frames only")
-                )  # fmt: skip
+                what = f"{', '.join(extra)} of a link cannot be given here"
+                why = "the robot's file defines it"
+                self._problems.append(Problem("urdf.loops_key", place, what, why, "give frames only"))
             else:
                 for name, given in entry.get("frames", {}).items():
                     self._add(link, name, given, place)
@@ -172,11 +168,10 @@ class _LoopPoints:
         own = name if name not in frames else f"{link} {name}"
         self._known[(link, name)] = own
         if given.get("matrix") is not None and home.turns:
-            self._problems.append(
-                Problem("urdf.loops_matrix", f"{place}, frames.{name}",
-                        f"a matrix cannot be given on link {link}", "its body is rotated relative to it",
-                        "give rotations instead: rotate = [..]")
-            )  # fmt: skip
+            what = f"a matrix cannot be given on link {link}"
+            why = "its body is rotated relative to it"
+            fix = "give rotations instead: rotate = [..]"
+            self._problems.append(Problem("urdf.loops_matrix", f"{place}, frames.{name}", what, why, fix))
             return
         try:
             frames[own] = Frame(

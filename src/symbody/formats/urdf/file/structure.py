@@ -19,10 +19,9 @@ def tree_problems(where: str, links: Sequence[UrdfLink], joints: Sequence[UrdfJo
                 what = f"there is no {word} link {name!r}"
                 problems.append(Problem("urdf.unknown_link", place, what, "", nearest(name, known)))
         if joint.parent == joint.child:
-            problems.append(
-                Problem("urdf.self_joint", place, f"parent and child are both {joint.child}",
-                        "a joint connects two links", "name another link at one end")
-            )  # fmt: skip
+            fact = f"parent and child are both {joint.child}"
+            fix = "name another link at one end"
+            problems.append(Problem("urdf.self_joint", place, fact, "a joint connects two links", fix))
     problems += _two_parents(where, joints)
     problems += _mimic_problems(where, joints)
     return problems or _root_problems(where, links, joints)
@@ -93,11 +92,10 @@ def _root_problems(where: str, links: Sequence[UrdfLink], joints: Sequence[UrdfJ
         return []
     cycle = _cycle(lost)
     shown = " -> ".join(joint.child for joint in cycle[:8]) + (" ..." if len(cycle) > 8 else "")
-    return [
-        Problem("urdf.cycle", f"{where}:{cycle[0].line}, joint {cycle[0].name}",
-                f"links form a cycle: {shown} -> {cycle[0].child}", "URDF describes trees",
-                "start one of the joints at another link")
-    ]  # fmt: skip
+    what = f"links form a cycle: {shown} -> {cycle[0].child}"
+    why = "URDF describes trees"
+    fix = "start one of the joints at another link"
+    return [Problem("urdf.cycle", f"{where}:{cycle[0].line}, joint {cycle[0].name}", what, why, fix)]
 
 
 def _cycle(lost: Sequence[UrdfJoint]) -> list[UrdfJoint]:

@@ -11,8 +11,7 @@ from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.signals.block import SignalBlock, in_brackets
-from symbody.model.signals.block_fields import block
+from symbody.model.signals.block import SignalBlock, block, in_brackets
 from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand
 from symbody.model.signals.signal import Signal
 
@@ -45,19 +44,15 @@ class Delay(SignalBlock):
         """Note an order that is not valid, and a delay that is not a whole number of samples."""
         SignalBlock.check(self, arguments)
         if self.sample is not None and self._samples is None:
-            arguments.add(
-                "block.delay_samples", "time",
-                f"{self.time} is not a multiple of the sample time {self.sample}",
-                f"a sampled delay stores one value per sample, {_MOST} at most",
-                "give both as numbers, such as time = 0.05, sample = 0.01",
-            )  # fmt: skip
+            what = f"{self.time} is not a multiple of the sample time {self.sample}"
+            why = f"a sampled delay stores one value per sample, {_MOST} at most"
+            fix = "give both as numbers, such as time = 0.05, sample = 0.01"
+            arguments.add("block.delay_samples", "time", what, why, fix)
         order = self.order.constant()
         if not isinstance(order, int) or not 1 <= order <= _HIGHEST:
-            arguments.add(
-                "block.order", "order", f"{self.order} is not a valid order of approximation",
-                "the delay is approximated by a ratio of two polynomials of this degree",
-                f"write 1 to {_HIGHEST}",
-            )  # fmt: skip
+            what = f"{self.order} is not a valid order of approximation"
+            why = "the delay is approximated by a ratio of two polynomials of this degree"
+            arguments.add("block.order", "order", what, why, f"write 1 to {_HIGHEST}")
 
     def joint_demands(self) -> Iterator[Demand]:
         """Yield the demand on the time: sampled, a delay may be zero."""

@@ -10,8 +10,7 @@ from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.declarations.combinators import OptionalField, list_of, optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.signals.block import SignalBlock, in_brackets
-from symbody.model.signals.block_fields import NamedGains, block
+from symbody.model.signals.block import NamedGains, SignalBlock, block, in_brackets
 from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand, Domain, difference
 from symbody.model.signals.signal import Signal
 
@@ -89,15 +88,13 @@ class PID(SignalBlock):
             )  # fmt: skip
         if self.limits is not None and self._has("i") and self.tracking is None and not self._has("p"):
             missing = "p is 0" if "p" in self.gains else "there is no p"
-            arguments.add(
-                "block.tracking", "limits", "the time constant of the reset at limits is missing",
-                f"the default is p/i, but {missing}", "give tracking, a time in seconds",
-            )  # fmt: skip
+            what = "the time constant of the reset at limits is missing"
+            why = f"the default is p/i, but {missing}"
+            arguments.add("block.tracking", "limits", what, why, "give tracking, a time in seconds")
         if not self._has("i") and self.initial.constant() != 0:
-            arguments.add(
-                "signal.initial", "initial", "there is no integral part that could start with it",
-                "the integral alone has an initial value, and i is 0", "leave initial out, or give a gain i",
-            )  # fmt: skip
+            what = "there is no integral part that could start with it"
+            why = "the integral alone has an initial value, and i is 0"
+            arguments.add("signal.initial", "initial", what, why, "leave initial out, or give a gain i")
 
     def joint_demands(self) -> Iterator[Demand]:
         """Yield the demands on the filter, on the order of limits, and on p and i where p/i is a time."""

@@ -8,8 +8,7 @@ from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.signals.block import SignalBlock, in_brackets
-from symbody.model.signals.block_fields import block
+from symbody.model.signals.block import SignalBlock, block, in_brackets
 from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME
 from symbody.model.signals.signal import Signal
 
@@ -45,16 +44,12 @@ class RateLimit(SignalBlock):
         """Note a lag that is missing, or one too many."""
         SignalBlock.check(self, arguments)
         if self.time is None and self.sample is None:
-            arguments.add(
-                "block.time", "time", "there is no time constant",
-                "a continuous output follows its input with a lag",
-                "give time, short compared with the motion, or sample, the time between samples",
-            )  # fmt: skip
+            why = "a continuous output follows its input with a lag"
+            fix = "give time, short compared with the motion, or sample, the time between samples"
+            arguments.add("block.time", "time", "there is no time constant", why, fix)
         elif self.time is not None and self.sample is not None:
-            arguments.add(
-                "block.time", "time", "a sampled rate limit has no lag",
-                "at each sample it moves towards its input as far as the slopes allow", "remove time",
-            )  # fmt: skip
+            why = "at each sample it moves towards its input as far as the slopes allow"
+            arguments.add("block.time", "time", "a sampled rate limit has no lag", why, "remove time")
 
     @property
     def continuous(self) -> RateLimit:

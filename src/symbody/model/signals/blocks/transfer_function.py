@@ -12,8 +12,7 @@ from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import list_of, optional
 from symbody.model.declarations.fields import Formulas, OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.signals.block import SignalBlock, in_brackets
-from symbody.model.signals.block_fields import block
+from symbody.model.signals.block import SignalBlock, block, in_brackets
 from symbody.model.signals.domains import SAMPLE_TIME, Demand, Domain
 from symbody.model.signals.signal import Signal
 
@@ -56,11 +55,10 @@ class TransferFunction(SignalBlock):
         """Note polynomials that make no proper transfer function."""
         SignalBlock.check(self, arguments)
         if not self.numerator or not self.denominator:
-            arguments.add(
-                "block.no_polynomial", "denominator", "the polynomials have no leading coefficients",
-                "the first coefficient belongs to the highest power",
-                "write denominator = [1, 2, 1] for s^2 + 2 s + 1",
-            )  # fmt: skip
+            what = "the polynomials have no leading coefficients"
+            why = "the first coefficient belongs to the highest power"
+            fix = "write denominator = [1, 2, 1] for s^2 + 2 s + 1"
+            arguments.add("block.no_polynomial", "denominator", what, why, fix)
         elif len(self._numerator) > len(self.denominator):
             arguments.add(
                 "block.improper", "numerator", "its degree is higher than that of the denominator",

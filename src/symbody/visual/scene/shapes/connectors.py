@@ -11,8 +11,7 @@ from symbody.model.constraints.points import Distance
 from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.loads.curve import Law
-from symbody.model.loads.forces import Drive, SpringDamper
-from symbody.model.loads.springs import Bushing, TorsionSpring
+from symbody.model.loads.forces import Bushing, Drive, SpringDamper, TorsionSpring
 from symbody.visual.scene.basis import SceneBasis
 from symbody.visual.scene.fixed_shape import (
     RUBBER,

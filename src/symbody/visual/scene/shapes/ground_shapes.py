@@ -8,8 +8,7 @@ import numpy as np
 
 from symbody.model.constraints.points import Distance
 from symbody.model.joint import Joint
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import Bushing
+from symbody.model.loads.forces import Bushing, SpringDamper
 from symbody.model.naming import GROUND
 from symbody.visual.scene.basis import Link, SceneBasis
 from symbody.visual.scene.fixed_shape import GROUND_COLOR, FixedShape, mesh_shape

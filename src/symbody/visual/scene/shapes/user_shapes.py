@@ -11,7 +11,7 @@ import numpy as np
 
 from symbody.errors import SymbodyError
 from symbody.model.shapes import BodyShape, Box, Capsule, Cone, Cylinder, Mesh, Sphere
-from symbody.model.shapes.colors import hex_color
+from symbody.model.shapes.shape import hex_color
 from symbody.visual.scene.basis import SceneBasis
 from symbody.visual.scene.fixed_shape import FixedShape, fixed_shape, mesh_shape
 from symbody.visual.scene.poses import frame_transform
