@@ -178,7 +178,7 @@ def nearest(name: str, known: Iterable[str], what: str = "names") -> str:
     if close:
         return "did you mean " + " or ".join(repr(word) for word in close) + "?"
     if not names:
-        return "there are no names to choose from."
+        return f"leave it out: there are no {what} to choose from."
     shown = ", ".join(names[:20]) + (f", ... ({len(names)} in all)" if len(names) > 20 else "")
     return f"known {what}: {shown}."
 

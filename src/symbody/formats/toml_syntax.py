@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from dataclasses import replace
 from decimal import Decimal
 from typing import Any, Final
 
@@ -54,12 +55,14 @@ def _syntax_problem(text: str, where: str, message: str) -> Problem:
         )
     number, column = int(found.group(1)), int(found.group(2))
     line = text.split("\n")[number - 1]
-    source = Source(line[: column + 200]).problem("file.syntax", min(column, len(line) + 1), what)
-    is_twice = any(word in what for word in ("overwrite", "twice", "already", "immutable"))
-    return Problem(
-        "file.duplicate_key" if is_twice else "file.syntax",
-        f"{where}:{number}",
-        source.what,
-        "a key or table appears twice" if is_twice else "this line is not valid TOML; put strings in quotes",
-        "remove one of them" if is_twice else f"correct it at column {column}",
-    )
+    source, place = Source(line[: column + 200]), min(column, len(line) + 1)
+    if any(word in what for word in ("overwrite", "twice", "already", "immutable")):
+        problem = source.problem(
+            "file.duplicate_key", place, what, "a key or table appears twice", "remove one of them"
+        )
+    else:
+        problem = source.problem(
+            "file.syntax", place, what, "this line is not valid TOML; put strings in quotes",
+            f"correct it at column {column}",
+        )  # fmt: skip
+    return replace(problem, where=f"{where}:{number}")

@@ -105,6 +105,8 @@ class Arguments:
                     "names.duplicate",
                     f"{path}.{key}" if path else key,
                     f"the name {key!r} appears twice after Unicode normalization",
+                    "letters that look alike, such as \u00b5 and \u03bc, become one",
+                    "rename one of them",
                 )
             entries[key] = read(value, f"{path}.{key}" if path else key)
         return FrozenMapping(entries)
