@@ -153,6 +153,27 @@ class CoordinateWord(OutputArgument):
 
 
 @dataclass(frozen=True)
+class SpeedWord(OutputArgument):
+    """A coordinate whose rate is a speed, or a quasi-speed; if it is left out, all speeds are meant.
+
+    Which of them are speeds follows from the trees, so that lists leave the word out.
+    """
+
+    letter: str
+    is_needed: bool = False
+    is_listed: bool = False
+
+    def choices(self, scope: OutputScope, before: Words) -> Iterable[str]:
+        """Return the coordinates and quasi-speeds of all joints."""
+        joints = [element for element in scope.elements.values() if isinstance(element, Joint)]
+        return ["", *(name for joint in joints for name in (*joint.coordinates, *joint.quasi_speed_names))]
+
+    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
+        """Return the new name of a coordinate or speed."""
+        return names.symbol(word) if word else ""
+
+
+@dataclass(frozen=True)
 class FrameWord(OutputArgument):
     """The address of a frame; if it is left out, the ground is meant.
 

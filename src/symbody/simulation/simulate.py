@@ -95,7 +95,7 @@ def simulate(
         first = assemble(eqs, exact, near, parameters, laws.formulas, span[0], scales=scales)
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
-        notes = _input_notes(problem, inputs, atol) + start_notes(problem, first, {**near, **exact})
+        notes = _input_notes(problem, inputs, atol, rtol) + start_notes(problem, first, {**near, **exact})
         run, problem, _ = drive(Motion(
             problem, first_numbers(first), span, times, rtol, atol, max_steps, show, watched, integrator,
             constraints,
@@ -130,7 +130,7 @@ def pose_problem(
 
 
 def _input_notes(
-    problem: SimulationProblem, inputs: Mapping[str, Law], atol: float | None
+    problem: SimulationProblem, inputs: Mapping[str, Law], atol: float | None, rtol: float
 ) -> tuple[str, ...]:
     """Return notes on inputs, on motions that are prescribed whole, and on what counts as large."""
     eqs = problem.eqs
@@ -138,7 +138,7 @@ def _input_notes(
     notes = [silent_input_note(eqs.units, name) for name in silent]
     if not (eqs.speed_names or eqs.formed.light_balances):
         notes.append("every coordinate is prescribed: only driving forces and reactions are computed")
-    return (*notes, *problem.laws.notes, *problem.scales.notes(eqs, atol))
+    return (*notes, *problem.laws.notes, *problem.scales.notes(eqs, atol, rtol))
 
 
 def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:
