@@ -6,7 +6,7 @@ Each argument knows what may stand in its place, so that names are read, listed 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final, Protocol
@@ -164,13 +164,22 @@ class SpeedWord(OutputArgument):
     is_listed: bool = False
 
     def choices(self, scope: OutputScope, before: Words) -> Iterable[str]:
-        """Return the coordinates and quasi-speeds of all joints."""
-        joints = [element for element in scope.elements.values() if isinstance(element, Joint)]
-        return ["", *(name for joint in joints for name in (*joint.coordinates, *joint.quasi_speed_names))]
+        """Return the quasi-speeds of all joints, and the coordinates where these have none."""
+        joints = (element for element in scope.elements.values() if isinstance(element, Joint))
+        return ["", *(name for joint in joints for name in _moving_names(joint))]
 
     def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
         """Return the new name of a coordinate or speed."""
         return names.symbol(word) if word else ""
+
+
+def _moving_names(joint: Joint) -> Iterator[str]:
+    for coordinates, speeds in (
+        (joint.translation_coordinates, joint.translation_speeds),
+        (joint.rotation_coordinates, joint.rotation_speeds),
+    ):
+        own = coordinates if speeds is None else speeds.names
+        yield from (name for name in own if name not in joint.motions)
 
 
 @dataclass(frozen=True)
