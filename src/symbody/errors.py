@@ -146,9 +146,13 @@ class TimeLimitError(SymbodyError):
 
 
 class EnvironmentFault(SymbodyError):
-    """Something this computer lacks: a package, a permission, a file."""
+    """Something this computer lacks: a package, a permission, a file. Its other name is `ResourceError`."""
 
     exit_code = 5
+
+
+# Named as the others are; the first name stays, for programs that catch it.
+ResourceError = EnvironmentFault
 
 
 def foreign_cause(error: BaseException) -> BaseException | None:

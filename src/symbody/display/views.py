@@ -30,6 +30,7 @@ from symbody.display.html import (
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.equation_page import equation_operations, equations_page
 from symbody.equations.outputs.equation_sections import SHOWN_DIGITS
+from symbody.equations.outputs.output_table import OutputTable
 from symbody.equations.outputs.parameter_units import symbol_units
 from symbody.errors import SymbodyError, number_in_words
 from symbody.expr.language.formula import Formula
@@ -46,6 +47,7 @@ from symbody.simulation.sweeps.result import Sweep
 _MOST_SPEEDS: Final = 4  # of equations that are written out
 _MOST_OPERATIONS: Final = 400  # of all sides together
 _MOST_STATES: Final = 6  # of a matrix that is written out
+_MOST_OUTPUTS: Final = 300  # of a table of them
 
 
 def _model(model: Model) -> str:
@@ -209,6 +211,19 @@ def _sweep(sweep: Sweep) -> str:
     )
 
 
+def _outputs(outputs: OutputTable) -> str:
+    """Return a table; headings stand at their first output."""
+    rows, title = [], ""
+    for each in outputs:
+        rows.append(
+            ("" if each.title == title else each.title, each.name, each.shape_text.replace("x", "\u00d7"),
+             show_unit(each.unit), each.meaning)
+        )  # fmt: skip
+        title = each.title
+    heading = ("", "name", "shape", "unit", "meaning")
+    return page(number_in_words(len(outputs), "output"), table(heading, rows, _MOST_OUTPUTS))
+
+
 def _show_declared(element: Declared) -> str:
     """Return the arguments with their values and units."""
     name = f" {element.name}" if isinstance(element, Element) else ""
@@ -270,6 +285,7 @@ VIEWS.update(
         Modes: _all_modes,
         Declared: _show_declared,
         Sweep: _sweep,
+        OutputTable: _outputs,
     }
 )
 LATEX_VIEWS.update({EquationSet: _equations_latex, Linearization: _linearization_latex})

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, TypeAlias, TypeGuard
+from typing import TYPE_CHECKING, TypeGuard
 
 import symbody.expr.sympy as border
 from symbody.expr.graph import Graph, Symbol
@@ -44,13 +44,8 @@ class _KnownByName(type):
 
 
 if TYPE_CHECKING:
-    import sympy as sp
-
     from symbody.expr.sympy.sympy_reader import Lookup
-
-    SympyExpr: TypeAlias = sp.Expr
-    SympyEquation: TypeAlias = sp.Eq
-    SympyMatrix: TypeAlias = sp.Matrix
+    from symbody.expr.sympy.sympy_types import SympyEquation, SympyExpr, SympyMatrix
 else:
     SympyExpr = _KnownByName("Expr", (), {})
     SympyEquation = _KnownByName("Equality", (), {})

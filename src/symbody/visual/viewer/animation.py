@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, Literal, get_args
+from typing import Any, Final, Literal, TypedDict, Unpack, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -125,6 +125,48 @@ def _attribute(text: str) -> str:
     return html.escape(text, quote=True).encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
+class _Picture(TypedDict, total=False):
+    """What `animate` takes for every picture."""
+
+    curves: Sequence[str] | None
+    vectors: str | Sequence[str] | None
+    traces: Sequence[str]
+    times: ArrayLike | None
+    title: str | None
+    model: Model | None
+    view: View
+    theme: Theme
+    speed: float
+
+
+class _LivePicture(_Picture, total=False):
+    """What `animate` takes for pictures of equations."""
+
+    live: bool
+    sliders: Sequence[Slider] | Mapping[str, tuple[float, float] | None]
+    initial: Mapping[str, Value] | None
+    parameters: Mapping[str, Value] | None
+    inputs: Mapping[str, Law] | None
+    integrator: Integrator | None
+    constraints: Constraints | None
+    events: Event | Sequence[Event]
+    rtol: float
+
+
+@overload
+def animate(run: EquationSet, path: None = None, **options: Unpack[_LivePicture]) -> LiveAnimation: ...
+@overload
+def animate(run: EquationSet, path: str | PathLike[str], **options: Unpack[_LivePicture]) -> LivePage: ...
+@overload
+def animate(
+    run: Trajectory | State, path: str | PathLike[str] | None = None, *, live: Literal[True],
+    **options: Unpack[_Picture],
+) -> LiveAnimation: ...  # fmt: skip
+@overload
+def animate(
+    run: Trajectory | State, path: str | PathLike[str] | None = None, *, live: Literal[False] = False,
+    **options: Unpack[_Picture],
+) -> Animation: ...  # fmt: skip
 @checked_arguments
 def animate(
     run: Trajectory | State | EquationSet, path: str | PathLike[str] | None = None, *,
