@@ -18,7 +18,8 @@ ROOT = Path(__file__).parents[1]
 CODE = re.compile(r"[a-z][a-z_]*\.[a-z][a-z0-9_]*")
 # Calls with a code that are no messages, and those whose code is not followed by the place.
 _OTHERS: Final = frozenset({
-    "Demand", "FmuVariable", "Path", "_indicator", "FormulaSite", "RotationStep", "TranslationStep", "check_frame", "fill_page",
+    "Demand", "FmuVariable", "Path", "_indicator", "FormulaSite", "RotationStep", "TranslationStep",
+    "check_frame", "fill_page",
     "from_file", "read", "value", "values", "check_numbers", "formula_sites", "page_notes",
 })  # fmt: skip
 _WITHOUT_PLACE: Final = frozenset({"Domain", "Refusal"})

@@ -266,7 +266,8 @@ _ALL: Final = (
     OutputKind("velocity_constraints", MULTIPLIERS, "velocity constraints J u + b", "", shape="n_c"),
     OutputKind("gamma", MULTIPLIERS, "right-hand side of J u' = gamma", "", shape="n_c"),
     OutputKind("jacobian", MULTIPLIERS, "constraint Jacobian J, in the speeds", "", shape="n_c x n_u"),
-    OutputKind("position_jacobian", MULTIPLIERS, "derivatives of Phi with respect to q", "", shape="n_h x n_q"),
+    OutputKind("position_jacobian", MULTIPLIERS, "derivatives of Phi with respect to q", "",
+               shape="n_h x n_q"),
     # for integrators of a user's own: the drift, and the move that takes it back
     OutputKind("position_residual", MULTIPLIERS, "drift of the coordinates", "", shape="n"),
     OutputKind("position_move", MULTIPLIERS, "move of q that takes the drift back", "", shape="n_q"),

@@ -146,7 +146,7 @@ def input_laws(
     *,
     has_fmus: bool = False,
 ) -> InputLaws:
-    """Return the laws of inputs; those without one are 0, and unknown names of formulas are left to `compile`.
+    """Return the laws of inputs; those without one are 0; unknown names of formulas are left to `compile`.
 
     Parameters
     ----------

@@ -78,7 +78,20 @@ class Trajectory(SampleTable):
     provenance : Provenance, optional
         What it was computed from; see `model` and `parameters`.
     s : (n_s, N) array
-        States of signals, in the order of `signal_state_names`.
+        States of signals.
+    signal_state_names : tuple of str
+        The names of its rows.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], initial={"x_dot": 3}))
+    >>> run = sb.simulate(eqs, 2.0)
+    >>> run.success, run.speed_names, run.q.shape == (1, run.t.size)
+    (True, ('x_dot',), True)
+    >>> print(f"{run['x'][-1]:.6f} {run['0.5*2*x_dot^2'][0]:.6f} {run.at(1.0)['x']:.6f}")
+    6.000000 9.000000 3.000000
     """
 
     t: Floats
@@ -234,9 +247,15 @@ class Trajectory(SampleTable):
             return output_table(listed, make_scope((), (), {}), self.units, {})
         offered = offered_names((), self.units, self.model)
         known = {*self.coordinate_names, *self.speed_names, *self.signal_state_names}
-        symbols[ACCELERATIONS] = tuple(name for name in offered if name.endswith("_ddot") and name not in known)
+        symbols[ACCELERATIONS] = tuple(
+            name for name in offered if name.endswith("_ddot") and name not in known
+        )
         symbols[INPUTS] = self.model.inputs
-        sizes = {"n_u": len(self.speed_names), "n_q": len(self.coordinate_names), "n_r": len(self.model.inputs)}
+        sizes = {
+            "n_u": len(self.speed_names),
+            "n_q": len(self.coordinate_names),
+            "n_r": len(self.model.inputs),
+        }
         sizes |= {"n_s": len(self.signal_state_names), "n_x": len(self.u) + len(self.q) + len(self.s)}
         scope = self.model.output_scope
         multipliers = tuple(name for name in self.units if is_multiplier(name, scope.elements))

@@ -209,8 +209,14 @@ def animate(
     live, sliders : bool, sequence of str or (name, lowest, highest), or mapping of name to (lowest, highest)
         In a notebook: share time with Python; coordinates and parameters of equations to move by sliders. On
         a page of equations: parameters, inputs, first values of coordinates and speeds.
-    initial, parameters, inputs, integrator, constraints, events, rtol
+    initial, parameters, inputs, integrator, constraints, events, rtol : optional
         Of a page of equations, as `simulate` takes them, without Python functions and implicit methods.
+
+    Returns
+    -------
+    Animation, LiveAnimation or LivePage
+        The picture of a motion, which ``save`` writes and notebooks show; with `live`, and of equations, one
+        that Python moves; of equations with a path, the page that simulates.
 
     Raises
     ------
@@ -218,6 +224,17 @@ def animate(
         If a name is unknown, the run has no model or no samples, or times lie outside of it.
     EnvironmentFault
         If the page cannot be written, or this installation has no pages.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> run = sb.simulate(eqs, 1.0)
+    >>> sb.animate(run, "oscillator.html", curves=["x", "energy"])  # doctest: +SKIP
+    <Animation 'oscillator': t = 0 to 1 s, 67 samples>
     """
     target = None if path is None else _page_path(path)
     options = {"view": view, "theme": theme, "speed": speed}
