@@ -67,7 +67,7 @@ def compute_numbers(eqs: sb.EquationSet, model: sb.Model) -> None:
     reveal_type(float(model.bodies[0].mass) if model.bodies[0].mass.is_number else 0.0)  # float
     state = sb.assemble(eqs, {"theta": 0.5})
     reveal_type(state)  # State
-    reveal_type(state["s"])  # float
+    reveal_type(state["s"])  # float | ndarray[tuple[int, ...], dtype[float64]]
     reveal_type(state.moved)  # Mapping[str, float]
     rest = sb.find_equilibrium(eqs)
     reveal_type(rest)  # Equilibrium
@@ -112,7 +112,7 @@ def move(eqs: sb.EquationSet) -> sb.Trajectory:
     stiff = sb.simulate(
         eqs, 0.1, inputs={"T": "-0.1*theta_dot"}, integrator=sb.Stiff(), constraints=sb.Baumgarte()
     )
-    assert run.success and stiff.status is sb.Status.REACHED_END
+    assert run.success and stiff.status is sb.Status.SUCCESS
     several = sb.sweep(eqs, 0.1, {"k": [50.0, 100.0]}, times=[0.0, 0.1])
     reveal_type(several)  # Sweep
     reveal_type(several.trajectory(0))  # Trajectory

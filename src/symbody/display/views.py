@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Final
 
@@ -34,7 +34,6 @@ from symbody.equations.outputs.output_table import OutputTable
 from symbody.equations.outputs.parameter_units import symbol_units
 from symbody.errors import SymbodyError, number_in_words
 from symbody.expr.language.formula import Formula
-from symbody.expr.printing.mathml_tables import math_element, mathml_matrix
 from symbody.model.body import Body
 from symbody.model.declarations.declaration import Declared
 from symbody.model.element import Element
@@ -147,12 +146,23 @@ def _equilibrium(state: Equilibrium) -> str:
 
 def _linearization(linear: Linearization) -> str:
     title = f"Linearization of {linear.at.eqs.model.name!r}: {linear.verdict}"
-    matrix = Markup()
+    parts = [paragraph(Markup(f"states {_symbols(linear.state_names)}"))]
     if 0 < len(linear.state_names) <= _MOST_STATES:
-        rows = [[f"<mn>{_signed_number(value)}</mn>" for value in row] for row in linear.A]
-        matrix = Markup(math_element(f"<mi>A</mi><mo>=</mo>{mathml_matrix(rows)}", block=True))
-    states = paragraph(Markup(f"states {_symbols(linear.state_names)}"))
-    return page(title, _modes(linear.modes), states, matrix, notes(linear.notes))
+        parts.append(_labelled_matrix("A", linear.A, linear.state_names, linear.state_names))
+        if 0 < len(linear.input_names) <= _MOST_STATES:
+            parts.append(_labelled_matrix("B", linear.B, linear.state_names, linear.input_names))
+    return page(title, _modes(linear.modes), *parts, notes(linear.notes))
+
+
+def _labelled_matrix(
+    letter: str, matrix: NDArray[np.float64], rows: Sequence[str], columns: Sequence[str]
+) -> Markup:
+    """Return a matrix whose rows, rates of states, and columns have their names."""
+    lines = [
+        (Markup(f"rate of {symbol(name)}"), *map(_signed_number, row))
+        for name, row in zip(rows, matrix, strict=True)
+    ]
+    return table((letter, *map(symbol, columns)), lines)
 
 
 def _linearization_latex(linear: Linearization) -> str | None:
