@@ -74,7 +74,9 @@ def reduce_index(
     return _of_equations(equations, tuple(unknowns))
 
 
-def _of_equations(equations: Sequence[SympyExpr], unknowns: tuple[SympyExpr, ...]) -> IndexReduction:
+def _of_equations(
+    equations: Sequence[SympyExpr | SympyEquation], unknowns: tuple[SympyExpr, ...]
+) -> IndexReduction:
     graph = Graph()
     rows = nodes_from_equations(equations, graph)
     rates = derivative_nodes(graph, time_derivatives(unknowns))

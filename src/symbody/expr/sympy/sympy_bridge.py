@@ -45,7 +45,9 @@ class _KnownByName(type):
 
 if TYPE_CHECKING:
     from symbody.expr.sympy.sympy_reader import Lookup
-    from symbody.expr.sympy.sympy_types import SympyEquation, SympyExpr, SympyMatrix
+    from symbody.expr.sympy.sympy_types import SympyEquation as SympyEquation
+    from symbody.expr.sympy.sympy_types import SympyExpr as SympyExpr
+    from symbody.expr.sympy.sympy_types import SympyMatrix as SympyMatrix
 else:
     SympyExpr = _KnownByName("Expr", (), {})
     SympyEquation = _KnownByName("Equality", (), {})
@@ -101,7 +103,8 @@ def time_derivatives(functions: Iterable[SympyExpr]) -> list[SympyExpr]:
 
 def sympy_matrix(graph: Graph, rows: int, columns: int, nodes: Sequence[int]) -> SympyMatrix:
     """Return nodes in row-major order as a matrix."""
-    return border.sympy_writer.sympy_matrix(graph, rows, columns, nodes)
+    matrix: SympyMatrix = border.sympy_writer.sympy_matrix(graph, rows, columns, nodes)
+    return matrix
 
 
 def sympy_equations(graph: Graph, left: Sequence[int], right: Sequence[int]) -> list[SympyEquation]:
@@ -116,7 +119,8 @@ def sympy_derivative(thing: object, variables: Sequence[SympyExpr]) -> object:
 
 def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     """Return a symbol as SymPy writes it: a function of time, its derivative, or a plain symbol."""
-    return border.sympy_writer.symbol_to_sympy(symbol)
+    written: SympyExpr = border.sympy_writer.symbol_to_sympy(symbol)
+    return written
 
 
 def is_expression(thing: object) -> bool:
