@@ -21,7 +21,7 @@ import symbody as sb
 model = sb.load_model(Path(__file__).with_suffix(".toml"))
 eqs = sb.form_equations(model)
 print(*eqs.constraints, sep="\n")
-p = {name: float(str(value)) for name, value in model.parameters.items() if value}
+p = model.values()
 lengths = sorted(p[name] for name in ("L1", "L2", "L3", "L4"))
 print(
     "Grashof: shortest and longest", lengths[0] + lengths[-1], "m, the others", lengths[1] + lengths[2], "m"

@@ -44,7 +44,7 @@ print(len(absolute.speeds), "speeds,", len(absolute.multipliers), "multipliers")
 
 print(f"loops open by {run.constraint_violation.max():.1e}, energy drift {run.energy_drift:.1e} J")
 assert run.success and run.constraint_violation.max() < 1e-10 and run.energy_drift < 1e-8
-p = {name: float(str(value)) for name, value in eqs.model.parameters.items() if value}
+p = eqs.model.values()
 reach = p["L1"] * np.cos(run["theta"]) + np.sqrt(p["L2"] ** 2 - (p["L1"] * np.sin(run["theta"])) ** 2)
 assert np.abs(run["s"] - reach).max() < 1e-9
 assert abs(other["s"][-1] - run["s"][-1]) < 1e-7

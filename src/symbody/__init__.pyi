@@ -161,6 +161,7 @@ from .visual import save_animation as save_animation
 from .errors import SymbodyError as SymbodyError
 from .errors import Problem as Problem
 from .errors import AssemblyError as AssemblyError
+from .errors import CallError as CallError
 from .errors import CompileError as CompileError
 from .errors import EnvironmentFault as EnvironmentFault
 from .errors import ExpressionError as ExpressionError
@@ -168,6 +169,7 @@ from .errors import FormatError as FormatError
 from .errors import FormulationError as FormulationError
 from .errors import FrameError as FrameError
 from .errors import ModelError as ModelError
+from .errors import ResourceError as ResourceError
 from .errors import SimulationError as SimulationError
 from .errors import TimeLimitError as TimeLimitError
 from .errors import TopologyError as TopologyError

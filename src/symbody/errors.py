@@ -146,9 +146,13 @@ class TimeLimitError(SymbodyError):
 
 
 class EnvironmentFault(SymbodyError):
-    """Something this computer lacks: a package, a permission, a file."""
+    """Something this computer lacks: a package, a permission, a file. Its other name is `ResourceError`."""
 
     exit_code = 5
+
+
+# Named as the others are; the first name stays, for programs that catch it.
+ResourceError = EnvironmentFault
 
 
 def foreign_cause(error: BaseException) -> BaseException | None:
@@ -178,7 +182,7 @@ def nearest(name: str, known: Iterable[str], what: str = "names") -> str:
     if close:
         return "did you mean " + " or ".join(repr(word) for word in close) + "?"
     if not names:
-        return "there are no names to choose from."
+        return f"leave it out: there are no {what} to choose from."
     shown = ", ".join(names[:20]) + (f", ... ({len(names)} in all)" if len(names) > 20 else "")
     return f"known {what}: {shown}."
 

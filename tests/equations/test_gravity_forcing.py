@@ -47,3 +47,28 @@ def test_it_holds_an_arm_at_rest() -> None:
     assert run["gravity_forcing"].shape == (len(eqs.speed_names), run.t.size)
     text = sb.generate_code(eqs, ["gravity_forcing"], language="python")
     assert "gravity_forcing" in text
+
+
+def test_one_coordinate_alone() -> None:
+    model = sb.load_model(EXAMPLES / "rr_robot" / "rr_robot.toml")
+    eqs = sb.form_equations(model)
+    names = [name.removesuffix("_dot") for name in eqs.speed_names]
+    run = sb.simulate(eqs, 0.1, times=[0.0, 0.1])
+    alone = np.array([run[f"gravity_forcing {name}"] for name in names])
+    np.testing.assert_array_equal(alone, run["gravity_forcing"])
+    assert [run.units[f"gravity_forcing {name}"] for name in names] == ["N m"] * len(names)
+    assert run[f"-'gravity_forcing {names[0]}'"].shape == run.t.shape
+    with pytest.raises(sb.FormulationError, match="equations.unknown_speed") as caught:
+        eqs.roots("gravity_forcing nothing")
+    assert names[0] in caught.value.problems[0].fix
+
+
+def test_a_law_that_compensates_weights_keeps_an_arm_at_rest() -> None:
+    arm = sb.Body("Arm", mass=2, inertia=(0, 0, 1), frames={"pin": sb.Frame(at=(-1, 0, 0))})
+    pin = sb.Revolute("pin", "ground", "Arm.pin", coordinate="theta", torque=sb.Drive(applied="T"))
+    model = sb.Model("arm", [arm, pin], (0, -9.81, 0), inputs=["T"], initial={"theta": 0.3})
+    eqs = sb.form_equations(model)
+    run = sb.simulate(eqs, 10.0, inputs={"T": "-'gravity_forcing theta'"}, times=[0.0, 10.0])
+    # both are one formula with opposite signs, so nothing moves at all
+    assert abs(run["theta"][-1] - 0.3) < 1e-15
+    assert run["T"][0] == pytest.approx(2 * 9.81 * np.cos(0.3), rel=1e-15)

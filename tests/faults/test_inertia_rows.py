@@ -7,7 +7,7 @@ import pytest
 
 from symbody.codegen.compile import compile
 from symbody.equations.form import form_equations
-from symbody.errors import FormulationError
+from symbody.errors import FormulationError, ModelError
 from symbody.model import Body, Frame, Model, Prismatic, Revolute, Spherical
 from tests.faults.refusals import refused, refused_file, refused_model
 
@@ -36,6 +36,15 @@ def test_row_37_what_is_wrong_is_shown_in_full() -> None:
     refused_model(Body("A", inertia=(1, 1, 2.000000004)), words="the moments 1, 1, 2.000000004")
     refused_file("impossible_inertia", "model.impossible_inertia")
     refused_file("negative_inertia", "model.impossible_inertia")
+
+
+def test_row_37_the_cure_names_the_way_out() -> None:
+    bodies = [((1, 1, 5), (0, 0, 0)), ((1, 1, -1), (0, 0, 0)), ((1, 1, 1), (5, 0, 0))]
+    for moments, products in bodies:
+        with pytest.raises(ModelError) as caught:
+            Model("odd", [Body("A", inertia=moments, products=products)])
+        assert "unphysical=True" in caught.value.problems[0].fix
+        assert Model("odd", [Body("A", inertia=moments, products=products, unphysical=True)]).notes
 
 
 def test_row_38_products_that_no_body_has() -> None:

@@ -25,6 +25,7 @@ from symbody.model.output_arguments import (
     FrameWord,
     OutputArgument,
     OutputScope,
+    SpeedWord,
 )
 from symbody.model.output_names import DERIVATIVE_GROUPS, OUTPUT_KINDS, OutputKind, OutputName, read_output
 
@@ -137,7 +138,7 @@ class Draw:
         return f'"{word}"' if word and self.rng.random() < 0.3 else word
 
     def full(self, argument: OutputArgument, word: str, before: tuple[str, ...]) -> str:
-        if isinstance(argument, ElementWord):
+        if isinstance(argument, ElementWord | SpeedWord):
             return self.n(word) if word else ""
         if isinstance(argument, CoordinateWord):
             return self.n(word) if word and isinstance(self.scope.elements[before[0]], Joint) else word

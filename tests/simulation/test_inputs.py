@@ -142,3 +142,16 @@ def test_ctrl_c_leaves_what_was_computed(asked: bool) -> None:
     assert run.status is sb.Status.INTERRUPTED and not run.success
     assert "known up to" in run.notes[-1]
     assert run.t.tolist() == [0.0] and run.at(1.0)["x_dot"] == pytest.approx(1 - np.cos(1.0), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "law",
+    ["sin(t)", 2.0, ((0, 1), (0, 1)), sb.Table(np.arange(300.0), np.zeros(300)), lambda t, q, u: 0.0],
+    ids=["formula", "number", "short table", "long table", "function"],
+)
+def test_a_law_of_an_input_that_is_not_there_is_refused_by_its_name(law: object) -> None:
+    with pytest.raises(sb.CompileError) as caught:
+        sb.simulate(cart(), 1.0, inputs={"G": law})
+    problem = caught.value.problems[0]
+    assert (problem.code, problem.where) == ("compile.unknown_input", "G")
+    assert "F" in problem.fix

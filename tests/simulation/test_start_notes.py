@@ -105,3 +105,14 @@ def test_a_loop_that_a_motion_drives_moves() -> None:
     assert run.success
     assert abs(run["d"][-1] - run["d"][0]) > 0.01
     assert not [note for note in run.notes if "no freedom" in note]
+
+
+def test_a_relative_tolerance_below_the_default_absolute_one_is_told() -> None:
+    free = sb.Prismatic(
+        "j", "ground", sb.Body("B", mass=1, frames={"tip": sb.Frame(at=(2, 0, 0))}), axis="x", coordinate="x"
+    )
+    eqs = sb.form_equations(sb.Model("mass", [free]))
+    strict = sb.simulate(eqs, 1.0, rtol=1e-12, times=[0.0, 1.0]).notes
+    assert [note for note in strict if "rtol = 1e-12" in note and "atol=2e-12" in note]
+    for given in ({"rtol": 1e-12, "atol": 2e-12}, {"rtol": 1e-10}, {}):
+        assert not [note for note in sb.simulate(eqs, 1.0, times=[0.0, 1.0], **given).notes if "rtol" in note]

@@ -94,6 +94,11 @@ def solve_index_1(
     parameters : mapping of symbol or name to number
         The values of all parameters; of an EquationSet those that differ from the model's.
 
+    Returns
+    -------
+    IndexOneSolution
+        A function of t and the states that returns their rates, with ``reactions``.
+
     Raises
     ------
     FormulationError
@@ -102,6 +107,17 @@ def solve_index_1(
         If parameters have no value, listing all of them, or are unknown.
     SimulationError
         In a call at a state where the system is singular.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> a = sb.Prismatic("a", "ground", sb.Body("A", mass=1), axis="x", coordinate="x")
+    >>> b = sb.Prismatic("b", "ground", sb.Body("B", mass=1), axis="y", coordinate="y")
+    >>> rod = sb.Distance("rod", "A", "B", 5)
+    >>> eqs = sb.form_equations(sb.Model("ladder", [a, b, rod], initial={"x": 3, "y": 4}))
+    >>> solution = sb.solve_index_1(eqs)
+    >>> solution.state_names
+    ('x_dot', 'y_dot', 'x', 'y')
     """
     given = {str(name): value for name, value in (parameters or {}).items()}
     if isinstance(equations, EquationSet):

@@ -72,11 +72,21 @@ def redundancy(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
+    parameters : mapping of name to number or formula, optional
+        Overrides values of the model.
     guess : mapping of name to number or formula in parameters
         Near which the loops close; by default the model's initial values.
     scales : mapping of "length", "time", "mass" to float, optional
         What counts as large [m, s, kg]; by default it follows from the model, and without any length there
         from the guess.
+
+    Returns
+    -------
+    Redundancy
+        Which constraints are ``kept`` and ``dropped``, the degrees of freedom, what reactions are
+        undetermined, and notes.
 
     Raises
     ------
@@ -84,6 +94,16 @@ def redundancy(
         If a name in `scales` is unknown, or a value is not positive.
     AssemblyError
         If the loops close nowhere near the guess.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> a = sb.Prismatic("a", "ground", sb.Body("A", mass=1), axis="x", coordinate="x")
+    >>> b = sb.Prismatic("b", "ground", sb.Body("B", mass=1), axis="y", coordinate="y")
+    >>> rod = sb.Distance("rod", "A", "B", 5)
+    >>> eqs = sb.form_equations(sb.Model("ladder", [a, b, rod], initial={"x": 3, "y": 4}))
+    >>> sb.redundancy(eqs).degrees_of_freedom
+    1
     """
     refuse_unknown(eqs, guess or ())
     values, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}

@@ -142,18 +142,25 @@ class Scales:
         span = abs(end - start)
         return self if self.has_time or span == 0.0 else replace(self, time=TIME_OF_SPAN * span)
 
-    def notes(self, eqs: EquationSet, atol: float | None = None) -> tuple[str, ...]:
+    def notes(
+        self, eqs: EquationSet, atol: float | None = None, rtol: float | None = None
+    ) -> tuple[str, ...]:
         """Return notes on assumptions that matter: none where an absolute tolerance was given."""
-        if (
-            atol is not None
-            or self.has_length
-            or "m" not in {eqs.units.get(name) for name in eqs.coordinate_names}
-        ):
+        if atol is not None:
             return ()
-        return (
-            "the model has no length to derive tolerances from, so they assume a mechanism of size "
-            '1 m; scales={"length": ...} [m] sets another',
-        )
+        notes = []
+        if not self.has_length and "m" in {eqs.units.get(name) for name in eqs.coordinate_names}:
+            notes.append(
+                "the model has no length to derive tolerances from, so they assume a mechanism of size "
+                '1 m; scales={"length": ...} [m] sets another'
+            )
+        # An error may be atol + rtol |x|: of states as large as the mechanism the first is the greater part.
+        if rtol is not None and rtol < CLOSED:
+            notes.append(
+                f"rtol = {rtol:g} has little effect, because the default of atol is {CLOSED:g} of the "
+                f"mechanism's size; give both, such as atol={rtol * self.length:.1g}"
+            )
+        return tuple(notes)
 
 
 def mechanism_scales(

@@ -25,6 +25,8 @@ class State(Displayed):
 
     Attributes
     ----------
+    eqs : EquationSet
+        The equations that it is a state of.
     q, u, udot, multipliers, s : mapping of name to float
         Each in the order of the equations; s are the states of signals.
     residual : float
@@ -34,6 +36,16 @@ class State(Displayed):
         ``_dot`` name from the value guessed for it, where it moved; the model's initial values are guesses.
     t : float
         Time [s].
+    parameters, inputs : mapping of name to number or formula
+        What was given for them.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> state = sb.assemble(sb.form_equations(sb.Model("cart", [rail])), {"x": 3, "x_dot": 1})
+    >>> state.q, state["x_dot"], state.udot
+    ({'x': 3.0}, 1.0, {'x_ddot': 0.0})
     """
 
     eqs: EquationSet = field(repr=False)

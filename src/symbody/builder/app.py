@@ -52,6 +52,8 @@ def _services(request: Request) -> Services:
 
 
 Builder = Annotated[Services, Depends(_services)]
+# What helps a page that asks for what this server does not have: it is one of another version.
+_RELOAD: Final = "reload the page; if that does not help, start symbody builder again"
 api: Final = APIRouter(prefix="/api")
 
 
@@ -233,15 +235,14 @@ async def _failure_answer(request: Request, error: Exception) -> Response:
 async def _request_answer(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     faults = [(".".join(map(str, each["loc"][1:])), str(each["msg"])) for each in error.errors()[:20]]
-    return _problem_response(
-        422, [page_problem(Problem("builder.request", where, what), {}) for where, what in faults]
-    )
+    problems = [Problem("builder.request", where, what, fix=_RELOAD) for where, what in faults]
+    return _problem_response(422, [page_problem(problem, {}) for problem in problems])
 
 
 async def _http_answer(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    problem = page_problem(Problem("builder.request", request.url.path, str(error.detail)), {})
-    return _problem_response(error.status_code, [problem])
+    problem = Problem("builder.request", request.url.path, str(error.detail), fix=_RELOAD)
+    return _problem_response(error.status_code, [page_problem(problem, {})])
 
 
 async def _fault_answer(request: Request, error: Exception) -> Response:

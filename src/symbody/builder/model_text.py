@@ -136,8 +136,9 @@ def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
         return write_layout(text, _drop_nulls(layout))
     except (TypeError, ValueError, RecursionError, TOMLKitError) as error:
         raise FormatError(
-            Problem("file.layout", "layout", f"it cannot be written to a file: {error}")
-        ) from None
+            Problem("file.layout", "layout", f"it cannot be written to a file: {error}",
+                    fix="remove layout: the diagram then places its parts itself")
+        ) from None  # fmt: skip
 
 
 def _incomplete_text(data: Mapping[str, Any], onto: str) -> str:
@@ -205,8 +206,9 @@ def _node(value: Any, key: str = "") -> Node:
         number = None if key in _WORDS else _formula(value)
         return number if number is not None and number.is_number else value
     raise FormatError(
-        Problem("builder.not_writable", key, f"{type(value).__name__} cannot be written to a file")
-    )
+        Problem("builder.not_writable", key, f"{type(value).__name__} cannot be written to a file",
+                fix="give a text, a number, True or False, a list or a mapping")
+    )  # fmt: skip
 
 
 def _formula(text: str) -> Formula | None:

@@ -227,7 +227,9 @@ class NewestOnly:
 
 
 def _superseded_error() -> Exception:
-    return refusal("builder.superseded", "", "a newer request replaced this one")
+    return refusal(
+        "builder.superseded", "", "a newer request replaced this one", fix="wait for the answer to that"
+    )
 
 
 def _worker_lost() -> dict[str, Any]:

@@ -37,6 +37,8 @@ def compile(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     outputs : str or iterable of str
         Output names, for instance ``"udot"`` or ``["mass_matrix", "forcing"]``, or expressions. For
         ``"inverse_dynamics"`` the inputs are followed by the accelerations, ``eqs.acceleration_names``.
@@ -61,12 +63,31 @@ def compile(
         Seconds after which this ends with an error that names the stage; outputs whose formulas were found
         stay with `eqs`, so that the next call continues from there. By default there is no limit.
 
+    Returns
+    -------
+    CompiledFunction
+        Called with t, q and u in the order of ``eqs.coordinate_names`` and ``eqs.speed_names``, the inputs r
+        and the values p of `free`; ``f.of_state(t, x, r, p)`` takes the states x = (u, q), as solvers do.
+
     Raises
     ------
     CompileError
         If parameters have no value, listing all of them, or names are unknown.
     TimeLimitError
         When time is up.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> f = sb.compile(eqs, "udot")
+    >>> f(0.0, q=[0.1], u=[0.0], r=[2.0])
+    array([0.6])
+    >>> f.of_state(0.0, [0.0, 0.1], [2.0])
+    array([0.6])
     """
 
     def make_function() -> CompiledFunction:

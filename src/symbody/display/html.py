@@ -57,15 +57,15 @@ def paragraph(text: str) -> Markup:
     return Markup(f"<div>{_cell(text)}</div>")
 
 
-def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> Markup:
-    """Return a table; rows beyond `MOST_ROWS` are counted only, a table without rows is nothing."""
+def table(heading: Sequence[str], rows: Iterable[Sequence[str]], most: int = MOST_ROWS) -> Markup:
+    """Return a table; rows beyond the `most` are counted only, a table without rows is nothing."""
     shown = list(rows)
     if not shown:
         return Markup()
     top = "".join(f'<th style="{_ALIGNED}">{_cell(word)}</th>' for word in heading)
-    body = "".join(_line(row) for row in shown[:MOST_ROWS])
-    if len(shown) > MOST_ROWS:
-        more = f"\u2026 and {len(shown) - MOST_ROWS} more"
+    body = "".join(_line(row) for row in shown[:most])
+    if len(shown) > most:
+        more = f"\u2026 and {len(shown) - most} more"
         body += f'<tr><td colspan="{len(heading)}" style="{_ALIGNED}">{more}</td></tr>'
     return Markup(f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>")
 

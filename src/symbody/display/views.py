@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Final
 
@@ -30,10 +30,10 @@ from symbody.display.html import (
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.equation_page import equation_operations, equations_page
 from symbody.equations.outputs.equation_sections import SHOWN_DIGITS
+from symbody.equations.outputs.output_table import OutputTable
 from symbody.equations.outputs.units import symbol_units
 from symbody.errors import SymbodyError, number_in_words
 from symbody.expr.language.formula import Formula
-from symbody.expr.printing.mathml_tables import math_element, mathml_matrix
 from symbody.model.body import Body
 from symbody.model.declarations.declaration import Declared
 from symbody.model.element import Element
@@ -46,6 +46,7 @@ from symbody.simulation.sweeps.result import Sweep
 _MOST_SPEEDS: Final = 4  # of equations that are written out
 _MOST_OPERATIONS: Final = 400  # of all sides together
 _MOST_STATES: Final = 6  # of a matrix that is written out
+_MOST_OUTPUTS: Final = 300  # of a table of them
 
 
 def _model(model: Model) -> str:
@@ -145,12 +146,23 @@ def _equilibrium(state: Equilibrium) -> str:
 
 def _linearization(linear: Linearization) -> str:
     title = f"Linearization of {linear.at.eqs.model.name!r}: {linear.verdict}"
-    matrix = Markup()
+    parts = [paragraph(Markup(f"states {_symbols(linear.state_names)}"))]
     if 0 < len(linear.state_names) <= _MOST_STATES:
-        rows = [[f"<mn>{_signed_number(value)}</mn>" for value in row] for row in linear.A]
-        matrix = Markup(math_element(f"<mi>A</mi><mo>=</mo>{mathml_matrix(rows)}", block=True))
-    states = paragraph(Markup(f"states {_symbols(linear.state_names)}"))
-    return page(title, _modes(linear.modes), states, matrix, notes(linear.notes))
+        parts.append(_labelled_matrix("A", linear.A, linear.state_names, linear.state_names))
+        if 0 < len(linear.input_names) <= _MOST_STATES:
+            parts.append(_labelled_matrix("B", linear.B, linear.state_names, linear.input_names))
+    return page(title, _modes(linear.modes), *parts, notes(linear.notes))
+
+
+def _labelled_matrix(
+    letter: str, matrix: NDArray[np.float64], rows: Sequence[str], columns: Sequence[str]
+) -> Markup:
+    """Return a matrix whose rows, rates of states, and columns have their names."""
+    lines = [
+        (Markup(f"rate of {symbol(name)}"), *map(_signed_number, row))
+        for name, row in zip(rows, matrix, strict=True)
+    ]
+    return table((letter, *map(symbol, columns)), lines)
 
 
 def _linearization_latex(linear: Linearization) -> str | None:
@@ -207,6 +219,19 @@ def _sweep(sweep: Sweep) -> str:
     return page(
         repr(sweep), table(("varied", "unit", "from", "to"), rows), paragraph(counts), notes(sweep.notes)
     )
+
+
+def _outputs(outputs: OutputTable) -> str:
+    """Return a table; headings stand at their first output."""
+    rows, title = [], ""
+    for each in outputs:
+        rows.append(
+            ("" if each.title == title else each.title, each.name, each.shape_text.replace("x", "\u00d7"),
+             show_unit(each.unit), each.meaning)
+        )  # fmt: skip
+        title = each.title
+    heading = ("", "name", "shape", "unit", "meaning")
+    return page(number_in_words(len(outputs), "output"), table(heading, rows, _MOST_OUTPUTS))
 
 
 def _show_declared(element: Declared) -> str:
@@ -270,6 +295,7 @@ VIEWS.update(
         Modes: _all_modes,
         Declared: _show_declared,
         Sweep: _sweep,
+        OutputTable: _outputs,
     }
 )
 LATEX_VIEWS.update({EquationSet: _equations_latex, Linearization: _linearization_latex})

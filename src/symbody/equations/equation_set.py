@@ -40,6 +40,7 @@ from symbody.model.output_names import (
 from symbody.single_flight import SingleFlight
 
 if TYPE_CHECKING:
+    from symbody.equations.outputs.output_table import OutputTable
     from symbody.equations.outputs.textbook import Reaction, Textbook
 
 
@@ -129,6 +130,35 @@ class EquationSet(PrintedEquations, NamedEquations):
             MULTIPLIERS: names.multipliers,
         }
         return list_readable(self.formed.topology.output_scope, symbols)
+
+    def outputs(self) -> OutputTable:
+        """Return what can be computed of these equations by name: shapes, units and what each is.
+
+        The table can be searched and is shown by notebooks; `compile`, `generate_code`, results, events and
+        formulas (in quotes) take its names. Beside these there are derivatives such as ``"d udot/d q"``,
+        motions of any two frames, ``"frame v A.tip B"``, and expressions in all names.
+
+        Returns
+        -------
+        OutputTable
+            A tuple of (name, shape, unit, meaning, title).
+
+        Examples
+        --------
+        >>> import symbody as sb
+        >>> joint = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+        >>> eqs = sb.form_equations(sb.Model("cart", [joint]))
+        >>> eqs.outputs().search("energy").names
+        ('kinetic_energy', 'potential_energy', 'energy')
+        >>> eqs.outputs().search("mass matrix")[0].shape
+        (1, 1)
+        """
+        names, holonomic = self.names, len(self.formed.holonomic)
+        sizes = {"n_u": len(names.speeds), "n_q": len(names.coordinates), "n_s": len(names.signals)}
+        sizes |= {"n_x": len(names.states), "n_r": len(names.inputs), "n_c": len(names.multipliers)}
+        sizes["n_h"] = holonomic
+        table = outputs.output_table.output_table
+        return table(self.listed_outputs, self.formed.topology.output_scope, self.units, sizes)
 
     @property
     def coordinates(self) -> tuple[SympyExpr, ...]:

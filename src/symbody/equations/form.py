@@ -67,6 +67,12 @@ def form_equations(
         Equations that an earlier process formed are formed on first use, without this limit. `compile` has
         a limit of its own.
 
+    Returns
+    -------
+    EquationSet
+        The equations ``M u' = F + J^T lambda`` with ``q' = N u + nu``: as formulas (``mass_matrix``,
+        ``forcing``, ...), as names of outputs (``outputs()``), and as what `simulate` and `compile` take.
+
     Raises
     ------
     UsageError
@@ -80,6 +86,18 @@ def form_equations(
         determine the dependent speeds.
     AssemblyError, ModelError
         If "auto" finds no configuration, or no value of a parameter.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> print(eqs)
+    2 x'' + 8 x = F
+    >>> eqs.state_names
+    ('x_dot', 'x')
     """
     if not isinstance(model, Model):
         raise UsageError(_no_model(model))

@@ -101,8 +101,12 @@ def save_fmu(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     path : str or path
         The archive to write, ``name.fmu``.
+    version : "3.0" or "2.0"
+        Of the FMI standard.
     outputs : iterable of str
         What `compile` computes: numbers, vectors or matrices, which become one variable an entry.
     initial : mapping, optional
@@ -124,6 +128,11 @@ def save_fmu(
     sources : bool
         Whether the C stays in the archive.
 
+    Returns
+    -------
+    Fmu
+        What was written: its variables, platforms and notes.
+
     Raises
     ------
     UsageError
@@ -132,6 +141,15 @@ def save_fmu(
         If loops do not close, an output is unknown, or the archive cannot be written.
     EnvironmentFault
         If no compiler makes libraries for a platform that is asked for.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> fmu = sb.save_fmu(eqs, "oscillator.fmu", outputs=["energy"])  # doctest: +SKIP
     """
     file = Path(path)
     _check_path(file)

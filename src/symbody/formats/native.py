@@ -35,12 +35,30 @@ _PACKAGE: Final = __name__.partition(".")[0]
 def load_model(path: str | os.PathLike[str]) -> Model:
     """Return the model in a TOML file.
 
+    Parameters
+    ----------
+    path : str or path
+        The file.
+
+    Returns
+    -------
+    Model
+        What it describes.
+
     Raises
     ------
     FormatError
         If the file cannot be read, is not TOML, or has keys and types that do not fit.
     ModelError
         If the mechanism it describes contradicts itself. Both list all problems, with their lines.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> sb.save_model(sb.Model("cart", [rail]), "cart.toml")  # doctest: +SKIP
+    >>> sb.load_model("cart.toml")  # doctest: +SKIP
+    Model('cart': 1 body, 1 joint)
     """
     where = os.fsdecode(path)
     if where.lower().endswith(".urdf"):
@@ -55,11 +73,28 @@ def save_model(model: Model, path: str | os.PathLike[str]) -> None:
     Comments, order and ``[layout]`` of an existing model file are kept, and so is the old file, with ``.bak``
     appended to its name. The file is replaced in one step.
 
+    Parameters
+    ----------
+    model : Model
+        What is written.
+    path : str or path
+        The file, as ``"model.toml"``.
+
     Raises
     ------
     FormatError
         If the file cannot be written, or the existing one cannot be read; or if elements
         are of classes that are not symbody's. The file that was there is unchanged.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib, symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "cart.toml")
+    ...     sb.save_model(sb.Model("cart", [rail]), path)
+    ...     sb.load_model(path)
+    Model('cart': 1 body, 1 joint)
     """
     _refuse_own_classes(model)
     old = "" if not os.path.lexists(path) or os.path.getsize(path) == 0 else read_text(path)

@@ -236,6 +236,35 @@ class Model(Displayed):
         """
         return _find_named(self._joints, "joint", name)
 
+    @checked_arguments
+    def values(self, parameters: Mapping[str, Value] | None = None) -> dict[str, float]:
+        """Return the value of every parameter as a number; what depends on others follows them.
+
+        Parameters
+        ----------
+        parameters : mapping of name to number or formula, optional
+            In place of the model's values, as in `simulate`.
+
+        Returns
+        -------
+        dict of name to float
+            In the order of `parameters`.
+
+        Raises
+        ------
+        ModelError
+            Listing all parameters without value, or all names that are not parameters.
+
+        Examples
+        --------
+        >>> rod = Body("Rod", mass="m", inertia=(0, 0, "m*L^2/12"))
+        >>> model = Model("rod", [rod], parameters={"L": "2*r", "r": 0.25, "m": 3})
+        >>> model.values(), model.values({"r": 1})["L"]
+        ({'L': 0.5, 'r': 0.25, 'm': 3.0}, 2.0)
+        """
+        found = resolve(self.parameters, parameters or {})
+        return {name: float(found[name]) for name in self.parameters}
+
     def parameter_order(self, overrides: Mapping[str, Formula] | None = None) -> tuple[str, ...]:
         """Return the parameters, each after those that its formula, or the one in its place, contains."""
         return dependence_order({**self.parameters, **(overrides or {})})

@@ -8,8 +8,7 @@ from fractions import Fraction
 
 from symbody.expr.graph import Constant, Graph
 from symbody.expr.language.formula import Formula, build
-from symbody.expr.sequences.evaluate import evaluate_sequence
-from symbody.expr.sequences.sequence import Roots, build_sequence
+from symbody.expr.sequences.evaluate import value_of
 
 
 class _Unknown(Exception):
@@ -49,7 +48,7 @@ def formula_value(formula: Formula, values: Mapping[str, Constant] | None = None
     except _Unknown:
         return None
     exact = graph.number(root)
-    return _float_value(graph, root) if exact is None else exact
+    return value_of(graph, root) if exact is None else exact
 
 
 def square_root(square: Constant) -> Constant | None:
@@ -59,11 +58,6 @@ def square_root(square: Constant) -> Constant | None:
     exact = Fraction(square)
     top, bottom = math.isqrt(exact.numerator), math.isqrt(exact.denominator)
     return Fraction(top, bottom) if Fraction(top * top, bottom * bottom) == exact else None
-
-
-def _float_value(graph: Graph, root: int) -> float:
-    sequence = build_sequence(graph, [Roots("value", (), (root,))], {})
-    return float(evaluate_sequence(sequence, {})[0][0])
 
 
 def as_float(value: Constant) -> float:

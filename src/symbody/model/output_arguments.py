@@ -6,7 +6,7 @@ Each argument knows what may stand in its place, so that names are read, listed 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -149,6 +149,36 @@ class CoordinateWord(OutputArgument):
     def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
         """Return the new name of a coordinate; directions of springs are no symbols."""
         return names.symbol(word) if word and isinstance(scope.elements.get(before[0]), Joint) else word
+
+
+@dataclass(frozen=True)
+class SpeedWord(OutputArgument):
+    """A coordinate whose rate is a speed, or a quasi-speed; if it is left out, all speeds are meant.
+
+    Which of them are speeds follows from the trees, so that lists leave the word out.
+    """
+
+    letter: str
+    is_needed: bool = False
+    is_listed: bool = False
+
+    def choices(self, scope: OutputScope, before: Words) -> Iterable[str]:
+        """Return the quasi-speeds of all joints, and the coordinates where these have none."""
+        joints = (element for element in scope.elements.values() if isinstance(element, Joint))
+        return ["", *(name for joint in joints for name in _moving_names(joint))]
+
+    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
+        """Return the new name of a coordinate or speed."""
+        return names.symbol(word) if word else ""
+
+
+def _moving_names(joint: Joint) -> Iterator[str]:
+    for coordinates, speeds in (
+        (joint.translation_coordinates, joint.translation_speeds),
+        (joint.rotation_coordinates, joint.rotation_speeds),
+    ):
+        own = coordinates if speeds is None else speeds.names
+        yield from (name for name in own if name not in joint.motions)
 
 
 @dataclass(frozen=True)

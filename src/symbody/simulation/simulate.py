@@ -54,6 +54,8 @@ def simulate(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     t_end : float or (t0, t_end)
         End time [s], or both ends; initial values hold at the first.
     initial : mapping of name to number or formula in parameters, or `Initial`
@@ -76,13 +78,39 @@ def simulate(
         largest length or of 1 rad, for speeds over its time; see `analysis.scales.Scales`.
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
         What counts as large [m, s, kg] where it should not follow from the model, or from an initial value.
+    max_steps : int
+        After so many steps the motion ends, which `status` says.
     progress : bool or callable, optional
         True shows stages and a bar; a callable takes the share that is done, and returns False to end it.
+
+    Returns
+    -------
+    Trajectory
+        The motion: ``run["x"]`` are the samples (N,) of any output by its name, ``run.outputs()`` lists all;
+        ``run.t`` the times [s]; ``run.q`` (n_q, N) and ``run.u`` (n_u, N) coordinates and speeds in the order
+        of ``run.coordinate_names`` and ``run.speed_names``; ``run.at(t)`` the motion between the samples.
+        ``run.success`` is True if the end was reached, ``run.status`` says how it ended and what to try,
+        ``run.notes`` what was assumed; ``run.events`` what happened when; ``run.statistics`` what it cost.
+        `energy_drift` and `constraint_violation` measure errors. ``plot(run)`` and ``animate(run)`` show it,
+        ``run.to_pandas()`` and ``run.save(path)`` keep it.
 
     Raises
     ------
     CompileError, FormulationError, UsageError, AssemblyError, SimulationError
         If arguments make no sense, initial values do not fit, or a law fails; else `status` says what failed.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> run = sb.simulate(eqs, 10.0, {"x": 0.2}, inputs={"F": "0.1*sin(t)"}, times=[0, 5, 10])
+    >>> run.success, run.t, run["x"].shape, run["x"][0]
+    (True, array([ 0.,  5., 10.]), (3,), np.float64(0.2))
+    >>> run.units["x_dot"], abs(run.energy_drift) < 1e-8
+    ('m/s', True)
     """
     check_arguments(eqs, t_end, integrator, constraints, initial=initial, guess=guess, inputs=inputs)
     exact, near = by_priority(initial or {}, guess or {})
@@ -95,7 +123,7 @@ def simulate(
         first = assemble(eqs, exact, near, parameters, laws.formulas, span[0], scales=scales)
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
-        notes = _input_notes(problem, inputs, atol) + start_notes(problem, first, {**near, **exact})
+        notes = _input_notes(problem, inputs, atol, rtol) + start_notes(problem, first, {**near, **exact})
         run, problem, _ = drive(Motion(
             problem, first_numbers(first), span, times, rtol, atol, max_steps, show, watched, integrator,
             constraints,
@@ -130,7 +158,7 @@ def pose_problem(
 
 
 def _input_notes(
-    problem: SimulationProblem, inputs: Mapping[str, Law], atol: float | None
+    problem: SimulationProblem, inputs: Mapping[str, Law], atol: float | None, rtol: float
 ) -> tuple[str, ...]:
     """Return notes on inputs, on motions that are prescribed whole, and on what counts as large."""
     eqs = problem.eqs
@@ -138,7 +166,7 @@ def _input_notes(
     notes = [silent_input_note(eqs.units, name) for name in silent]
     if not (eqs.speed_names or eqs.formed.light_balances):
         notes.append("every coordinate is prescribed: only driving forces and reactions are computed")
-    return (*notes, *problem.laws.notes, *problem.scales.notes(eqs, atol))
+    return (*notes, *problem.laws.notes, *problem.scales.notes(eqs, atol, rtol))
 
 
 def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:

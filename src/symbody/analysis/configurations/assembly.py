@@ -70,8 +70,13 @@ def assemble(
 ) -> State:
     """Return a state in which all constraints hold.
 
+    Ropes are made taut where the guess would stretch them beyond their length, and where their ends would
+    move apart although they are taut, unless fixed speeds demand that; shorter ropes are left alone.
+
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     fixed : mapping of name to number or formula in parameters
         Coordinates, speeds, ``_dot`` names, any named joint coordinate, or states of signals, that must have
         these values; of an angle also ``"30 deg"``. Initial values of the model with the priority "hold" are
@@ -94,8 +99,11 @@ def assemble(
         Sizes of the mechanism [m, s, kg]; by default they follow from the model. Constraints are closed to
         1e-9 of the length, or rad.
 
-    Ropes are made taut where the guess would stretch them beyond their length, and where their ends would
-    move apart although they are taut, unless fixed speeds demand that; shorter ropes are left alone.
+    Returns
+    -------
+    State
+        Positions ``q``, speeds ``u``, accelerations ``udot`` and multipliers by name, also as
+        ``state["theta"]``; ``moved`` says which guesses were not kept, ``branches`` has other assemblies.
 
     Raises
     ------
@@ -103,6 +111,17 @@ def assemble(
         If the loops do not close, naming the joint that stays farthest open where the sum of squares of all
         gaps is least, and the others open there; or they close outside the ranges only; or fixed values
         contradict each other, naming the smallest set that does; or if a name is unknown.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> a = sb.Prismatic("a", "ground", sb.Body("A", mass=1), axis="x", coordinate="x")
+    >>> b = sb.Prismatic("b", "ground", sb.Body("B", mass=1), axis="y", coordinate="y")
+    >>> rod = sb.Distance("rod", "A", "B", 5)
+    >>> eqs = sb.form_equations(sb.Model("ladder", [a, b, rod], initial={"x": 3, "y": 4}))
+    >>> state = sb.assemble(eqs, {"x": 4, "x_dot": 3})
+    >>> print(f"{state['y']:.6f} {state['y_dot']:.6f}")
+    3.000000 -4.000000
     """
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})

@@ -187,11 +187,26 @@ def solve_positions(
     seconds : float
         The time allowed [s].
 
+    Returns
+    -------
+    PositionSolutions
+        All ``branches``, each a mapping of a dependent coordinate to its formula.
+
     Raises
     ------
     FormulationError
         If there are not as many dependent coordinates as constraints, one of them appears in no constraint,
         no closed form is found, or none within the time.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> a = sb.Prismatic("a", "ground", sb.Body("A", mass=1), axis="x", coordinate="x")
+    >>> b = sb.Prismatic("b", "ground", sb.Body("B", mass=1), axis="y", coordinate="y")
+    >>> rod = sb.Distance("rod", "A", "B", 5)
+    >>> eqs = sb.form_equations(sb.Model("ladder", [a, b, rod], initial={"x": 3, "y": 4}))
+    >>> len(sb.solve_positions(eqs, ["y"]).branches)
+    2
     """
     names = [_name(item) for item in dependent]
     notes: tuple[str, ...] = ()

@@ -101,9 +101,13 @@ def find_equilibrium(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     guess : mapping of name to number or formula
         Coordinates near which to look; by default the model's initial values, then 0. Where equilibria form a
         continuum, the one that is reached by the shortest steps is taken, with a note.
+    parameters : mapping of name to number or formula, optional
+        Overrides values of the model.
     inputs : mapping of name to number or formula
         Constant, by default 0; formulas may read the state.
     unknowns : str or sequence of str
@@ -115,11 +119,27 @@ def find_equilibrium(
     scales : mapping of "length", "time", "mass" to float, optional
         Sizes of the mechanism [m, s, kg]; by default they follow from the model, see `assemble`.
 
+    Returns
+    -------
+    Equilibrium
+        A `State` at rest, with ``stable`` and ``verdict``, and other equilibria in ``branches``.
+
     Raises
     ------
     AssemblyError
         If the loops do not close, a motion in time leaves no rest, or forces balance nowhere near the guess:
         with what is left of them at the best configuration, and along which speed.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> rest = sb.find_equilibrium(eqs, inputs={"F": 4})
+    >>> print(f"{rest['x']:.6f}")
+    0.500000
     """
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     refuse_held(eqs, "an equilibrium", {*(inputs or {}), *unknowns})

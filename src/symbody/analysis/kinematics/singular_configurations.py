@@ -103,6 +103,8 @@ def singular_configurations(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     independent : str or sequence of str
         Coordinates or speeds, as many as there are degrees of freedom.
     over : mapping of coordinate to range or number
@@ -110,9 +112,16 @@ def singular_configurations(
         Both may be formulas in parameters, angles texts such as ``"30 deg"``.
     guess : mapping of name to number or formula in parameters
         Near which the loops close; other assemblies that are found are followed, too.
+    parameters : mapping of name to number or formula, optional
+        Overrides values of the model.
     scales : mapping of "length", "time", "mass" to float, optional
         Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the range and a configuration near the guess.
+
+    Returns
+    -------
+    tuple of SingularConfiguration
+        In the order in which they are met, each with its positions ``q``, its kind and its joint.
 
     Raises
     ------
@@ -120,6 +129,17 @@ def singular_configurations(
         If names make no sense, there is not exactly one range, or other degrees of freedom are left.
     AssemblyError
         If the loops close nowhere in the range.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> a = sb.Prismatic("a", "ground", sb.Body("A", mass=1), axis="x", coordinate="x")
+    >>> b = sb.Prismatic("b", "ground", sb.Body("B", mass=1), axis="y", coordinate="y")
+    >>> rod = sb.Distance("rod", "A", "B", 5)
+    >>> eqs = sb.form_equations(sb.Model("ladder", [a, b, rod], initial={"x": 3, "y": 4}))
+    >>> found = sb.singular_configurations(eqs, "x", {"x": (0.0, 5.0)})
+    >>> [round(each.q["x"], 6) for each in found]
+    [5.0]
     """
     numbers = led_numbers(eqs, over, parameters)
     first = _first(eqs, numbers, guess, parameters, scales)

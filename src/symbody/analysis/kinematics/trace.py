@@ -128,10 +128,14 @@ def trace_positions(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     over : mapping of coordinate to (N,) values or one value
         For each degree of freedom a coordinate: numbers, formulas, ``"30 deg"``. A single value fixes it.
     guess : mapping of name to number or formula in parameters
         Near which the loops close at the first values.
+    parameters : mapping of name to number or formula, optional
+        Overrides values of the model.
     t : float
         Time [s], for explicit time in the model.
     scales : mapping of "length", "time", "mass" to float, optional
@@ -149,6 +153,17 @@ def trace_positions(
         If names or values make no sense, or degrees of freedom are left.
     AssemblyError
         If the loops do not close at the first values.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> a = sb.Prismatic("a", "ground", sb.Body("A", mass=1), axis="x", coordinate="x")
+    >>> b = sb.Prismatic("b", "ground", sb.Body("B", mass=1), axis="y", coordinate="y")
+    >>> rod = sb.Distance("rod", "A", "B", 5)
+    >>> eqs = sb.form_equations(sb.Model("ladder", [a, b, rod], initial={"x": 3, "y": 4}))
+    >>> path = sb.trace_positions(eqs, {"x": [0.0, 3.0, 4.0]})
+    >>> path["y"].round(6)
+    array([5., 4., 3.])
     """
     values = read_values(led_numbers(eqs, over, parameters))
     values_given = dict(parameters or {})

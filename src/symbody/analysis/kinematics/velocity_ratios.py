@@ -63,6 +63,8 @@ class VelocityRatios:
 
     Attributes
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     independent, dependent : tuple of str
         Names of speeds; rows of `tau` are dependent ones, its columns independent ones.
     rows : tuple of str
@@ -331,14 +333,24 @@ def velocity_ratios(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     independent : str or sequence of str
         Coordinates or speeds, one per degree of freedom. By default those from which the others follow
         best at a configuration, by pivoting; those with an input are preferred.
     at : State
         That configuration; by default one near the model's initial values.
+    parameters : mapping of name to number or formula, optional
+        Overrides values of the model.
     scales : mapping of "length", "time", "mass" to float, optional
         Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the configuration.
+
+    Returns
+    -------
+    VelocityRatios
+        The rows of dependent speeds over the independent ones as formulas, ``determinant``, and numbers at
+        any configuration.
 
     Raises
     ------
@@ -346,6 +358,17 @@ def velocity_ratios(
         If names make no sense, or their number differs from the degrees of freedom.
     AssemblyError
         If the loops do not close.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> a = sb.Prismatic("a", "ground", sb.Body("A", mass=1), axis="x", coordinate="x")
+    >>> b = sb.Prismatic("b", "ground", sb.Body("B", mass=1), axis="y", coordinate="y")
+    >>> rod = sb.Distance("rod", "A", "B", 5)
+    >>> eqs = sb.form_equations(sb.Model("ladder", [a, b, rod], initial={"x": 3, "y": 4}))
+    >>> ratios = sb.velocity_ratios(eqs, "x")
+    >>> ratios.dependent, ratios.independent
+    (('y_dot',), ('x_dot',))
     """
     values = dict(parameters or {})
     state = at or assemble(eqs, None, None, parameters, scales=scales)

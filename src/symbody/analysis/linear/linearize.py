@@ -55,10 +55,14 @@ def linearize(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     at : mapping of name to number or formula, or State
         Coordinates and speeds of the state; `assemble` completes it, from the model's initial values where
         nothing else is given. A State is taken as it is, with its parameters, inputs and time unless others
         are given.
+    parameters : mapping of name to number or formula, optional
+        Overrides values of the model.
     inputs : mapping of name to number or formula
         Values that r deviates from, by default 0. Formulas in states close a loop: these are not inputs then.
     outputs : str or sequence of str
@@ -70,9 +74,18 @@ def linearize(
         Coordinates that nothing depends on, which is checked by the formulas, or along the motion; they leave
         the states, speeds stay. With them steady motions such as precession or riding straight ahead have
         constant states.
+    t : float
+        Time at which what depends on it is taken [s].
     scales : mapping of "length", "time", "mass" to float, optional
         Sizes of the mechanism [m, s, kg], to which rest is relative, too; by default they follow from the
         model, and without any length there from the state.
+
+    Returns
+    -------
+    Linearization
+        ``x' = A x + B r``, ``y = C x + D r`` of the deviations, with ``state_names``, ``input_names``,
+        ``output_names``, ``modes`` and ``verdict``; rows and columns are in the order of ``state_names``:
+        speeds, then coordinates.
 
     Raises
     ------
@@ -81,6 +94,20 @@ def linearize(
         or something depends on a coordinate named cyclic.
     CompileError, FormulationError
         If values are missing or names are unknown.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> linear = sb.linearize(eqs)
+    >>> linear.state_names
+    ('x_dot', 'x')
+    >>> linear.A
+    array([[ 0., -4.],
+           [ 1.,  0.]])
     """
     refuse_held(eqs, "a linear model", {**(at.inputs if isinstance(at, State) else {}), **(inputs or {})})
     state = _state(eqs, at, parameters, inputs, t, scales)

@@ -126,6 +126,6 @@ def read_options(kind: type[Options], given: Mapping[str, Any]) -> Options:
         return kind.model_validate(given)
     except ValidationError as error:
         faults = [(".".join(map(str, each["loc"])), str(each["msg"])) for each in error.errors()[:20]]
-        raise TaskFailure(
-            [page_problem(Problem("builder.option", where, what), {}) for where, what in faults]
-        ) from None
+        known = f"the options are {', '.join(kind.model_fields)}"
+        problems = [Problem("builder.option", where, what, "", known) for where, what in faults]
+        raise TaskFailure([page_problem(problem, {}) for problem in problems]) from None

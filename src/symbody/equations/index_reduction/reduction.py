@@ -50,6 +50,18 @@ def reduce_index(
     FormulationError
         If the equations do not determine the unknowns, contradict each other, or are not linear in the
         derivatives.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> import symbody as sb
+    >>> t = sp.Symbol("t")
+    >>> x, y, z = (sp.Function(name)(t) for name in "xyz")
+    >>> result = sb.reduce_index([x.diff(t) - y, x - sp.sin(t)], [x, y])
+    >>> result.ode
+    [-y(t) + Derivative(x(t), t), sin(t) + Derivative(y(t), t)]
+    >>> result.algebraic
+    ([x(t) - sin(t)], [y(t) - cos(t)])
     """
     if isinstance(equations, EquationSet):
         return reduce_mechanism(equations.formed)
@@ -62,7 +74,9 @@ def reduce_index(
     return _of_equations(equations, tuple(unknowns))
 
 
-def _of_equations(equations: Sequence[SympyExpr], unknowns: tuple[SympyExpr, ...]) -> IndexReduction:
+def _of_equations(
+    equations: Sequence[SympyExpr | SympyEquation], unknowns: tuple[SympyExpr, ...]
+) -> IndexReduction:
     graph = Graph()
     rows = nodes_from_equations(equations, graph)
     rates = derivative_nodes(graph, time_derivatives(unknowns))

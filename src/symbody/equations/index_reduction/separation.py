@@ -103,6 +103,16 @@ def separate_derivatives(equations: Sequence[SympyExpr], derivatives: Sequence[S
     ------
     FormulationError
         If an equation is not linear in the derivatives, or contradicts the others.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> import symbody as sb
+    >>> t = sp.Symbol("t")
+    >>> x, y, z = (sp.Function(name)(t) for name in "xyz")
+    >>> first = sb.separate_derivatives([x.diff(t) - y, x - sp.sin(t)], [x.diff(t), y.diff(t)])
+    >>> first.algebraic
+    [x(t) - sin(t)]
     """
     graph = Graph()
     rows = nodes_from_equations(equations, graph)

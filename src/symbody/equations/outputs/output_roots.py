@@ -309,19 +309,35 @@ def _matrix(
     return make
 
 
-def _gravity_forcing(formed: EquationsOfMotion) -> list[Expr]:
-    """Return the generalized forces of gravity (n_u,): power of all weights by each speed [N, N m]."""
+def _gravity_forcing(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "gravity_forcing [x]": what gravity does along all speeds, or one [N, N m]."""
+    word = " ".join(words)
+    if not word:
+        values = _gravity_forces(formed, formed.u)
+        return (len(values),), values
+    found = [speed for speed in formed.u if speed.name == word]
+    if not found:
+        names = [speed.name for speed in formed.u]
+        what = f"{word!r} is no coordinate whose rate is a speed of these equations"
+        raise FormulationError(
+            Problem("equations.unknown_speed", f"gravity_forcing {word}", what, "", nearest(word, names))
+        )
+    return (), _gravity_forces(formed, found)
+
+
+def _gravity_forces(formed: EquationsOfMotion, along: Sequence[Symbol]) -> list[Expr]:
+    """Return the power of all weights by each of some speeds [N, N m]."""
     graph, model = formed.graph, formed.topology.model
     gravity = formed.names.triple(model.gravity, "gravity")
-    forces = [Expr(graph, 0)] * len(formed.u)
-    speeds = [graph.symbol(symbol) for symbol in formed.u]
+    forces = [Expr(graph, 0)] * len(along)
+    speeds = [graph.symbol(symbol) for symbol in along]
     for body in model.bodies:
         velocity = frame_motion_entries(formed, "v", body.name)[1]
         mass = formed.names.expression(body.mass, f"body {body.name}, mass")
         rows = jacobian(graph, [entry.index for entry in velocity], speeds)
-        for along, row in zip(gravity, rows, strict=True):
+        for pull, row in zip(gravity, rows, strict=True):
             forces = [
-                force + mass * along * Expr(graph, slope) for force, slope in zip(forces, row, strict=True)
+                force + mass * pull * Expr(graph, slope) for force, slope in zip(forces, row, strict=True)
             ]
     return forces
 
@@ -365,7 +381,7 @@ MAKERS: Final = _for_all_kinds(
         "lambda": _vector(lambda formed: solve(formed)[1]),
         "mass_matrix": _matrix(lambda formed: formed.dynamics.mass_matrix),
         "forcing": _vector(lambda formed: formed.dynamics.forcing),
-        "gravity_forcing": _vector(_gravity_forcing),
+        "gravity_forcing": _gravity_forcing,
         "bias": _vector(lambda formed: [-force for force in formed.dynamics.forcing]),
         "inverse_dynamics": _vector(inverse_dynamics),
         "constraints": _vector(lambda formed: [row.value for row in formed.holonomic]),

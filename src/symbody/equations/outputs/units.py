@@ -17,6 +17,9 @@ from symbody.model.output_names import FRAME_OUTPUT, MOTION_UNITS, kind_of, list
 
 _TRANSLATION: Final = ("m", "m/s", "m/s^2")
 _ROTATION: Final = ("rad", "rad/s", "rad/s^2")
+# What acts along a speed, by the unit of that.
+_EFFORTS: Final[Mapping[str, str]] = {"m/s": "N", "rad/s": "N m"}
+_GRAVITY: Final = "gravity_forcing"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,6 +77,9 @@ def output_units(formed: EquationsOfMotion) -> Units:
         units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), _ROTATION, strict=True))
     for joint in formed.topology.joints:
         units |= _joint_units(joint)
+    for speed in formed.u:
+        if units.get(speed.label) in _EFFORTS:
+            units[f"{_GRAVITY} {speed.name}"] = _EFFORTS[units[speed.label]]
     own = {part.name: part.multiplier_unit for part in formed.topology.model.constraints}
     rows = (*formed.rows, *formed.coupled.rows)
     units |= {row.name: own[row.element] for row in rows if own.get(row.element)}

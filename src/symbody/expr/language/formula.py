@@ -65,6 +65,31 @@ class Formula:
     def __str__(self) -> str:
         return self.text
 
+    def __float__(self) -> float:
+        """Return the number that this is; pi is the only name that may stand in it.
+
+        Raises
+        ------
+        ExpressionError
+            If other names or outputs stand in it, it divides by zero, or it is too large.
+        """
+        plain = self.constant()
+        if plain is not None:
+            return float(plain)
+        others = [name for name in (*self.names, *self.outputs) if name != "pi"]
+        if others:
+            what = f"{self.text!r} is no number, because {', '.join(others)} may have any value"
+            fix = "model.values() has the values of all parameters of a model"
+            raise ExpressionError(Problem("expression.not_one_number", "float", what, "", fix))
+        graph = Graph()
+        root = build(self, graph, lambda name, column: graph.pi())
+        exact = graph.number(root)
+        if exact is not None:
+            return float(exact)
+        # Loaded where it is needed: few formulas are evaluated alone.
+        value: float = import_module("symbody.expr.sequences.evaluate").value_of(graph, root)
+        return value
+
     @property
     def names(self) -> tuple[str, ...]:
         """Distinct names, in the order of their first appearance."""

@@ -14,9 +14,9 @@ from fractions import Fraction
 from typing import Any, Final
 
 from symbody.expr import opcodes as op
-from symbody.expr.graph import Constant
+from symbody.expr.graph import Constant, Graph
 from symbody.expr.sequences.saddle import solve_saddle
-from symbody.expr.sequences.sequence import Operation, Sequence
+from symbody.expr.sequences.sequence import Operation, Roots, Sequence, build_sequence
 
 Number = Any  # float or mpmath.mpf; mpmath has no types
 
@@ -42,6 +42,12 @@ class Arithmetic:
     pi: Callable[[], Number]
     functions: Mapping[int, Callable[..., Number]]
     sqrt: Callable[[Number], Number]
+
+
+def value_of(graph: Graph, root: int) -> float:
+    """Return the value of a node without symbols."""
+    sequence = build_sequence(graph, [Roots("value", (), (root,))], {})
+    return float(evaluate_sequence(sequence, {})[0][0])
 
 
 def evaluate_sequence(

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, TypeAlias, TypeGuard
+from typing import TYPE_CHECKING, TypeGuard
 
 import symbody.expr.sympy as border
 from symbody.expr.graph import Graph, Symbol
@@ -44,13 +44,10 @@ class _KnownByName(type):
 
 
 if TYPE_CHECKING:
-    import sympy as sp
-
     from symbody.expr.sympy.sympy_reader import Lookup
-
-    SympyExpr: TypeAlias = sp.Expr
-    SympyEquation: TypeAlias = sp.Eq
-    SympyMatrix: TypeAlias = sp.Matrix
+    from symbody.expr.sympy.sympy_types import SympyEquation as SympyEquation
+    from symbody.expr.sympy.sympy_types import SympyExpr as SympyExpr
+    from symbody.expr.sympy.sympy_types import SympyMatrix as SympyMatrix
 else:
     SympyExpr = _KnownByName("Expr", (), {})
     SympyEquation = _KnownByName("Equality", (), {})
@@ -106,7 +103,8 @@ def time_derivatives(functions: Iterable[SympyExpr]) -> list[SympyExpr]:
 
 def sympy_matrix(graph: Graph, rows: int, columns: int, nodes: Sequence[int]) -> SympyMatrix:
     """Return nodes in row-major order as a matrix."""
-    return border.sympy_writer.sympy_matrix(graph, rows, columns, nodes)
+    matrix: SympyMatrix = border.sympy_writer.sympy_matrix(graph, rows, columns, nodes)
+    return matrix
 
 
 def sympy_equations(graph: Graph, left: Sequence[int], right: Sequence[int]) -> list[SympyEquation]:
@@ -121,7 +119,8 @@ def sympy_derivative(thing: object, variables: Sequence[SympyExpr]) -> object:
 
 def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     """Return a symbol as SymPy writes it: a function of time, its derivative, or a plain symbol."""
-    return border.sympy_writer.symbol_to_sympy(symbol)
+    written: SympyExpr = border.sympy_writer.symbol_to_sympy(symbol)
+    return written
 
 
 def is_expression(thing: object) -> bool:

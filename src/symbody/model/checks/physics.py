@@ -22,6 +22,7 @@ from symbody.model.signals.signal import Signal
 
 # What entries of an exact matrix leave that are off by 1e-9 each: 2 * 1e-9 times the sum of a row's entries.
 _ORTHONORMAL: Final = 4e-9
+_UNCHANGED: Final = "unphysical=True uses them unchanged (unphysical = true in a file)"
 
 
 def check_body(check: NumericChecks, body: Body, label: str) -> None:
@@ -95,16 +96,16 @@ def _check_inertia(check: NumericChecks, label: str, inertia: list[float], produ
     listed = ", ".join(f"{product:g}" for product in products)
     what = f"no body can have the moments {a:g}, {b:g}, {c:g} with the products {listed}{signs}"
     why = "products are the entries xy, xz, yz of the tensor, as in URDF"
-    fix = "check values, signs, and that they refer to the centre of mass"
+    fix = f"check values, signs, and that they refer to the centre of mass; {_UNCHANGED}"
     check.refuse("model.impossible_inertia", f"{label}, inertia", what, why, fix)
 
 
 def _inertia_cure(inertia: list[float]) -> str:
     if min(inertia) < 0:
-        return "give nonnegative moments"
+        return f"give nonnegative moments; {_UNCHANGED}"
     largest = max(inertia)
     moments = (f"{value:.12g}" if value == largest else f"at least {largest / 2:.12g}" for value in inertia)
-    return "for instance " + ", ".join(moments)
+    return f"for instance {', '.join(moments)}; {_UNCHANGED}"
 
 
 def _check_size(

@@ -94,7 +94,8 @@ class Arguments:
             key = normalize(name) if isinstance(name, str) else str(name)
             if key in entries:
                 what = f"the name {key!r} appears twice after Unicode normalization"
-                self.add("names.duplicate", f"{path}.{key}" if path else key, what)
+                why = "letters that look alike, such as \u00b5 and \u03bc, become one"
+                self.add("names.duplicate", f"{path}.{key}" if path else key, what, why, "rename one of them")
             entries[key] = read(value, f"{path}.{key}" if path else key)
         return FrozenMapping(entries)
 

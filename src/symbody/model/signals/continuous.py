@@ -19,10 +19,29 @@ def without_sampling(model: Model) -> Model:
     approximated, a `RateLimit` lags by one sample. Held values that read themselves, `StateSpace` and
     `Hysteresis` have no continuous equivalent.
 
+    Parameters
+    ----------
+    model : Model
+        With sampled signals or blocks; one without them is returned as it is.
+
+    Returns
+    -------
+    Model
+        The continuous one.
+
     Raises
     ------
     ModelError
         Naming what has none, or an algebraic loop that sampling opened.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> held = sb.Signal("position", "x", sample=0.1)
+    >>> sampled = sb.Model("cart", [rail, held])
+    >>> len(sampled.held_signals), len(sb.without_sampling(sampled).held_signals)
+    (1, 0)
     """
     problems: list[Problem] = []
     elements = [_continuous(element, problems) for element in model.elements]

@@ -10,10 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.names import Value, unknown_name
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, SimulationError
+from symbody.errors import CompileError, Problem, SimulationError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model
 from symbody.model.tables.lookup import Lookup
@@ -152,7 +152,7 @@ def input_laws(
     *,
     has_fmus: bool = False,
 ) -> InputLaws:
-    """Return the laws of inputs; those without one are 0, and unknown names are left to `compile`.
+    """Return the laws of inputs; those without one are 0; unknown names of formulas are left to `compile`.
 
     Parameters
     ----------
@@ -161,6 +161,8 @@ def input_laws(
 
     Raises
     ------
+    CompileError
+        If a function or a long table is given for an input that is not there.
     UsageError
         If a table cannot be read or does not reach over the span, or FMUs have no place here.
     """
@@ -193,8 +195,11 @@ def input_laws(
                 f"implicit methods approximate its derivatives by differences; a step may miss a short "
                 f"pulse: give the integrator a max_step="
             )
+    unknown = [unknown_name("input", name, names) for name in callbacks if name not in names]
+    if unknown:
+        raise CompileError(*unknown)
     kept = {name: value for name, value in formulas.items() if name not in callbacks}
-    in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
+    in_order = {name: callbacks[name] for name in names if name in callbacks}
     tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
     return InputLaws(kept, in_order, tuple(notes), tables, coordinates=coordinates)
 

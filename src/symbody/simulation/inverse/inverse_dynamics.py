@@ -54,6 +54,8 @@ def inverse_dynamics(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
     motion : mapping of coordinate to expression, table or callable
         One coordinate per degree of freedom, including those of cut joints: expressions in t and
         parameters, ``{"theta": "pi*t**2"}``; (times, values) or a cubic `Table`, splined; a function of
@@ -85,6 +87,17 @@ def inverse_dynamics(
     SimulationError
         If the motion leads out of reach, contradicts the constraints, or cannot be made by the unknowns,
         with time and joint.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> run = sb.inverse_dynamics(eqs, {"x": "0.5*t^2"}, "F", [0.0, 1.0])
+    >>> print(run["F"].round(9))
+    [2. 6.]
     """
     started = perf_counter()
     names = (unknowns,) if isinstance(unknowns, str) else tuple(unknowns)

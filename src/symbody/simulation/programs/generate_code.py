@@ -23,6 +23,10 @@ def generate_code(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
+    outputs : str or iterable of str
+        Names of outputs, or expressions in them, as for `compile`.
     language : str
         "c" for C99, "python" for a module that needs NumPy alone, "fortran" for Fortran 2008, "matlab"
         (or "octave"), "julia", "rust", "javascript" for an ES module, "jax", "casadi", or "modelica" for a
@@ -31,12 +35,28 @@ def generate_code(
     parameters : mapping, optional
         Values to put in; None leaves every parameter an argument, in the order of ``eqs.parameters``.
 
+    Returns
+    -------
+    str
+        The text of one file.
+
     Raises
     ------
     CompileError
         If the language or an output is unknown, or parameters have no value.
     UsageError, AssemblyError
         If a motion is not a Modelica model, or has no first state.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> text = sb.generate_code(eqs, "udot", language="python")
+    >>> "def " in text
+    True
     """
     if isinstance(language, str) and language.lower() == "modelica":
         return modelica_model(eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), parameters)

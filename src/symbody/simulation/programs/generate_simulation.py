@@ -45,15 +45,30 @@ def generate_simulation(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
+    t_end : float or (t0, t_end)
+        End time [s], or both ends.
     language : str
         "c" for C99 (to be compiled with ``-ffp-contract=off``), "javascript" for Node and browsers, where
         ``simulate()`` returns the samples and what happened, or "python", without any package.
+    initial, guess : mapping of name to number or formula, optional
+        The first state, as for `simulate`.
+    parameters, inputs : mapping, optional
+        Values and laws that are written into the program, as for `simulate`.
     times : array, optional
         The samples; by default 101 from the first to the last time.
     integrator, constraints : optional
         ``Explicit(..)`` or ``FixedStep(..)``; ``Projection(..)`` or ``Baumgarte(..)``.
+    events : Event or sequence of Event
+        What is looked for, as for `simulate`.
+    rtol, atol, scales, max_steps : optional
+        Tolerances and the limit of steps, as for `simulate`.
 
-    Other parameters are those of `simulate`.
+    Returns
+    -------
+    str
+        The text of the program.
 
     Raises
     ------
@@ -62,6 +77,17 @@ def generate_simulation(
         functions.
     CompileError, AssemblyError
         As `simulate`.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> program = sb.generate_simulation(eqs, 1.0, language="python")
+    >>> "def simulate" in program
+    True
     """
     if language not in LANGUAGES:
         fix = f"choose one of {', '.join(LANGUAGES)}"

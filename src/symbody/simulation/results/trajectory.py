@@ -4,14 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, NoReturn
+from typing import Any, NoReturn, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_arguments
+from symbody.equations.outputs.output_table import OutputTable, output_table
 from symbody.errors import Problem, UsageError, nearest
 from symbody.model.model import Model
+from symbody.model.output_arguments import make_scope
+from symbody.model.output_names import (
+    ACCELERATIONS,
+    ENERGIES,
+    INPUTS,
+    MULTIPLIERS,
+    POSITIONS,
+    SIGNALS,
+    SPEEDS,
+    ListedOutput,
+    is_multiplier,
+    list_readable,
+)
 from symbody.simulation.events.events import ModeChange, Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.native.dense_output import DenseOutput
@@ -64,9 +78,22 @@ class Trajectory(SampleTable):
     provenance : Provenance, optional
         What it was computed from; see `model` and `parameters`.
     s : (n_s, N) array
-        States of signals, in the order of `signal_state_names`.
+        States of signals.
+    signal_state_names : tuple of str
+        The names of its rows.
     modes : tuple of ModeChange
         (t, name, mode) of joints that stick and slip and of ropes: the first of each, then the changes.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], initial={"x_dot": 3}))
+    >>> run = sb.simulate(eqs, 2.0)
+    >>> run.success, run.speed_names, run.q.shape == (1, run.t.size)
+    (True, ('x_dot',), True)
+    >>> print(f"{run['x'][-1]:.6f} {run['0.5*2*x_dot^2'][0]:.6f} {run.at(1.0)['x']:.6f}")
+    6.000000 9.000000 3.000000
     """
 
     t: Floats
@@ -159,15 +186,43 @@ class Trajectory(SampleTable):
         """Return what notebooks offer behind ``run["``: what is stored, then all outputs by their kinds."""
         return offered_names(self.names, self.units, self.model if self.evaluate else None)
 
+    @overload
+    def outputs(self) -> OutputTable: ...
+    @overload
+    def outputs(self, name: str, /, *names: str) -> dict[str, Floats]: ...
     @checked_arguments
-    def outputs(self, *names: str) -> dict[str, Floats]:
-        """Return the samples of several outputs, as by ``run[name]``, computed by one compiled function.
+    def outputs(self, *names: str) -> OutputTable | dict[str, Floats]:
+        """Return the samples of several outputs, computed by one function; without names, what there is.
+
+        Parameters
+        ----------
+        *names : str
+            Outputs, as in ``run[name]``.
+
+        Returns
+        -------
+        dict of name to array, or OutputTable
+            Without names a table of the outputs that can be read: names, shapes without the axis of time,
+            units and what they are. It can be searched, and notebooks show it.
 
         Raises
         ------
         UsageError
             An unknown name.
+
+        Examples
+        --------
+        >>> import symbody as sb
+        >>> joint = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+        >>> eqs = sb.form_equations(sb.Model("cart", [joint], initial={"x_dot": 3}))
+        >>> run = sb.simulate(eqs, 1.0, times=[0, 1])
+        >>> run.outputs().search("joules kinetic").names, run.outputs().search("kinetic").names
+        ((), ('kinetic_energy', 'energy'))
+        >>> run.outputs("x", "kinetic_energy")
+        {'x': array([0., 3.]), 'kinetic_energy': array([9., 9.])}
         """
+        if not names:
+            return self._output_table()
         values = {name: self._stored_values(name) for name in names}
         of_samples = {name for name in names if formula_of_samples(name, self.stored) is not None}
         missing = [name for name, array in values.items() if array is None and name not in of_samples]
@@ -181,6 +236,34 @@ class Trajectory(SampleTable):
         shaped = {name: array if self.t.ndim else array[..., 0][()] for name, array in made.items()}
         shaped |= {name: self[name] for name in of_samples}
         return {name: shaped[name] if array is None else array for name, array in values.items()}
+
+    def _output_table(self) -> OutputTable:
+        """Return what can be read: without a model, what is stored."""
+        symbols = {
+            POSITIONS: self.coordinate_names,
+            SPEEDS: self.speed_names,
+            SIGNALS: self.signal_state_names,
+        }
+        if self.model is None or self.evaluate is None:
+            listed = [ListedOutput(name, title) for title, names in symbols.items() for name in names]
+            listed += [ListedOutput(name, ENERGIES) for name in self.stored]
+            return output_table(listed, make_scope((), (), {}), self.units, {})
+        offered = offered_names((), self.units, self.model)
+        known = {*self.coordinate_names, *self.speed_names, *self.signal_state_names}
+        symbols[ACCELERATIONS] = tuple(
+            name for name in offered if name.endswith("_ddot") and name not in known
+        )
+        symbols[INPUTS] = self.model.inputs
+        sizes = {
+            "n_u": len(self.speed_names),
+            "n_q": len(self.coordinate_names),
+            "n_r": len(self.model.inputs),
+        }
+        sizes |= {"n_s": len(self.signal_state_names), "n_x": len(self.u) + len(self.q) + len(self.s)}
+        scope = self.model.output_scope
+        multipliers = tuple(name for name in self.units if is_multiplier(name, scope.elements))
+        symbols[MULTIPLIERS] = multipliers
+        return output_table(list_readable(scope, symbols), scope, self.units, sizes)
 
     def _stored_values(self, name: str) -> Floats | None:
         """Return what is stored under a name."""

@@ -57,6 +57,14 @@ class Sweep(Displayed):
         Remarks on single cases, such as why they failed.
     notes : tuple of str
         Remarks on all of them.
+    evaluation : Evaluation
+        Computes outputs that are not stored.
+    coordinate_names, speed_names : tuple of str
+        Names of the last and the first of the states.
+    units : mapping of name to str
+        Units of what is known.
+    name : str
+        Of the model.
     """
 
     t: Floats

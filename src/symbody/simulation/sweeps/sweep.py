@@ -72,10 +72,16 @@ def sweep(
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of the mechanism.
+    t_end : float or (t0, t_end)
+        End time [s], or both ends.
     parameters, initial : mapping of name to number, formula, sequence of numbers, or `Samples`
         Sequences and samples vary from case to case; an `Initial` is the same in all cases.
     times : array, optional
         Samples to store [s], by default 101 over the span; ``[t_end]`` for final values alone.
+    guess, inputs, integrator, constraints, events : optional
+        As for `simulate`, the same for all cases.
     combine : "product" or "list"
         Every combination of all sequences, the last varying fastest; or the first values, the second, ...
     samples, seed : int
@@ -90,10 +96,18 @@ def sweep(
     store, key : path and str, optional
         A folder that keeps finished parts; the same call continues where the last one ended. `key` is a
         text for inputs that have no content to compare, such as objects of your classes.
+    rtol, atol, scales, max_steps : optional
+        As for `simulate`, the same for all cases.
     progress : bool or callable
         True shows a bar; a callable takes the share that is done, and ends the sweep by returning False.
     patience : float
         How long to wait until a worker of the executor begins anything [s]; ``math.inf`` for ever.
+
+    Returns
+    -------
+    Sweep
+        The motions: ``result["x"]`` are samples (cases, N) of an output, ``result.cases`` the values that
+        vary, ``result.status`` how each ended, ``result.trajectory(3)`` one of them.
 
     Raises
     ------
@@ -101,6 +115,17 @@ def sweep(
         Names, values, times or an executor that make no sense, all of them listed.
     SimulationError, EnvironmentFault
         More samples than the memory holds; no worker that begins or can compute; a store that cannot be used.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> result = sb.sweep(eqs, 1.0, initial={"x": [0.1, 0.2, 0.3]}, times=[0, 1])
+    >>> result["x"].shape, result.cases["x"]
+    ((3, 2), array([0.1, 0.2, 0.3]))
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     laws = _laws(eqs, inputs := {**laws_of_tables(eqs), **(inputs or {})}, span)

@@ -43,19 +43,29 @@ def save_animation(
 
     Parameters
     ----------
+    run : Trajectory
+        The motion, with its model.
     path : path
         Ends with .mp4, .webm (both by the program ffmpeg) or .gif: a film; .png, .svg or .pdf: a picture.
     times : (start, end) or (N,) array, optional
         Where a film begins and ends [s]; of a picture one time or several, laid over each other, the last
         solid. By default the whole motion, or its start.
     view : str, (3,) or mapping, optional
-        See `Look`, as for traces, labels, frames, dark, ghosts and title.
+        Where from: a word as for `animate`, a direction, or a mapping; see docs/film.md.
     size : (width, height)
         In pixels; in .svg and .pdf 96 of them are an inch.
     fps, speed : float
         Frames in a second (of a .gif at most 50); seconds of the motion in a second of the film.
+    traces : sequence of str
+        Points whose paths are drawn: ``"Body.frame"``, or a body for its centre of mass.
+    labels, frames, dark : bool
+        Whether bodies have their names, frames are drawn, and the background is dark.
     vectors : str or sequence of str
         Forces and torques that are drawn: "all", "applied", or names of elements.
+    ghosts : float
+        How solid the earlier ones of several times are, from 0 to 1.
+    title : str, optional
+        Written above.
     model : Model, optional
         The mechanism that moves, for motions from files of older versions.
     progress : bool or callable, optional
@@ -68,6 +78,15 @@ def save_animation(
         An unknown suffix, view, point or element; times outside of the motion; an impossible size or speed.
     EnvironmentFault
         If the file cannot be written, or ffmpeg is missing.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> sb.save_animation(sb.simulate(eqs, 1.0), "oscillator.png", times=[0, 0.5])  # doctest: +SKIP
     """
     target = Path(path)
     is_still = file_kind(target) in STILLS

@@ -70,6 +70,8 @@ def plot(
         regardless of their units; panels of an earlier plot take those of their own units.
     x : str
         The output along the horizontal axis; with another than time the start is marked by a dot.
+    title : str, optional
+        Above the axes; by default the name of the model.
     labels : sequence of str, optional
         One for each curve or path, in place of the names; a unit in brackets at the end is understood.
     equal : bool, optional
@@ -81,10 +83,26 @@ def plot(
     events : bool
         Whether the events of the motion are marked by thin lines with their names, over time.
 
+    Returns
+    -------
+    Axes
+        Of Matplotlib, to change or to save; with `panels` the uppermost ones.
+
     Raises
     ------
     UsageError
         An unknown name, an output with several components where one is needed, or too few labels.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> ax = sb.plot(sb.simulate(eqs, 1.0), "x", "x_dot", panels=True)
+    >>> len(ax.figure.axes)
+    2
     """
     if isinstance(run, Sweep):
         return plot_sweep(run, expressions, ax, title)
@@ -205,12 +223,28 @@ def _paths(paths: Sequence[PlanePath], ax: Axes | None, title: str | None, equal
 def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
     """Write the figure that holds `ax` to a file; the suffix chooses png, svg, pdf or another format.
 
+    Parameters
+    ----------
+    ax : Axes
+        What `plot` returned.
+    path : str or path
+        The file.
+
     Raises
     ------
     UsageError
         A suffix that is not a picture format.
     EnvironmentFault
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> sb.save_plot(sb.plot(sb.simulate(eqs, 1.0), "x"), "x.svg")  # doctest: +SKIP
     """
     canvas = ax.figure.canvas
     suffix = pathlib.Path(path).suffix.lstrip(".").lower()

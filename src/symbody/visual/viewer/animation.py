@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, Literal, get_args
+from typing import Any, Final, Literal, TypedDict, Unpack, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -125,6 +125,48 @@ def _attribute(text: str) -> str:
     return html.escape(text, quote=True).encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
+class _Picture(TypedDict, total=False):
+    """What `animate` takes for every picture."""
+
+    curves: Sequence[str] | None
+    vectors: str | Sequence[str] | None
+    traces: Sequence[str]
+    times: ArrayLike | None
+    title: str | None
+    model: Model | None
+    view: View
+    theme: Theme
+    speed: float
+
+
+class _LivePicture(_Picture, total=False):
+    """What `animate` takes for pictures of equations."""
+
+    live: bool
+    sliders: Sequence[Slider] | Mapping[str, tuple[float, float] | None]
+    initial: Mapping[str, Value] | None
+    parameters: Mapping[str, Value] | None
+    inputs: Mapping[str, Law] | None
+    integrator: Integrator | None
+    constraints: Constraints | None
+    events: Event | Sequence[Event]
+    rtol: float
+
+
+@overload
+def animate(run: EquationSet, path: None = None, **options: Unpack[_LivePicture]) -> LiveAnimation: ...
+@overload
+def animate(run: EquationSet, path: str | PathLike[str], **options: Unpack[_LivePicture]) -> LivePage: ...
+@overload
+def animate(
+    run: Trajectory | State, path: str | PathLike[str] | None = None, *, live: Literal[True],
+    **options: Unpack[_Picture],
+) -> LiveAnimation: ...  # fmt: skip
+@overload
+def animate(
+    run: Trajectory | State, path: str | PathLike[str] | None = None, *, live: Literal[False] = False,
+    **options: Unpack[_Picture],
+) -> Animation: ...  # fmt: skip
 @checked_arguments
 def animate(
     run: Trajectory | State | EquationSet, path: str | PathLike[str] | None = None, *,
@@ -167,8 +209,14 @@ def animate(
     live, sliders : bool, sequence of str or (name, lowest, highest), or mapping of name to (lowest, highest)
         In a notebook: share time with Python; coordinates and parameters of equations to move by sliders. On
         a page of equations: parameters, inputs, first values of coordinates and speeds.
-    initial, parameters, inputs, integrator, constraints, events, rtol
+    initial, parameters, inputs, integrator, constraints, events, rtol : optional
         Of a page of equations, as `simulate` takes them, without Python functions and implicit methods.
+
+    Returns
+    -------
+    Animation, LiveAnimation or LivePage
+        The picture of a motion, which ``save`` writes and notebooks show; with `live`, and of equations, one
+        that Python moves; of equations with a path, the page that simulates.
 
     Raises
     ------
@@ -176,6 +224,17 @@ def animate(
         If a name is unknown, the run has no model or no samples, or times lie outside of it.
     EnvironmentFault
         If the page cannot be written, or this installation has no pages.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness=8))
+    >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
+    >>> eqs = sb.form_equations(model)
+    >>> run = sb.simulate(eqs, 1.0)
+    >>> sb.animate(run, "oscillator.html", curves=["x", "energy"])  # doctest: +SKIP
+    <Animation 'oscillator': t = 0 to 1 s, 67 samples>
     """
     target = None if path is None else _page_path(path)
     options = {"view": view, "theme": theme, "speed": speed}

@@ -41,6 +41,7 @@ def load_urdf(
     Parameters
     ----------
     path : str or path
+        The file.
     floating_base : bool
         Whether the root link moves freely, with coordinates base_x, base_y, base_z, base_qw .. base_qz and
         speeds base_vx .. base_vz, base_wx .. base_wz along axes of the base; otherwise it is the ground.
@@ -55,6 +56,11 @@ def load_urdf(
     loops : str or path, optional
         A TOML file of joints, constraints and springs in the syntax of the model file, between links.
 
+    Returns
+    -------
+    Model
+        The robot; what was assumed is in its ``notes``.
+
     Raises
     ------
     FormatError
@@ -67,6 +73,12 @@ def load_urdf(
     Notes
     -----
     The meaning of elements and attributes is that of https://wiki.ros.org/urdf/XML.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> robot = sb.load_urdf("ur5.urdf", floating_base=False)  # doctest: +SKIP
+    >>> eqs = sb.form_equations(robot)  # doctest: +SKIP
     """
     text = read_text(path)
     return model_from_urdf(text, os.fsdecode(path), floating_base, symbolic, gravity, snap_angles, loops)

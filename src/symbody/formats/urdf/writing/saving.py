@@ -56,6 +56,10 @@ def save_urdf(
 
     Parameters
     ----------
+    model : Model
+        A tree of joints.
+    path : str or path
+        The file, as ``"robot.urdf"``.
     parameters : mapping of name to number or formula
         Take the place of the model's values.
 
@@ -65,6 +69,16 @@ def save_urdf(
         If the mechanism is not a tree, has parts that URDF lacks, all named, or the file cannot be written.
     ModelError
         If parameters have no value.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib, symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "cart.urdf")
+    ...     sb.save_urdf(sb.Model("cart", [rail]), path)
+    ...     "prismatic" in path.read_text()
+    True
     """
     folder = os.path.dirname(os.path.abspath(os.fsdecode(path)))
     write_text(path, model_to_urdf(model, parameters, folder))
