@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import secrets
 from collections.abc import Mapping
@@ -11,7 +12,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, Final
 
-from symbody.builder.catalog import catalog
+from symbody.builder.catalog import card_path, catalog
 from symbody.builder.copies import copy_files
 from symbody.builder.model_text import Opened, data_from_text, text_from_data
 from symbody.builder.page_problems import page_notes
@@ -118,7 +119,7 @@ class Documents:
 
     def _open_example(self, name: str) -> Answer:
         path = self._example_path(name)
-        return self._answer(Document(None, path.stem, folder=str(path.parent)), _example(path))
+        return self._answer(Document(None, path.stem, folder=str(path.parent)), read_example(path))
 
     def _example_path(self, name: str) -> Path:
         for entry in catalog(self._settings.examples):
@@ -126,19 +127,17 @@ class Documents:
                 return entry.path
         raise refusal("builder.unknown_example", name[:80], "there is no such example", fix="choose one")
 
-    def example(self, name: str) -> Opened:
-        """Return the data of an example, with the folder of its parts, without opening it.
+    def card(self, name: str, dark: bool) -> Answer:
+        """Return the picture of an example, as WebP in base 64; "" where there is none.
 
         Raises
         ------
         UsageError
-            If there is none of this name.
+            If there is no example of this name.
         """
-        return _example(self._example_path(name))
-
-    def example_folder(self, name: str) -> str:
-        """Return the folder from which paths in an example begin."""
-        return str(self._example_path(name).parent)
+        self._example_path(name)  # names of others lead to no file
+        path = card_path(name, dark)
+        return {"webp": base64.b64encode(path.read_bytes()).decode("ascii") if path.is_file() else ""}
 
     def _open_draft(self, draft: str) -> Answer:
         entry = self._user.draft(draft)
@@ -357,7 +356,8 @@ def _from_model(model: Model) -> Opened:
     return Opened(data, model, page_notes(model.notes, data))
 
 
-def _example(path: Path) -> Opened:
+def read_example(path: Path) -> Opened:
+    """Return the data of an example, with the folder of its parts."""
     if path.suffix == ".urdf":
         return _from_model(load_model(path))
     return data_from_text(path.read_text(encoding="utf-8"), path.name, str(path.parent))

@@ -26,8 +26,8 @@ async function askInTurn(): Promise<void> {
   for (let wish = waiting.shift(); wish !== undefined && !own.signal.aborted; wish = waiting.shift()) {
     const { name, dark, take } = wish;
     try {
-      const png = await api.card(name, dark, own.signal);
-      kept.set(keyOf(wish), `data:image/png;base64,${png}`);
+      const webp = await api.card(name, dark, own.signal);
+      kept.set(keyOf(wish), webp && `data:image/webp;base64,${webp}`);
       take(kept.get(keyOf(wish))!);
     } catch {
       // a card without a picture has its words
