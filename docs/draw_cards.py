@@ -13,7 +13,7 @@ from typing import Final
 
 from PIL import Image
 
-from symbody.builder.catalog import card_path, catalog
+from symbody.builder.catalog import CARDS, catalog
 from symbody.builder.documents import read_example
 from symbody.builder.tasks.mechanisms import mechanism_of, solver_of
 from symbody.builder.tasks.placement import draw_at
@@ -45,7 +45,7 @@ def main(names: list[str]) -> None:
         if names and entry.name not in names:
             continue
         for dark in (False, True):
-            path = card_path(entry.name, dark)
+            path = CARDS / f"{entry.name}{'_dark' if dark else ''}.webp"
             path.parent.mkdir(parents=True, exist_ok=True)
             draw_card(entry.path, dark).save(path, quality=_QUALITY, method=6)
             print(path.name, path.stat().st_size)

@@ -19,7 +19,7 @@ _PARTS: Final = frozenset({"leg"})  # of other examples: nothing by themselves
 _GROUPS: Final = ("linkages", "drives", "motions")
 _CAPITALS: Final = frozenset({"rr", "dc", "pid", "urdf"})
 _SMALL: Final = frozenset({"a", "an", "and", "of", "on", "the", "with", "by", "in", "to", "from", "between"})
-_CARDS: Final = Path(__file__).parent / "cards"  # docs/draw_cards.py draws them
+CARDS: Final = Path(__file__).parent / "cards"  # NAME.webp, NAME_dark.webp of each entry: docs/draw_cards.py
 _WORD: Final = re.compile(r"[A-Za-z']+")
 
 
@@ -59,11 +59,6 @@ def catalog(examples: Path) -> Iterator[Entry]:
     for group in _GROUPS:
         paths = sorted((examples / "gallery" / group).glob("*.toml"))
         yield from (Entry(f"{group}/{path.stem}", path, group) for path in paths)
-
-
-def card_path(name: str, dark: bool) -> Path:
-    """Return where the picture of an entry is, whether or not there is one."""
-    return _CARDS / f"{name}{'_dark' if dark else ''}.webp"
 
 
 def in_title_case(text: str) -> str:

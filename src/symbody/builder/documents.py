@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import os
 import secrets
 from collections.abc import Mapping
@@ -12,7 +11,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, Final
 
-from symbody.builder.catalog import card_path, catalog
+from symbody.builder.catalog import catalog
 from symbody.builder.copies import copy_files
 from symbody.builder.model_text import Opened, data_from_text, text_from_data
 from symbody.builder.page_problems import page_notes
@@ -126,18 +125,6 @@ class Documents:
             if entry.name == name:
                 return entry.path
         raise refusal("builder.unknown_example", name[:80], "there is no such example", fix="choose one")
-
-    def card(self, name: str, dark: bool) -> Answer:
-        """Return the picture of an example, as WebP in base 64; "" where there is none.
-
-        Raises
-        ------
-        UsageError
-            If there is no example of this name.
-        """
-        self._example_path(name)  # names of others lead to no file
-        path = card_path(name, dark)
-        return {"webp": base64.b64encode(path.read_bytes()).decode("ascii") if path.is_file() else ""}
 
     def _open_draft(self, draft: str) -> Answer:
         entry = self._user.draft(draft)

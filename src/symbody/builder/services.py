@@ -9,7 +9,6 @@ from symbody.builder.file_names import file_stem
 from symbody.builder.jobs import Jobs
 from symbody.builder.model_text import text_from_data
 from symbody.builder.requests import (
-    CardRequest,
     CheckRequest,
     DragRequest,
     EquationTabRequest,
@@ -79,10 +78,6 @@ class Services:
         }
         answer: bytes = self._interactive.run("drag", payload, request.page, self.settings.limits.pose)
         return answer
-
-    def card(self, request: CardRequest) -> Answer:
-        """Return a small picture of an example, as WebP in base 64."""
-        return self.documents.card(request.example, request.dark)
 
     def start_job(self, request: JobRequest) -> Answer:
         """Begin a job."""
