@@ -1,6 +1,6 @@
 """Draw the cards of the editor: `python docs/draw_cards.py` renews the picture of each example and mechanism.
 
-The pictures are src/symbody/builder/cards/NAME.webp and NAME_dark.webp, each mechanism as it stands at its start.
+The pictures are src/symbody/builder/cards/NAME.webp and NAME_dark.webp: each mechanism at its start.
 Names as arguments draw these alone.
 """
 
