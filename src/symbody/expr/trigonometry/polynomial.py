@@ -82,11 +82,12 @@ def without_noise(p: Polynomial, noise: float) -> Polynomial:
     """Return `p` without the terms that are smaller than `noise` of the largest; those of few digits stay."""
     if not noise or not p:
         return p
-    least = Fraction(noise) * max(map(abs, p.values()))
+    sizes = {monomial: abs(Fraction(coefficient)) for monomial, coefficient in p.items()}
+    least = Fraction(noise) * max(sizes.values())
     return {
         monomial: coefficient
         for monomial, coefficient in p.items()
-        if abs(coefficient) >= least or abs(coefficient.numerator) < _LONG
+        if sizes[monomial] >= least or sizes[monomial].numerator < _LONG
     }
 
 
