@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from .builder_page import BuilderPage
+from .builder_page import BuilderPage, overlaps
 
 RING = (("Ground", "Link1.A"), ("Link1.B", "Link2.A"), ("Link2.B", "Link3.A"), ("Link3.B", "Ground"))
 PLACES = ((330, 60), (560, 130), (330, 270))
@@ -171,6 +171,7 @@ def test_no_window_is_wider_than_it_is(visit: Any, width: int) -> None:
     button = page.locator(".topbar").get_by_role("button", name="Keys and gestures")
     box = button.bounding_box()
     assert box["x"] >= 0 and box["x"] + box["width"] <= width
+    assert overlaps(page, ".doc-title, .tools, .layouts, .counts, .state, .topbar > .tool") == []
     if width < 1100:
         page.locator(".panels").get_by_role("button", name="Properties").click()
         assert page.get_by_test_id("properties").bounding_box()["width"] > 250

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from symbody.builder.catalog import catalog, in_title_case
+import numpy as np
+from PIL import Image
+
+from symbody.builder.catalog import CARDS, catalog, in_title_case
 from symbody.formats.model_files import examples_folder
 
 
@@ -23,3 +26,13 @@ def test_titles_have_capitals() -> None:
     assert in_title_case("spring-mass-damper") == "Spring-Mass-Damper"
     assert in_title_case("rr_robot of a PID") == "RR Robot of a PID"
     assert in_title_case("Watt's linkage") == "Watt's Linkage"
+
+
+def test_each_card_has_a_picture_for_light_and_dark_pages_and_no_picture_is_left_over() -> None:
+    names = {f"{entry.name}{ending}.webp" for entry in catalog(examples_folder()) for ending in ("", "_dark")}
+    assert names == {path.relative_to(CARDS).as_posix() for path in CARDS.rglob("*.*")}
+    for path in CARDS.rglob("*.webp"):
+        with Image.open(path) as picture:
+            assert picture.size == (464, 216), path.name
+            shades = np.asarray(picture.convert("L"), dtype=float)
+        assert np.ptp(shades) > 60, path.name  # something is drawn

@@ -80,7 +80,6 @@ export const api = {
     call("pose", { data, document, page, fixed, guess }) as Promise<PoseAnswer>,
   drag: (document: string, data: Model, held: Held, guess: Readonly<Record<string, number>>) =>
     call("drag", { data, document, page, ...held, guess }) as Promise<DragAnswer>,
-  card: async (example: string, dark: boolean, signal: AbortSignal) => (await call("card", { example, dark }, signal) as { png: string }).png,
   formula: async (text: string, pointer: string) =>
     (await call("formula", { text, pointer }) as { mathml: string }).mathml,
   job: async (document: string, kind: JobKind, data: Model, options: Json) =>

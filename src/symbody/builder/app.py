@@ -16,6 +16,7 @@ from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
 from symbody.builder import requests as asked
+from symbody.builder.catalog import CARDS
 from symbody.builder.formulas import formula_mathml
 from symbody.builder.page_problems import fault_problem, page_problem, page_problems
 from symbody.builder.refusal import status_of
@@ -40,6 +41,7 @@ _TYPES: Final = (
     ("text/javascript", ".mjs"),
     ("text/css", ".css"),
     ("image/svg+xml", ".svg"),
+    ("image/webp", ".webp"),
     ("font/woff2", ".woff2"),
     ("application/json", ".json"),
     ("application/wasm", ".wasm"),
@@ -73,6 +75,7 @@ def make_app(settings: BuilderSettings) -> Application:
     app.include_router(api)
     app.add_api_route("/", _page, methods=["GET"], response_model=None)
     app.mount("/assets", StaticFiles(directory=settings.pages / "assets", check_dir=False))
+    app.mount("/cards", StaticFiles(directory=CARDS))
     app.add_exception_handler(SymbodyError, _symbody_answer)
     app.add_exception_handler(TaskFailure, _failure_answer)
     app.add_exception_handler(RequestValidationError, _request_answer)
@@ -172,11 +175,6 @@ def _pose(request: asked.PoseRequest, builder: Builder) -> Response:
 @api.post("/drag")
 def _drag(request: asked.DragRequest, builder: Builder) -> Response:
     return _json_response(builder.drag(request))
-
-
-@api.post("/card")
-def _card(request: asked.CardRequest, builder: Builder) -> Answer:
-    return builder.card(request)
 
 
 @api.post("/formula")

@@ -19,6 +19,7 @@ _PARTS: Final = frozenset({"leg"})  # of other examples: nothing by themselves
 _GROUPS: Final = ("linkages", "drives", "motions")
 _CAPITALS: Final = frozenset({"rr", "dc", "pid", "urdf"})
 _SMALL: Final = frozenset({"a", "an", "and", "of", "on", "the", "with", "by", "in", "to", "from", "between"})
+CARDS: Final = Path(__file__).parent / "cards"  # NAME.webp, NAME_dark.webp of each entry: docs/draw_cards.py
 _WORD: Final = re.compile(r"[A-Za-z']+")
 
 

@@ -118,27 +118,13 @@ class Documents:
 
     def _open_example(self, name: str) -> Answer:
         path = self._example_path(name)
-        return self._answer(Document(None, path.stem, folder=str(path.parent)), _example(path))
+        return self._answer(Document(None, path.stem, folder=str(path.parent)), read_example(path))
 
     def _example_path(self, name: str) -> Path:
         for entry in catalog(self._settings.examples):
             if entry.name == name:
                 return entry.path
         raise refusal("builder.unknown_example", name[:80], "there is no such example", fix="choose one")
-
-    def example(self, name: str) -> Opened:
-        """Return the data of an example, with the folder of its parts, without opening it.
-
-        Raises
-        ------
-        UsageError
-            If there is none of this name.
-        """
-        return _example(self._example_path(name))
-
-    def example_folder(self, name: str) -> str:
-        """Return the folder from which paths in an example begin."""
-        return str(self._example_path(name).parent)
 
     def _open_draft(self, draft: str) -> Answer:
         entry = self._user.draft(draft)
@@ -357,7 +343,8 @@ def _from_model(model: Model) -> Opened:
     return Opened(data, model, page_notes(model.notes, data))
 
 
-def _example(path: Path) -> Opened:
+def read_example(path: Path) -> Opened:
+    """Return the data of an example, with the folder of its parts."""
     if path.suffix == ".urdf":
         return _from_model(load_model(path))
     return data_from_text(path.read_text(encoding="utf-8"), path.name, str(path.parent))

@@ -109,13 +109,6 @@ class DragRequest(PageRequest):
     document: str = Field(default="", max_length=64)
 
 
-class CardRequest(PageRequest):
-    """A small picture of an example."""
-
-    example: str = Field(max_length=100)
-    dark: bool = False
-
-
 class FormulaRequest(PageRequest):
     """A formula to be shown."""
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from symbody.builder.cards import Cards
 from symbody.builder.documents import Documents
 from symbody.builder.file_names import file_stem
 from symbody.builder.jobs import Jobs
 from symbody.builder.model_text import text_from_data
 from symbody.builder.requests import (
-    CardRequest,
     CheckRequest,
     DragRequest,
     EquationTabRequest,
@@ -35,7 +33,6 @@ class Services:
         self.jobs = Jobs(self._reserve, settings.limits)
         self._interactive = NewestOnly(self._reserve)
         self._pictures = NewestOnly(self._reserve)  # which do not wait for a check that is under way
-        self._cards = Cards(settings.state, NewestOnly(self._reserve), settings.limits.check)
 
     def warm(self) -> None:
         """Begin to load what the first check needs."""
@@ -81,13 +78,6 @@ class Services:
         }
         answer: bytes = self._interactive.run("drag", payload, request.page, self.settings.limits.pose)
         return answer
-
-    def card(self, request: CardRequest) -> Answer:
-        """Return a small picture of an example, drawn once for each state of its model."""
-        data = self.documents.example(request.example).data
-        return self._cards.picture(
-            request.example, data, self.documents.example_folder(request.example), request.dark
-        )
 
     def start_job(self, request: JobRequest) -> Answer:
         """Begin a job."""

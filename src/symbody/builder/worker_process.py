@@ -25,7 +25,6 @@ _SHARE: Final = 0.8  # of the memory, for the data of one process
 _TASKS: Final = MappingProxyType(
     {
         "check": "symbody.builder.tasks.check:check_model",
-        "card": "symbody.builder.tasks.card_drawing:draw_card",
         "redraw": "symbody.builder.tasks.redraw:redraw_model",
         "pose": "symbody.builder.tasks.pose:find_pose",
         "drag": "symbody.builder.tasks.drag:drag_body",

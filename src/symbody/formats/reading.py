@@ -8,6 +8,7 @@ import re
 import stat
 import tomllib
 from collections.abc import Sequence
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
@@ -166,12 +167,11 @@ def _syntax_problem(text: str, where: str, message: str) -> Problem:
         return Problem("file.syntax", f"{where}:{text.count(chr(10)) + 1}", fact, why, fix)
     number, column = int(found.group(1)), int(found.group(2))
     line = text.split("\n")[number - 1]
-    source = Source(line[: column + 200]).problem("file.syntax", min(column, len(line) + 1), what)
-    is_twice = any(word in what for word in ("overwrite", "twice", "already", "immutable"))
-    return Problem(
-        "file.duplicate_key" if is_twice else "file.syntax",
-        f"{where}:{number}",
-        source.what,
-        "a key or table appears twice" if is_twice else "this line is not valid TOML; put strings in quotes",
-        "remove one of them" if is_twice else f"correct it at column {column}",
-    )
+    source, place = Source(line[: column + 200]), min(column, len(line) + 1)
+    if any(word in what for word in ("overwrite", "twice", "already", "immutable")):
+        why, fix = "a key or table appears twice", "remove one of them"
+        problem = source.problem("file.duplicate_key", place, what, why, fix)
+    else:
+        why, fix = "this line is not valid TOML; put strings in quotes", f"correct it at column {column}"
+        problem = source.problem("file.syntax", place, what, why, fix)
+    return replace(problem, where=f"{where}:{number}")

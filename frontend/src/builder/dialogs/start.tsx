@@ -8,9 +8,9 @@ import { newModel, openModel } from "../commands/files";
 import { ProblemLines } from "../panels/field_frame";
 import { Icon } from "../shell/icons";
 import { ServerBar } from "../shell/server_bar";
+import { useShownTheme } from "../shell/theme";
 import { useStore } from "../store";
 import type { Draft, Example, Problem, RecentFile } from "../types";
-import { CardPicture, forgetCards } from "./card_picture";
 
 interface Offers {
   readonly examples: readonly Example[];
@@ -34,7 +34,6 @@ export function StartScreen(): ReactElement {
   const { offers, problems } = useOffers();
   const hasDocument = useStore((state) => state.document !== null);
   const notice = useStore((state) => state.notice);
-  useEffect(() => forgetCards, []);
   return (
     <main className="start" data-testid="start">
       <div className="start-inner">
@@ -75,10 +74,13 @@ function Cards({ title, examples }: { readonly title: string; readonly examples:
 }
 
 function ExampleCard({ example }: { readonly example: Example }): ReactElement {
+  const theme = useShownTheme();
+  const [drawn, setDrawn] = useState(true);
+  const picture = `/cards/${example.name}${theme === "light" ? "" : "_dark"}.webp`;
   return (
     <li>
       <button type="button" className="card" data-testid={`example-${example.name}`} onClick={() => { void openModel({ example: example.name }); }}>
-        <CardPicture name={example.name} />
+        <div className="card-picture">{drawn && <img src={picture} alt="" loading="lazy" onError={() => { setDrawn(false); }} />}</div>
         <b>{example.title}</b>
         <span className="soft">{example.summary}</span>
       </button>

@@ -8,7 +8,6 @@ from fractions import Fraction
 from typing import Final
 
 import symbody.expr.sympy as border
-from symbody.expr.canonical import ZERO
 from symbody.expr.fingerprints.merging import merge_equal
 from symbody.expr.graph import Graph, copy_nodes
 from symbody.expr.language.literals import EXACT_DIGITS
@@ -29,7 +28,7 @@ _READABLE_TOGETHER: Final = 2_000
 _MERGED: Final = 5_000
 # Smaller constants stay rounded ones; their reciprocals bound large ones: exact decimals have few digits.
 _LEAST: Final = 1e-30
-# Beside the largest constant: products of a few constants of 17 digits are wrong by some 1e-16 each.
+# Beside the largest term of a sum: products of a few constants of 17 digits are wrong by some 1e-16 each.
 _NOISE: Final = 1e-14
 
 
@@ -68,6 +67,7 @@ def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int
         Symbols whose squares add up to 1.
     """
     given, nodes = nodes, _with_decimals(graph, nodes)
+    is_rounded = nodes != list(given)
     result = dict(zip(nodes, nodes, strict=True))
     short = [node for node, size in zip(nodes, tree_sizes(graph, nodes), strict=True) if size <= _MERGED]
     apart = Graph()
@@ -80,9 +80,9 @@ def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int
         left -= size
         if size > _READABLE or left < 0:
             break
-        (forms[node],) = trigonometric_form(graph, [node], quaternions)
+        (forms[node],) = trigonometric_form(graph, [node], quaternions, _NOISE if is_rounded else 0.0)
     shown = [forms.get(result[node], result[node]) for node in nodes]
-    return shown if nodes == given else _with_rounded(graph, shown, given)
+    return _with_rounded(graph, shown, given) if is_rounded else shown
 
 
 def _with_decimals(graph: Graph, nodes: Sequence[int]) -> list[int]:
@@ -97,10 +97,7 @@ def _with_decimals(graph: Graph, nodes: Sequence[int]) -> list[int]:
 
 
 def _with_rounded(graph: Graph, nodes: Sequence[int], given: Sequence[int]) -> list[int]:
-    """Return nodes with exact constants of more digits than a double has as doubles.
-
-    What rounding has left of a sum that is zero, beside the largest constant of the same formula, is 0.
-    """
+    """Return nodes with exact constants of more digits than a double has as doubles."""
     return [_round_constants(graph, node, origin) for node, origin in zip(nodes, given, strict=True)]
 
 
@@ -108,12 +105,10 @@ def _round_constants(graph: Graph, node: int, origin: int) -> int:
     written = set(graph.reachable([origin]))
     numbers = {k: graph.number(k) for k in graph.reachable([node]) if graph.ops[k] == RATIONAL}
     exact = {k: Fraction(value) for k, value in numbers.items() if value is not None}
-    largest = max((abs(value) for value in exact.values()), default=Fraction(0))
     rounded: dict[int, int] = {}
     for k, value in exact.items():
         if k not in written and max(abs(value.numerator), value.denominator) >= 10**EXACT_DIGITS:
-            is_noise = abs(value) < _NOISE * largest
-            rounded[k] = ZERO if is_noise else graph.constant(_as_double(value))
+            rounded[k] = graph.constant(_as_double(value))
     return substitute(graph, [node], rounded)[0] if rounded else node
 
 

@@ -31,6 +31,7 @@ from symbody.expr.trigonometry.polynomial import (
     times,
     variable,
     with_unit_norm,
+    without_noise,
 )
 
 _MAX_OPERATIONS: Final = 2000
@@ -44,7 +45,7 @@ _EXPANDED: Final = frozenset({RATIONAL, NEG, ADD, SUB, MUL})
 
 
 def trigonometric_form(
-    graph: Graph, roots: Sequence[int], quaternions: Sequence[tuple[int, ...]] = ()
+    graph: Graph, roots: Sequence[int], quaternions: Sequence[tuple[int, ...]] = (), noise: float = 0.0
 ) -> list[int]:
     """Return the `roots` written as in a textbook, each by itself, where that takes fewer operations.
 
@@ -59,15 +60,18 @@ def trigonometric_form(
     ----------
     quaternions : sequence of four nodes
         Symbols whose squares add up to 1; with it, too, equal polynomials become the same.
+    noise : float
+        Terms of sums that are smaller beside the largest one are left out: what products of rounded constants
+        leave of terms that cancel.
     """
-    return [_form(graph, root, quaternions) for root in roots]
+    return [_form(graph, root, quaternions, noise) for root in roots]
 
 
-def _form(graph: Graph, root: int, quaternions: Sequence[tuple[int, ...]]) -> int:
+def _form(graph: Graph, root: int, quaternions: Sequence[tuple[int, ...]], noise: float) -> int:
     nodes = graph.reachable([root])
     if operation_count(graph, [root]) >= _MAX_OPERATIONS or any(graph.ops[k] == FLOAT for k in nodes):
         return root
-    form = _PolynomialWriter(graph, _sort_by_structure(graph, nodes), root, quaternions).form
+    form = _PolynomialWriter(graph, _sort_by_structure(graph, nodes), root, quaternions, noise).form
     return form if tree_size(graph, form) < tree_size(graph, root) else root
 
 
@@ -83,7 +87,12 @@ class _PolynomialWriter:
     """One pass over the nodes of a root, operands first."""
 
     def __init__(
-        self, graph: Graph, nodes: Sequence[int], root: int, quaternions: Sequence[tuple[int, ...]]
+        self,
+        graph: Graph,
+        nodes: Sequence[int],
+        root: int,
+        quaternions: Sequence[tuple[int, ...]],
+        noise: float,
     ) -> None:
         self._graph = graph
         self._angles = Angles(graph, nodes)
@@ -93,6 +102,7 @@ class _PolynomialWriter:
         self._new: dict[int, int] = {}  # what each node has become
         self._polynomials: dict[int, Polynomial | None] = {}  # None: too many terms
         self._kernels: list[Polynomial] = []
+        self._noise = noise
         # Variables of each quaternion in the root.
         self._norms = [tuple(self._name(node) for node in four) for four in quaternions if four[0] in nodes]
         self._sizes: dict[int, int] = {}
@@ -227,7 +237,7 @@ class _PolynomialWriter:
 
     def _write_polynomial(self, p: Polynomial, plain: int) -> int:
         graph = self._graph
-        short = self._shorten(p)
+        short = without_noise(self._shorten(without_noise(p, self._noise)), self._noise)
         nodes = {name: self._node(name) for name in names_of(short)}
         weights = {name: self._size(node) for name, node in nodes.items()}
         kernels = [kernel for kernel in self._kernels if names_of(kernel) <= nodes.keys()]

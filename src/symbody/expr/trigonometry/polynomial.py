@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import Final
 
 from symbody.expr.graph import Exact
+from symbody.expr.language.literals import EXACT_DIGITS
 from symbody.expr.rewrite import multiplications
 
 Monomial = tuple[tuple[int, int], ...]
@@ -19,6 +20,7 @@ Polynomial = dict[Monomial, Exact]
 Weights = Callable[[int], int]  # operations of each variable
 
 UNIT: Final[Monomial] = ()
+_LONG: Final = 10**EXACT_DIGITS  # such numerators have products of rounded constants
 
 
 def variable(name: int) -> Polynomial:
@@ -74,6 +76,19 @@ def with_unit_norm(p: Polynomial, names: tuple[int, ...]) -> Polynomial:
         left = quotient(monomial, ((first, exponent - exponent % 2),))
         accumulate(result, times({left: coefficient}, power(square, exponent // 2)))
     return result
+
+
+def without_noise(p: Polynomial, noise: float) -> Polynomial:
+    """Return `p` without the terms that are smaller than `noise` of the largest; those of few digits stay."""
+    if not noise or not p:
+        return p
+    sizes = {monomial: abs(Fraction(coefficient)) for monomial, coefficient in p.items()}
+    least = Fraction(noise) * max(sizes.values())
+    return {
+        monomial: coefficient
+        for monomial, coefficient in p.items()
+        if sizes[monomial] >= least or sizes[monomial].numerator < _LONG
+    }
 
 
 def product(a: Monomial, b: Monomial) -> Monomial:

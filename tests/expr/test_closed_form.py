@@ -1,0 +1,47 @@
+"""Formulas as they are read: what rounded constants leave of terms that cancel is not shown, all else is."""
+
+from __future__ import annotations
+
+from symbody.expr.expression import Expr, cos, sin, symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
+from symbody.expr.opcodes import FLOAT, RATIONAL
+from symbody.expr.rewrite import symbols_of
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Input, Roots, build_sequence
+from symbody.expr.sympy.closed_form import readable
+
+C, S = 28.485710879997153, 58.463839414299457  # products with them differ in the last digit where C, S do
+C2, S2 = 28.48571087999715, 58.46383941429945
+
+
+def angles(names: str) -> tuple[Expr, ...]:
+    graph = Graph()
+    return tuple(symbol(graph, Symbol(name, SymbolKind.COORDINATE)) for name in names)
+
+
+def values(graph: Graph, nodes: list[int]) -> list[float]:
+    symbols = symbols_of(graph, nodes)
+    places = {node: Input(str(k), "x", k) for k, node in enumerate(symbols)}
+    program = build_sequence(graph, [Roots("", (len(nodes),), tuple(nodes))], places)
+    (numbers,) = evaluate_sequence(program, {"x": [0.7 + 0.4 * k for k in range(len(symbols))]})
+    return [float(each) for each in numbers]
+
+
+def test_what_rounding_leaves_of_a_sum_is_no_factor_of_what_is_shown() -> None:
+    x, y, z, v = angles("xyzv")
+    rate = 7.219690490340161e-05 * sin(y) + 0.12003690082949512 * v**2
+    turned = (C * sin(x) + S * cos(x)) * rate - C2 * rate * sin(x) - S2 * rate * cos(x)
+    formula = turned + (2.335958067607967 * sin(z) + 62.48687830851311 * cos(z)) * rate
+    (shown,) = readable(x.graph, [formula.index])
+    given, written = values(x.graph, [formula.index, shown])
+    assert abs(given - written) < 1e-11  # sums below 10 of products of constants that differ by 1e-15 of 58
+    assert len(symbols_of(x.graph, [shown])) == 3  # x has cancelled
+    constants = [x.graph.number(k) for k in x.graph.reachable([shown]) if x.graph.ops[k] in (FLOAT, RATIONAL)]
+    assert min(abs(float(each)) for each in constants if each is not None) > 1e-5
+
+
+def test_small_constants_of_few_digits_stay() -> None:
+    x, y = angles("xy")
+    formula = C * S * sin(x) ** 2 + C * S * cos(x) ** 2 + 1e-20 * y * C * (sin(x) ** 2 + cos(x) ** 2) / C
+    (shown,) = readable(x.graph, [formula.index])
+    assert len(symbols_of(x.graph, [shown])) == 1  # of y, however small its factor is
