@@ -15,7 +15,7 @@ from symbody.formats.toml_syntax import parse_toml
 from symbody.model.declarations.field import Node
 from symbody.model.model import Model
 from symbody.model.parts.include import Include
-from symbody.model.tables.inner_path import inner_path
+from symbody.model.tables.inner_path import inner_path, path_between
 
 # Reads the model of JSON data: places, folder, and the files that are being read.
 ReadModel = Callable[[object, Locate, str, tuple[str, ...]], Model]
@@ -140,8 +140,8 @@ def include_entry(include: Include, folder: str | None) -> dict[str, Node]:
     """
     place = include.file
     if folder is not None and os.path.realpath(folder) != os.path.realpath(include.folder):
-        place = os.path.relpath(os.path.join(include.folder, include.file), folder).replace(os.sep, "/")
-    if place.startswith(".."):
+        place = path_between(os.path.join(include.folder, include.file), folder)
+    if place.startswith("..") or os.path.isabs(place):
         raise FormatError(
             Problem("file.outside", f"include {include.prefix}, file",
                     f"{include.file!r} is outside the folder in which the model is saved",
