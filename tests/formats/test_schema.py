@@ -14,6 +14,7 @@ from symbody.errors import FormatError
 from symbody.formats import schema
 from symbody.formats.checking import check_structure
 from symbody.formats.places import pointer
+from symbody.formats.version import VERSION
 from symbody.model import Model, elements
 from symbody.model.class_folders import definition_name
 from symbody.model.declarations.typed_tables import OTHER_NAMES
@@ -26,6 +27,9 @@ PUBLISHED = Path(formats.__file__).with_name("schema.json")
 def test_published_schema_is_current() -> None:
     assert PUBLISHED.read_text(encoding="utf-8") == schema.schema_text(), "run: python docs/list_elements.py"
     assert json.loads(schema.schema_text())["additionalProperties"] is False
+    assert (
+        json.loads(schema.schema_text())["$id"] == f"urn:symbody:model-file:{VERSION}"
+    )  # one version, the file's
 
 
 def section_types() -> list[tuple[str, str]]:
