@@ -97,3 +97,14 @@ def test_each_source_that_two_authors_or_a_year_name_is_listed(script) -> None: 
     ]
     assert len(found) > 60
     assert missing == []
+
+
+def test_the_paper_cites_what_is_listed_and_shows_what_is_there(script) -> None:  # type: ignore[no-untyped-def]
+    text = (ROOT / "paper" / "paper.md").read_text("utf-8")
+    body = text.split("---", 2)[2]
+    cited = set(re.findall(r"(?<![\w`])@(\w+)", body))
+    assert cited and cited <= {each.key for each in script.references()}
+    pictures = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", body)
+    assert pictures and all((ROOT / "paper" / name).is_file() for name in pictures)
+    assert {"# Summary", "# Statement of need", "# Comparison"} <= set(body.splitlines())
+    assert all((ROOT / name).is_file() for name in re.findall(r"`(docs/[\w./]+)`", body))
