@@ -211,13 +211,17 @@ def test_an_installation_without_pages_says_how_to_get_them(
     monkeypatch.undo()
     folder = tmp_path / "no pages"
     folder.mkdir()
-    monkeypatch.setattr(built_files, "_FOLDER", str(folder))  # an absolute path takes the place of the package
+    monkeypatch.setattr(
+        built_files, "_FOLDER", str(folder)
+    )  # an absolute path takes the place of the package
     with pytest.raises(EnvironmentFault, match="not include the pages(.|\n)*Node 20") as caught:
         sb.animate(four_bar(), tmp_path / "page.html")
     assert caught.value.problems[0].code == "animation.no_pages"
     assert "during" not in caught.value.problems[0].why
     (folder / "missing.txt").write_text("npm ci failed: the registry is away\n")
-    with pytest.raises(EnvironmentFault, match="during this installation: npm ci failed: the registry is away"):
+    with pytest.raises(
+        EnvironmentFault, match="during this installation: npm ci failed: the registry is away"
+    ):
         sb.animate(four_bar(), tmp_path / "page.html")
     assert list(tmp_path.iterdir()) == [folder]
 
