@@ -221,7 +221,7 @@ def file_schema() -> dict[str, Any]:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": f"urn:symbody:model-file:{VERSION}",
     }
-    return own | _sort_keys(schema)
+    return {**own, **_sort_keys(schema)}
 
 
 def schema_text() -> str:
