@@ -562,6 +562,6 @@ def test_animate_refuses(
 def test_without_pages_animate_ends_with_the_cure(
     model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("symbody.visual.viewer.page._FOLDER", "no pages")
+    monkeypatch.setattr("symbody.visual.viewer.built_files._FOLDER", "no pages")
     assert run(["animate", str(model), "--end", "1"]) == 5
     assert "Node 20" in capsys.readouterr().err

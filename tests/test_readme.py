@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,24 @@ def test_scripts_run_and_give_the_equations_shown(tmp_path: Path) -> None:
 def test_one_line_runs_the_tests() -> None:
     """CI takes its command from this line."""
     assert len(re.findall(r"-m pytest$", README, re.MULTILINE)) == 1
+
+
+@pytest.mark.parametrize("repository", ["https://forge.example/symbody", ""])
+def test_links_lead_somewhere_from_a_package_index(repository: str) -> None:
+    """Whole ones where the address of the repository is known; words alone where it is not."""
+    pytest.importorskip("hatchling")
+    sys.path.insert(0, str(ROOT))
+    try:
+        text = import_module("hatch_build").readme_for_index(README, repository)
+    finally:
+        sys.path.remove(str(ROOT))
+    places = re.findall(r"\]\(([^)]*)\)", text) + re.findall(r'src(?:set)?="([^"]*)"', text)
+    assert all(place.startswith("https://") for place in places)
+    assert text.count("```") == README.count("```")
+    if repository:
+        named = [place.removeprefix(f"{repository}/").split("/", 2) for place in places]
+        files = {name.partition("#")[0] for kind, _, name in named if kind in ("blob", "raw")}
+        assert len(files) > 40 and all((ROOT / name).exists() for name in files)
 
 
 def test_commands_that_repeat_figures_exist() -> None:

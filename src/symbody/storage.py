@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+import time
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
@@ -26,6 +27,7 @@ _KEPT: Final = 0.75  # of the limit, when something has to go
 EVERY: Final = 32
 _ENDING: Final = ".stored"
 _DIGEST: Final = 32
+_PAUSES: Final = (0.01, 0.03, 0.1, 0.3, 0.6)  # [s]
 
 
 def folder() -> Path | None:
@@ -108,10 +110,31 @@ def write_sealed(path: Path, key: bytes, content: bytes) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(_digest(key, content) + content)
-        os.replace(name, path)
+        move_into_place(name, path)
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def move_into_place(name: str | os.PathLike[str], target: Path) -> None:
+    """Put a finished file in the place of another in one step.
+
+    Windows refuses that while anybody has the other one open, if only for an instant, as programs that look
+    for viruses or index files do: it is asked again for a second.
+
+    Raises
+    ------
+    OSError
+        If that cannot be done.
+    """
+    for pause in _PAUSES if sys.platform == "win32" else ():
+        try:
+            os.replace(name, target)
+        except PermissionError:
+            time.sleep(pause)
+        else:
+            return
+    os.replace(name, target)
 
 
 def _is_own(place: Path) -> bool:

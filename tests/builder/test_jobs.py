@@ -450,7 +450,7 @@ def test_the_command_names_what_is_missing(tmp_path: Path) -> None:
     try:
         pages_folder()
     except EnvironmentFault as fault:
-        assert fault.problems[0].code == "builder.no_page" and "pip install" in fault.problems[0].fix
+        assert fault.problems[0].code == "builder.no_page" and "npm run build" in fault.problems[0].fix
         done = subprocess.run([sys.executable, "-m", "symbody", "builder", "--no-browser", "--port", "0"],
                               capture_output=True, text=True, timeout=60, env=environment)  # fmt: skip
         assert done.returncode == 5 and "builder.no_page" in done.stderr

@@ -8,6 +8,7 @@ from decimal import Decimal
 from pathlib import Path
 
 import pytest
+from symbody.formats.version import VERSION
 
 from symbody import formats
 from symbody.errors import FormatError
@@ -26,6 +27,9 @@ PUBLISHED = Path(formats.__file__).with_name("schema.json")
 def test_published_schema_is_current() -> None:
     assert PUBLISHED.read_text(encoding="utf-8") == schema.schema_text(), "run: python docs/list_elements.py"
     assert json.loads(schema.schema_text())["additionalProperties"] is False
+    assert (
+        json.loads(schema.schema_text())["$id"] == f"urn:symbody:model-file:{VERSION}"
+    )  # one version, the file's
 
 
 def section_types() -> list[tuple[str, str]]:

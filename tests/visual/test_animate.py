@@ -19,6 +19,7 @@ import pytest
 import symbody as sb
 from symbody.errors import EnvironmentFault, SymbodyError, UsageError
 from symbody.visual.viewer import animation as animation_module
+from symbody.visual.viewer import built_files
 from symbody.visual.viewer import page as page_module
 from symbody.visual.viewer.animation import LiveAnimation
 from tests.mechanisms import example
@@ -204,11 +205,21 @@ def test_an_installation_without_pages_says_how_to_get_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.undo()
-    monkeypatch.setattr(page_module, "_FOLDER", "no pages")
+    folder = tmp_path / "no pages"
+    folder.mkdir()
+    monkeypatch.setattr(
+        built_files, "_FOLDER", str(folder)
+    )  # an absolute path takes the place of the package
     with pytest.raises(EnvironmentFault, match="not include the pages(.|\n)*Node 20") as caught:
         sb.animate(four_bar(), tmp_path / "page.html")
     assert caught.value.problems[0].code == "animation.no_pages"
-    assert list(tmp_path.iterdir()) == []
+    assert "during" not in caught.value.problems[0].why
+    (folder / "missing.txt").write_text("npm ci failed: the registry is away\n")
+    with pytest.raises(
+        EnvironmentFault, match="during this installation: npm ci failed: the registry is away"
+    ):
+        sb.animate(four_bar(), tmp_path / "page.html")
+    assert list(tmp_path.iterdir()) == [folder]
 
 
 def test_without_a_path_the_browser_opens(

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from symbody.errors import SymbodyError
 from symbody.formats.reading import parse_toml, read_text
-from symbody.model.tables.inner_path import inner_path
+from symbody.model.tables.inner_path import inner_path, lies_within
 
 _DEEPEST: Final = 8  # parts of parts
 _ENDINGS: Final = (".toml", ".csv")
@@ -45,7 +45,7 @@ def _target(file: str, folder: str) -> str:
     """
     root = os.path.realpath(folder)
     target = os.path.join(root, file)
-    if os.path.commonpath([root, os.path.realpath(target)]) != root:
+    if not lies_within(os.path.realpath(target), root):
         raise OSError(f"{file} leads out of {folder}")
     return target
 

@@ -12,6 +12,7 @@ from urllib.parse import quote
 
 from symbody.errors import EnvironmentFault, Problem
 from symbody.formats.model_files import examples_folder
+from symbody.visual.viewer.built_files import why_no_pages
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +133,8 @@ def pages_folder() -> Path:
                 "builder.no_page",
                 str(folder),
                 "the page of the builder has not been built",
-                "the package runs from its sources, which do not include the built page",
-                "npm ci && npm run build in the folder frontend, or pip install symbody",
+                why_no_pages(),
+                "npm ci && npm run build in the folder frontend, or install a released package",
             )
         )
     return folder

@@ -176,9 +176,8 @@ def _pages() -> str:
     pages = ("visual/pages/player.html", "builder/pages/index.html")
     missing = [page for page in pages if not (root / page).is_file()]
     if missing:
-        raise _AbsentError(
-            f"{' and '.join(missing)}: install a release, or with Node 20; everything else works"
-        )
+        why = import_module("symbody.visual.viewer.built_files").why_no_pages()
+        raise _AbsentError(f"{' and '.join(missing)}: {why}; everything else works")
     return ""
 
 

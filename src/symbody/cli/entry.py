@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Sequence
 
@@ -19,6 +20,7 @@ def main() -> None:
 
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit code."""
+    _print_any_letter()
     try:
         if list(arguments) == ["doctor"]:  # it runs where the other commands cannot be loaded
             return run_doctor()
@@ -33,6 +35,15 @@ def run(arguments: Sequence[str]) -> int:
     except OSError as error:
         fix = "\n  fix: give a path in an existing folder with write permission" if error.filename else ""
         return _print_message(f"[cli.file] {error.filename or ''}: {error.strerror or error}{fix}", 5)
+
+
+def _print_any_letter() -> None:
+    """Let output that goes into a file or a pipe keep letters that the system's encoding lacks, as escapes.
+
+    Windows writes such output in a code page of 256 letters, in which Greek names cannot be printed.
+    """
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _print_message(message: str, code: int) -> int:

@@ -42,14 +42,15 @@ def maths_style(with_font: bool) -> str:
     Parameters
     ----------
     with_font : bool
-        Whether the font for mathematics stands in it, some 37 kB: dots need it.
+        Whether the font for mathematics stands in it, with its licence some 42 kB: dots need it.
     """
     folder = files("symbody.display")
     style = folder.joinpath("maths.css").read_text("utf-8")
     if not with_font:
         return _FONT_FACE.sub("", style)
     font = b64encode(folder.joinpath("maths.woff2").read_bytes()).decode("ascii")
-    return style.replace("./maths.woff2", f"data:font/woff2;base64,{font}")
+    licence = escape(folder.joinpath("maths_font_license.txt").read_text("utf-8").strip(), quote=False)
+    return f"/*\n{licence}\n*/\n" + style.replace("./maths.woff2", f"data:font/woff2;base64,{font}")
 
 
 def paragraph(text: str) -> Markup:

@@ -152,7 +152,7 @@ def _compile(sources: Mapping[str, bytes], main: str, target: Platform, command:
         flags = [flag for flag in FLAGS if not (target.suffix == ".dll" and "visibility" in flag)]
         done = subprocess.run(
             [*command, level, *flags, main, "-o", library, "-lm"], cwd=folder, capture_output=True, text=True,
-            check=False,
+            errors="replace", check=False,
         )  # fmt: skip
         if done.returncode:
             lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()

@@ -26,7 +26,7 @@ from symbody.model.parts.include import Include
 from symbody.model.parts.own_content import own_content, whole_content
 from symbody.model.registry import read_element, write_element
 from symbody.model.shapes.shape import GROUND_SHAPES
-from symbody.model.tables.inner_path import inner_path
+from symbody.model.tables.inner_path import inner_path, path_between
 
 _PACKAGE: Final = __name__.partition(".")[0]
 
@@ -456,8 +456,8 @@ def include_entry(include: Include, folder: str | None) -> dict[str, Node]:
     """
     place = include.file
     if folder is not None and os.path.realpath(folder) != os.path.realpath(include.folder):
-        place = os.path.relpath(os.path.join(include.folder, include.file), folder).replace(os.sep, "/")
-    if place.startswith(".."):
+        place = path_between(os.path.join(include.folder, include.file), folder)
+    if place.startswith("..") or os.path.isabs(place):
         what = f"{include.file!r} is outside the folder in which the model is saved"
         why = "a model file may only refer to files in its own folder"
         fix = "copy the part into the folder first, or save the model next to it"

@@ -222,7 +222,11 @@ def file_schema() -> dict[str, Any]:
     whole = model_table()
     tables = {table.title: table for table in _tables_below(whole)}
     schema = {"$defs": {title: tables[title].schema() for title in sorted(tables)}, **whole.schema()}
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_sort_keys(schema)}
+    own = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": f"urn:symbody:model-file:{VERSION}",
+    }
+    return {**own, **_sort_keys(schema)}
 
 
 def schema_text() -> str:

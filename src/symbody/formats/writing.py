@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.errors import FormatError, Problem
-from symbody.storage import create_file
+from symbody.storage import create_file, move_into_place
 
 _CURES: Final = MappingProxyType(
     {
@@ -94,7 +94,7 @@ def replace_content(target: Path, content: bytes, like: Path) -> None:
             os.fsync(descriptor)
         if is_known:
             shutil.copymode(like, name)
-        os.replace(name, target)
+        move_into_place(name, target)
     except BaseException:
         with contextlib.suppress(OSError):
             os.unlink(name)

@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* Conditions: branches of formulas. They are decided outside continuous time, and stay as they are within it. */
 
 static int side_of(double value)

@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* Events: each watches a number that passes zero. The end of a mode is one, too: its number falls to zero. */
 
 /* The side of what is watched. That of a mode has to become more than rounding before it can come to zero. */

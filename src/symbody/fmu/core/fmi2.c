@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* FMI 2.0: the functions of the standard on `instance.h`. */
 
 #include "fmi2Functions.h"

@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* An instance: its variables by value reference, the modes of the standard, messages. */
 
 #include <stdio.h>

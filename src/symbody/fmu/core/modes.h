@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* Modes: joints stick or slip, ropes are taut or slack. Each element has a number that is positive while its mode
    lasts. Where one ends, modes are looked for in which all that they assume holds. */
 

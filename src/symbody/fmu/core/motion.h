@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* The motion of one instance: its state, what follows from it, assembly, events and steps.
 
    `model.h`, written for each mechanism, defines the kernels `symbody_*`, the functions of the mechanism, the

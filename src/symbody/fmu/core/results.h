@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* Results: what follows from the state. It is computed when it is needed, and kept until the state changes. */
 
 static int are_finite(const double *values, int count)

@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* Held values: the last of the inputs that functions take, computed anew at their samples. */
 
 static double *sampler_of(Motion *m) { return m->pool + SB_SAMPLER; }

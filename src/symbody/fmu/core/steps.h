@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* Steps of our own, for co-simulation, and jumps of what depends on time alone. */
 
 /* Jumps of what depends on time alone. */

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from pathlib import Path as FilePlace
 from typing import Any, ClassVar, final
 
 from symbody.expr.language.formula import Formula
@@ -29,6 +28,7 @@ from symbody.model.declarations.misfits import (
 )
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.shapes.shape import CENTRE, COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
+from symbody.model.tables.inner_path import path_between
 
 
 @final
@@ -179,7 +179,4 @@ class Mesh(BodyShape):
         is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
         if is_same or os.path.isabs(self.path) or "://" in self.path:
             return self.path
-        try:
-            return FilePlace(os.path.relpath(self.place, folder)).as_posix()
-        except ValueError:  # on another drive
-            return os.path.abspath(self.place)
+        return path_between(self.place, folder)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Final
 
@@ -35,7 +36,7 @@ def inner_path(path: str, folder: str, where: str) -> str:
     _check_words(path, where)
     root = os.path.realpath(folder or os.curdir)
     place = os.path.realpath(os.path.join(root, path))
-    if os.path.commonpath([root, place]) != root:
+    if not lies_within(place, root):
         what = f"{path!r} is a link that leaves the folder of the model file"
         raise _refusal("file.outside", where, what, _WHY, "copy the file into the folder")
     if not os.path.exists(place):
@@ -46,6 +47,22 @@ def inner_path(path: str, folder: str, where: str) -> str:
             "file.not_a_file", where, f"{path!r} is not a regular file", "", "choose a regular file"
         )
     return place
+
+
+def lies_within(place: str, root: str) -> bool:
+    """Return whether a place is a folder or below it, both without links."""
+    try:
+        return os.path.commonpath([root, place]) == root
+    except ValueError:  # on another drive
+        return False
+
+
+def path_between(place: str, folder: str) -> str:
+    """Return the path of a place from a folder, with slashes; the whole path where it is on another drive."""
+    try:
+        return FilePath(os.path.relpath(place, folder)).as_posix()
+    except ValueError:
+        return FilePath(os.path.abspath(place)).as_posix()
 
 
 def _check_words(path: str, where: str) -> None:

@@ -7,7 +7,6 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
 from numbers import Integral
-from pathlib import Path as FilePlace
 from typing import Any, ClassVar, Final, Literal, dataclass_transform, final
 
 from symbody.errors import FormatError, ModelError, Problem
@@ -22,7 +21,7 @@ from symbody.model.declarations.misfits import Misfit, Path, Schema, list_misfit
 from symbody.model.element import Element
 from symbody.model.loads.curve import KINDS, OUTSIDE, segment_pieces
 from symbody.model.tables.csv_columns import Column, Point, order_problems, read_points
-from symbody.model.tables.inner_path import inner_path
+from symbody.model.tables.inner_path import inner_path, path_between
 
 
 class ColumnChoice(PlainField[Iterable[str | int], tuple[Column, ...]]):
@@ -104,7 +103,7 @@ class TableFile(Text):
         if target.folder is None:
             return Text.to_file(self, owner, value, target)
         place: str = owner.path_from(target.folder)
-        if place.startswith(".."):
+        if place.startswith("..") or os.path.isabs(place):
             what = f"{value!r} is outside the folder in which the model is saved"
             why = "a model file may only refer to files in its own folder"
             fix = "copy the file into the folder first, or save the model next to the file"
@@ -235,7 +234,7 @@ class Lookup(Element):
         """Return the path of the file from another folder, with slashes."""
         place = os.path.join(self.folder, self.file)
         is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
-        return self.file if is_same else FilePlace(os.path.relpath(place, folder)).as_posix()
+        return self.file if is_same else path_between(place, folder)
 
 
 def _points_of_file(owner: Lookup, arguments: Arguments) -> tuple[Point, ...]:

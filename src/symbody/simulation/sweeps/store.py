@@ -17,6 +17,7 @@ from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.results.archive import read_arrays
 from symbody.simulation.sweeps.records import CaseDetails, Records
+from symbody.storage import move_into_place
 
 _FORMAT: Final = "symbody sweep 5"
 _ABOUT: Final = "sweep.json"
@@ -91,7 +92,7 @@ class Store:
                     file, x=records.x, codes=records.codes, counts=records.counts, reached=records.reached,
                     details=np.array(_details_text(records)),
                 )  # fmt: skip
-            os.replace(own, self._folder / name)
+            move_into_place(own, self._folder / name)
         except OSError as error:
             raise self._unwritable(error) from error
 
@@ -144,4 +145,4 @@ def _held_record(about: Mapping[str, Any] | None) -> HeldRecord | None:
 def _write(path: Path, content: bytes) -> None:
     own = path.with_suffix(f".{os.getpid()}.part")
     own.write_bytes(content)
-    os.replace(own, path)
+    move_into_place(own, path)

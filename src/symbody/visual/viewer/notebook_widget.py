@@ -11,8 +11,9 @@ import traitlets
 
 from symbody.analysis.state import State
 from symbody.errors import SymbodyError
+from symbody.visual.viewer.built_files import built_file
 from symbody.visual.viewer.live import SliderMechanism
-from symbody.visual.viewer.page import PageData, built_file
+from symbody.visual.viewer.page import PageData
 
 
 class MechanismWidget(anywidget.AnyWidget):

@@ -6,7 +6,6 @@ import html
 import json
 import re
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,10 +14,10 @@ from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.formats.writing import replace_content, writing_cure
 from symbody.visual.scene import motion_to_json, scene_to_json
 from symbody.visual.scene.scene import Scene, SceneMotion
+from symbody.visual.viewer.built_files import built_file
 
 PageData = dict[str, Any]
 
-_FOLDER: Final = "pages"
 _EMPTY: Final = '<script type="application/json" id="symbody-data">null</script>'
 _TITLE: Final = "<title>symbody</title>"
 
@@ -66,27 +65,6 @@ def fill_page(name: str, data: PageData, further: Mapping[str, str]) -> str:
     template, ways = built_file(name), re.compile("|".join(re.escape(part) for part in parts))
     left = dict(parts)
     return ways.sub(lambda place: left.pop(place.group(), place.group()), template)
-
-
-def built_file(name: str) -> str:
-    """Return the text of a file that the build of the package made from ``frontend/``.
-
-    Raises
-    ------
-    EnvironmentFault
-        If it is missing.
-    """
-    try:
-        return (files("symbody.visual") / _FOLDER / name).read_text(encoding="utf-8")
-    except OSError:
-        raise EnvironmentFault(
-            Problem("animation.no_pages", name, "this installation does not include the pages that show "
-                                                "motions",
-                    "they are built when symbody is installed from its sources, which needs Node 20 or "
-                    "later, or a network connection to download it",
-                    "install Node and run `pip install` again in the folder of the sources, or install a "
-                    "released package; save_animation works without these pages")
-        ) from None  # fmt: skip
 
 
 def write_page(path: Path, text: str) -> None:

@@ -247,7 +247,7 @@ def _path(robot: Robot, visual: Shape, folder: Path) -> str:
     try:
         return path.relative_to(folder).as_posix()
     except ValueError:
-        return str(path)
+        return path.as_posix()
 
 
 def _color(rgba: tuple[Constant, ...] | None) -> tuple[str, str]:

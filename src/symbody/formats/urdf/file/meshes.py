@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
-from urllib.parse import unquote
+from urllib.request import url2pathname
 
 from symbody.formats.urdf.file.robot import Robot, Shape
 
@@ -34,7 +34,7 @@ def find_mesh(
     if not mark:
         found = [folder / shape.mesh] if shape.mesh else []
     elif scheme == "file":
-        found = [Path(unquote(rest))]
+        found = [Path(url2pathname(rest))]
     elif scheme in _PACKAGES:
         package, _, inside = rest.partition("/")
         found = (root / inside for root in _package_roots(package, packages, folder))
