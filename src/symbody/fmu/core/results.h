@@ -1,13 +1,5 @@
 /* Results: what follows from the state. It is computed when it is needed, and kept until the state changes. */
 
-static int are_finite(const double *values, int count)
-{
-    int k;
-    for (k = 0; k < count; k++)
-        if (!isfinite(values[k])) return 0;
-    return 1;
-}
-
 /* Compute what is not there yet. */
 static int need(Motion *m, int what)
 {
