@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.expr import canonical
 from symbody.expr import opcodes as op
 from symbody.expr.graph import TIME, Graph
@@ -44,14 +45,16 @@ class Condition:
     reads: tuple[str, ...]
 
 
-def find_conditions(eqs: EquationSet) -> tuple[Condition, ...]:
+def find_conditions(modal: ModalEquations) -> tuple[Condition, ...]:
     """Return the conditions in forces, constraints and signals that depend on the state or on inputs.
 
-    Those in time alone are breakpoints of the motion; those that depend on accelerations are left out.
+    Those in time alone are breakpoints of the motion; those that depend on accelerations are left out, and
+    modes, which have events of their own.
     """
-    formed = eqs.formed
+    eqs, formed = modal.eqs, modal.eqs.formed
     graph = formed.graph
-    moving = {*formed.u, *formed.q, *formed.signal_states, *formed.inputs}
+    inputs = {symbol for symbol in formed.inputs if symbol.name not in modal.modes}
+    moving = {*formed.u, *formed.q, *formed.signal_states, *inputs}
     usable = moving | {TIME, *formed.parameters}
     nodes = [node for node in graph.reachable(_formula_nodes(eqs)) if graph.ops[node] in _BRANCHED]
     bounds = Counter(graph.operands(node)[0] for node in nodes if _has_bound(graph, node))

@@ -12,17 +12,19 @@ import numpy as np
 from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import ModalEquations, modal_equations
 from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.fmu.conditions import OUTPUT, Condition, condition_output, find_conditions
 from symbody.fmu.freezing import Branches
 from symbody.fmu.functions import ModelFunction, make_function
 from symbody.fmu.jumps import find_jumps
-from symbody.fmu.modes import ModalEquations, modal_equations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram, Method
 from symbody.fmu.samples import FmuSamples, fmu_samples
+from symbody.kernels.modes.mode_problem import LOOSE
 from symbody.simulation.events.events import Event
+from symbody.simulation.hybrid.switching import deciding_outputs, mode_ends
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
@@ -63,37 +65,36 @@ def make_program(
     jumps = find_jumps(motion, parameters)
     parameters = parameters.fix_values(jumps.decisive)
     modal = modal_equations(eqs)
-    eqs = modal.eqs
+    whole = modal.eqs
     stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
-    stabilized = stabilizing.applied(eqs) if eqs.multiplier_names else eqs
-    conditions = find_conditions(eqs)
-    functions = _Functions(parameters, modal.arguments, len(conditions))
-    sides = with_outputs(eqs, [condition_output(conditions)])
-    branches = functions.branches(motion, sides, conditions)
-    shown = modal.outputs(outputs)
+    stabilized = stabilizing.applied(whole) if whole.multiplier_names else whole
+    conditions = find_conditions(modal)
+    functions = _Functions(parameters, len(conditions))
+    sides = with_outputs(whole, [condition_output(conditions)])
+    branches = functions.branches(motion, sides, conditions, len(modal.modes))
     made = {
-        "motion": functions.make(eqs, "motion", ["xdot"]),
+        "motion": functions.make(whole, "motion", ["xdot"]),
         "slope": functions.make(stabilized, "slope", ["xdot"], branches),
-        "output": functions.make(eqs, "output", ["constraints", "energy", *shown], branches),
+        "output": functions.make(whole, "output", ["constraints", "energy", *outputs], branches),
     }
-    if motion.is_closed or eqs.multiplier_names:
-        made["projection"] = functions.make(eqs, "projection", PROJECTED)
+    if motion.is_closed or whole.multiplier_names:
+        made["projection"] = functions.make(whole, "projection", PROJECTED)
     made |= _functions_of_closing(functions, motion.eqs, modal)
     if isinstance(integrator, GeneralizedAlpha):
-        made["turn"] = functions.make(eqs, "turn", ["qdot"])
-        made["jacobian"] = functions.make(with_state_jacobian(eqs, {}), "jacobian", [STATE_JACOBIAN])
+        made["turn"] = functions.make(whole, "turn", ["qdot"])
+        made["jacobian"] = functions.make(with_state_jacobian(whole, {}), "jacobian", [STATE_JACOBIAN])
     if eqs.state_names:
-        made |= _functions_of_slopes(functions, modal, stabilized, branches, shown)
+        made |= _functions_of_slopes(functions, eqs, stabilized, whole, branches, outputs)
     if conditions:
         made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
     if jumps.times and eqs.speed_names:
-        made["strike"] = functions.make(strike_equations(eqs), "strike", strike_outputs(eqs))
-    made |= _functions_of_modes(functions, modal) | _functions_of_events(functions, modal, events)
+        made["strike"] = functions.make(strike_equations(whole), "strike", strike_outputs(whole))
+    made |= _functions_of_modes(functions, eqs, modal) | _functions_of_events(functions, whole, events)
     if samples.values:
-        made |= _functions_of_samples(functions, modal, samples)
+        made |= _functions_of_samples(functions, whole, samples)
         parameters = parameters.with_fixed(made["periods"].sequence)
     if parameters.calculated:
-        made["parameters"] = functions.make(eqs, "parameters", [f"({x})" for x in parameters.calculated])
+        made["parameters"] = functions.make(whole, "parameters", [f"({x})" for x in parameters.calculated])
     return FmuProgram(
         eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps,
         integrator or Explicit(),
@@ -102,18 +103,19 @@ def make_program(
 
 def _functions_of_slopes(
     functions: _Functions,
-    modal: ModalEquations,
+    eqs: EquationSet,
     stabilized: EquationSet,
+    whole: EquationSet,
     branches: Branches | None,
-    shown: Sequence[str],
+    outputs: Sequence[str],
 ) -> dict[str, ModelFunction]:
-    """Return the partial derivatives that importers ask for."""
-    eqs = modal.eqs
-    by = "d(q, s, u, r)" if eqs.signal_state_names else "d(q, u, r)"
-    slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *shown)]
+    """Return the partial derivatives that importers ask for: by all inputs of `eqs`, not by modes."""
+    groups = ("q", "s", "u") if eqs.signal_state_names else ("q", "u")
+    by = f"d({', '.join((*groups, *(f'({name})' for name in eqs.input_names)))})"
+    slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
     return {
         "derivatives": functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches),
-        "sensitivities": functions.make(eqs, "sensitivities", slopes, branches),
+        "sensitivities": functions.make(whole, "sensitivities", slopes, branches),
     }
 
 
@@ -128,68 +130,72 @@ def _functions_of_closing(
     return {"assembly": functions.make(whole, "assembly", close.outputs)}
 
 
-def _functions_of_modes(functions: _Functions, modal: ModalEquations) -> dict[str, ModelFunction]:
-    made = {}
-    if modal.elements:
-        made["measures"] = functions.make(modal.eqs, "measures", modal.measures)
-    if any(element.is_rope for element in modal.elements):
-        made["mass"] = functions.make(modal.eqs, "mass", ["mass_matrix"])
-    return made
+def _functions_of_modes(
+    functions: _Functions, eqs: EquationSet, modal: ModalEquations
+) -> dict[str, ModelFunction]:
+    """Return what decides about modes, and the values that end them."""
+    if not modal.modes:
+        return {}
+    outputs: list[str] = []
+    for output in deciding_outputs(modal):
+        outputs += [output] if isinstance(output, str) else output
+    ends = [str(end.expression) for end in mode_ends(modal)]
+    return {
+        "deciding": functions.make(eqs, "deciding", outputs),
+        "ends": functions.make(modal.eqs, "ends", ends),
+    }
 
 
 def _functions_of_events(
-    functions: _Functions, modal: ModalEquations, events: tuple[Event, ...]
+    functions: _Functions, eqs: EquationSet, events: tuple[Event, ...]
 ) -> dict[str, ModelFunction]:
     made = {}
     if events:
-        watched = modal.outputs(str(event.expression) for event in events)
-        made["indicators"] = functions.make(modal.eqs, "indicators", watched)
+        made["indicators"] = functions.make(eqs, "indicators", [str(event.expression) for event in events])
     actions = [str(value) for event in events for value in event.mapping.values()]
     if actions:
-        made["action"] = functions.make(modal.eqs, "action", actions)
+        made["action"] = functions.make(eqs, "action", actions)
     return made
 
 
 def _functions_of_samples(
-    functions: _Functions, modal: ModalEquations, samples: FmuSamples
+    functions: _Functions, eqs: EquationSet, samples: FmuSamples
 ) -> dict[str, ModelFunction]:
-    values = functions.make(modal.eqs, "samples", modal.outputs(samples.formulas))
+    values = functions.make(eqs, "samples", samples.formulas)
     check_numbers(samples.values, values.sequence.outputs)
-    periods = functions.make(modal.eqs, "periods", [f"({period})" for period in samples.periods])
+    periods = functions.make(eqs, "periods", [f"({period})" for period in samples.periods])
     return {"samples": values, "periods": periods}
 
 
 @dataclass(frozen=True, slots=True)
 class _Functions:
-    """Makes functions of the same parameters, behind which p holds modes and the sides of conditions."""
+    """Makes functions of the same parameters, behind which p holds the sides of conditions."""
 
     parameters: FmuParameters
-    modes: tuple[str, ...]
     condition_count: int
 
     def make(
         self, eqs: EquationSet, name: str, outputs: Sequence[str], branches: Branches | None = None
     ) -> ModelFunction:
         given = self.parameters
-        arguments = (*given.arguments, *self.modes)
-        values = np.concatenate([given.values, np.zeros(len(self.modes) + self.condition_count)])
+        values = np.concatenate([given.values, np.zeros(self.condition_count)])
         return make_function(
-            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, arguments, values, branches
+            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, values, branches
         )
 
     def branches(
-        self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...]
+        self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...], mode_count: int
     ) -> Branches | None:
-        """Return the branches with what decides them, at some points about the first state."""
+        """Return the branches with what decides them, at some points about the first state; nothing holds."""
         if not conditions:
             return None
         sequence = self.make(sides, "sides", [OUTPUT]).sequence
-        n_u, n_r = len(sides.speed_names), len(sides.input_names)
-        x, p = motion.integration.state, [*self.parameters.values.tolist(), *[0.0] * len(self.modes)]
+        n_u, n_r = len(sides.speed_names), len(sides.input_names) - mode_count
+        x, p = motion.integration.state, self.parameters.values.tolist()
         points = []
         for k in range(_POINTS):
             moved = [float(value) + math.sin(1.0 + 7.0 * k + i) for i, value in enumerate(x)]
-            r = [math.cos(2.0 + 5.0 * k + i) for i in range(n_r)]
+            r = [*(math.cos(2.0 + 5.0 * k + i) for i in range(n_r)), *[float(LOOSE)] * mode_count]
             points.append({"t": [0.37 + k], "q": moved[n_u:], "u": moved[:n_u], "r": r, "p": p})
         values = tuple(tuple(evaluate_sequence(sequence, point)[0]) for point in points)
         are_floors = tuple(condition.is_floor for condition in conditions)

@@ -22,6 +22,8 @@ from symbody.kernels.configurations.strike import STRUCK, TORN
 from symbody.kernels.configurations.strike_problem import StrikeProblem
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
 from symbody.kernels.implicit.implicit_block import ImplicitStep
+from symbody.kernels.modes.mode_switch import ModeSwitch, SwitchingElement
+from symbody.kernels.modes.switch_modes import SETTLED
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
 
@@ -39,13 +41,19 @@ _KERNELS: Final = (
     ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
 )
 _ACTING_KERNELS: Final = (("acting_events", ("starting_event", "end_action")),)
+_MODE_KERNELS: Final = (
+    (
+        "switch_modes",
+        ("settle_modes", "show_modes", "forget_modes", "note_rates", "find_long_rope", "slight_value"),
+    ),
+)
 _STRIKE_KERNELS: Final = (("strike", ("strike",)),)
 _IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
 _CODES: Final = ("RUNNING", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY")
 # What the names of the places of a record begin with.
 _RECORDS: Final[Mapping[str, type[RecordLayout]]] = {
     "RUN": Run, "BREAK": Breakpoint, "NUMBERS": FunctionNumbers, "PROJECTOR": StateProjection,
-    "W": EventMonitor, "E": MonitoredEvent, "Z": SampleHold,
+    "W": EventMonitor, "E": MonitoredEvent, "Z": SampleHold, "S": ModeSwitch, "M": SwitchingElement,
 }  # fmt: skip
 _IMPLICIT_FUNCTIONS: Final = {
     "turn": ImplicitStep.layout["rate_numbers"],
@@ -57,7 +65,7 @@ _PURPOSES: Final = {
     "sensitivities": "SB_SENSITIVITIES", "indicators": "SB_INDICATORS", "action": "SB_ACTION",
     "parameters": "SB_PARAMETERS", "sides": "SB_SIDES",
     "samples": "SB_SAMPLING", "periods": "SB_PERIODS",
-    "measures": "SB_MEASURES", "strike": "SB_STRIKING", "mass": "SB_MASS", "projection": "SB_PROJECTING",
+    "deciding": "SB_DECIDING", "ends": "SB_ENDS", "strike": "SB_STRIKING", "projection": "SB_PROJECTING",
     "assembly": "SB_ASSEMBLING",
 }  # fmt: skip
 _FUNCTION: Final = """
@@ -75,6 +83,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         *(_ACTING_KERNELS if program.actions else ()),
         *(_IMPLICIT_KERNELS if program.is_implicit else ()),
         *(_STRIKE_KERNELS if "strike" in program.functions else ()),
+        *(_MODE_KERNELS if program.modal.modes else ()),
     ]
     for file, roots in (*_KERNELS, *rare):
         kernels |= read_kernels(file, *roots)
@@ -95,8 +104,6 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _flags("sb_closes", program.closing_parameters),
         _table("int", "sb_directions", (str(event.direction) for event in program.events)),
         _flags("sb_is_floor", [condition.is_floor for condition in program.conditions]),
-        _flags("sb_is_rope", [element.is_rope for element in program.modal.elements]),
-        _numbers("sb_rate_scales", program.rate_scales),
         _numbers("sb_jumps", (t for t, _ in program.jumps.times)),
         _numbers("sb_jump_margins", (margin for _, margin in program.jumps.times)),
         _flags("sb_stops", [event.action == "stop" for event in program.events]),
@@ -116,14 +123,15 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     """Return the numbers of an instance at first, and where those of each function begin."""
     motion, assembly = program.block(), program.assembly()
     sampler = program.samples.block(len(program.eqs.speed_names))
-    implicit, watch, strike = program.implicit(), program.watch(), program.strike()
-    parts = [motion, assembly, sampler, implicit, watch, strike]
+    implicit, watch, strike, switch = program.implicit(), program.watch(), program.strike(), program.switch()
+    parts = [motion, assembly, sampler, implicit, watch, strike, switch]
     places = {"motion": int(motion[Run.layout["numbers"]])}
     places["sampler"] = motion.size + assembly.size
     places["implicit"] = places["sampler"] + sampler.size
     places["watch"] = places["implicit"] + implicit.size
     places["struck"] = places["watch"] + watch.size
-    size = places["struck"] + strike.size
+    places["switch"] = places["struck"] + strike.size
+    size = places["switch"] + switch.size
     for name, function in program.functions.items():
         if name == "projection":
             begin = int(motion[Run.layout["projection"]])
@@ -132,6 +140,8 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
             places[name] = motion.size + int(assembly[AssemblyProblem.fields["numbers"].place])
         elif name == "strike":
             places[name] = places["struck"] + int(strike[StrikeProblem.fields["numbers"].place])
+        elif name == "deciding":
+            places[name] = places["switch"] + int(switch[ModeSwitch.fields["numbers"].place])
         elif name in _IMPLICIT_FUNCTIONS:
             places[name] = places["implicit"] + int(implicit[_IMPLICIT_FUNCTIONS[name]])
         elif name != "motion":
@@ -141,6 +151,8 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     if watch.size:  # numbers of functions lie before and behind it
         for field, name in (("numbers", "indicators"), ("actions", "motion")):
             watch[EventMonitor.fields[field].place] = places[name] - places["watch"]
+    if switch.size:  # what projects takes the same numbers as steps do
+        switch[ModeSwitch.fields["projection"].place] = places["projection"] - places["switch"]
     scratch = max(function.values_work for function in program.functions.values())
     return np.concatenate([*parts, np.zeros(scratch + 1)]), places | {"scratch": size}
 
@@ -158,7 +170,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_CALCULATED": len(program.parameters.calculated), "SB_CONSTRAINTS": output.sizes[0],
         "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
         "SB_EVENTS": len(program.events), "SB_CONDITIONS": len(program.conditions),
-        "SB_ELEMENTS": len(program.modal.elements), "SB_MODES": len(program.modal.arguments),
+        "SB_ELEMENTS": len(program.modal.modes), "SB_SWITCH": places["switch"],
         "SB_WATCHED": program.indicator_count, "SB_ACTIONS": len(program.actions),
         "SB_SLOPES": rows * (n + n_r),
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
@@ -183,9 +195,10 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         }
     numbers["SB_RUN_BREAKS"] = Run.fields["breaks"].place
     numbers["SB_EVENT_SIZE"], numbers["SB_BREAK_SIZE"] = MonitoredEvent.size, Breakpoint.size
+    numbers["SB_ELEMENT_SIZE"], numbers["SB_SETTLED"] = SwitchingElement.size, SETTLED
     texts = {
         "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
-        "SB_MASS_SCALE": repr(program.mass_scale), "SB_CLOSED": repr(program.closing_share),
+        "SB_CLOSED": repr(program.closing_share),
         "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
         "SB_WATCHED_FUNCTION": f"{FUNCTION}{'indicators' if program.events else 'motion'}",

@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.sequence import Output
 from symbody.fmu.conditions import Condition
 from symbody.fmu.functions import Floats, ModelFunction
 from symbody.fmu.jumps import FmuJumps
-from symbody.fmu.modes import ModalEquations
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
 from symbody.kernels.block import Run
@@ -23,6 +23,7 @@ from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.simulation.events.event_functions import numbers_of_events
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
+from symbody.simulation.hybrid.switching import mode_block
 from symbody.simulation.methods.constraints import make_projector, residual_share
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -47,7 +48,7 @@ class FmuProgram:
     Attributes
     ----------
     eqs : EquationSet
-        The equations, without stabilizing terms.
+        The equations, without stabilizing terms, their modes left open.
     motion : PosedMotion
         The motion that co-simulation integrates.
     parameters : FmuParameters
@@ -58,11 +59,11 @@ class FmuProgram:
         What is watched.
     functions : mapping of str to ModelFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
-        sensitivities, indicators, action, parameters, sides, measures, mass, samples, periods, strike.
+        sensitivities, indicators, action, parameters, sides, deciding, ends, samples, periods, strike.
     conditions : tuple of Condition
         What decides the branches that are frozen between events of model exchange.
     modal : ModalEquations
-        The same equations with the modes of joints and ropes as arguments.
+        The same equations with the modes of joints and ropes as inputs, of which functions are made.
     samples : FmuSamples
         What is held between samples.
     jumps : FmuJumps
@@ -115,7 +116,7 @@ class FmuProgram:
     def constraint_scales(self) -> Floats:
         """The sizes of the position constraints."""
         scales = self.motion.integration.problem.scales
-        return scales.constraints(self.eqs)[: len(self.eqs.formed.holonomic)]
+        return scales.constraints(self.modal.eqs)[: len(self.modal.eqs.formed.holonomic)]
 
     @property
     def nominal(self) -> Floats:
@@ -128,23 +129,12 @@ class FmuProgram:
     @property
     def indicator_count(self) -> int:
         """How many numbers are watched in model exchange."""
-        return len(self.events) + len(self.conditions) + len(self.modal.elements)
-
-    @property
-    def rate_scales(self) -> list[float]:
-        """Rates of joints and ropes below which they are at rest, as multiples of rates of angles."""
-        length = self.motion.integration.problem.scales.length
-        return [1.0 if element.is_angle else length for element in self.modal.elements]
+        return len(self.events) + len(self.conditions) + len(self.modal.modes)
 
     @property
     def time_scale(self) -> float:
         """In which the mechanism moves by its size [s]."""
         return self.motion.integration.problem.scales.time
-
-    @property
-    def mass_scale(self) -> float:
-        """The largest mass [kg]."""
-        return self.motion.integration.problem.scales.mass
 
     @property
     def is_projected(self) -> bool:
@@ -211,7 +201,7 @@ class FmuProgram:
             return NOTHING_TO_PROJECT
         function = self.functions["projection"]
         scales = self.motion.integration.problem.scales
-        made = make_projector(_Projecting(function), self.eqs, scales, self.motion.projection, None)
+        made = make_projector(_Projecting(function), self.modal.eqs, scales, self.motion.projection, None)
         ours = function.arguments
         limit = math.inf if self.has_one_length else made.limit
         return made._replace(
@@ -232,7 +222,17 @@ class FmuProgram:
         if "strike" not in self.functions:
             return np.zeros(0)
         function, scales = self.functions["strike"], self.motion.integration.problem.scales
-        return strike_block(self.eqs, scales, function.sizes, function.numbers)
+        return strike_block(self.modal.eqs, scales, function.sizes, function.numbers)
+
+    def switch(self) -> Floats:
+        """Return the array of a `ModeSwitch`; empty where nothing switches."""
+        if not self.modal.modes:
+            return np.zeros(0)
+        deciding, projecting = self.functions["deciding"], self.functions["projection"]
+        return mode_block(
+            self.modal, self.eqs, self.motion.integration.problem.scales, len(self.eqs.input_names),
+            (deciding.numbers, deciding.size), (np.zeros(0), projecting.size),
+        )  # fmt: skip
 
     @property
     def closing_parameters(self) -> tuple[bool, ...]:

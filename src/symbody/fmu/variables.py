@@ -18,6 +18,7 @@ from symbody.expr.sequences.program import written_out
 from symbody.fmu.functions import Floats, ModelFunction, are_symbols
 from symbody.fmu.names import entry_name, rate_name, unique_names, variable_name
 from symbody.fmu.program import FmuProgram
+from symbody.kernels.modes.mode_problem import LOOSE
 
 Flags = NDArray[np.bool_]
 
@@ -75,14 +76,14 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     """Return which states (u, q, s) can be set: the others follow from the constraints."""
     eqs = program.eqs
     n_u = len(eqs.speed_names)
-    if not eqs.multiplier_names:
+    if not program.modal.eqs.multiplier_names:
         return (True,) * len(eqs.state_names)
     by_q, jacobian = _constraint_slopes(program)
     free = with_taut(program.motion.eqs, ())  # nothing is held at first
     chosen = free.mobility.independent_speeds if free.multiplier_names else range(n_u)
     preferred = {eqs.speed_names[k] for k in chosen}
     free_u = _free_columns(jacobian, np.array([name in preferred for name in eqs.speed_names]))
-    count = len(eqs.formed.holonomic)
+    count = len(program.modal.eqs.formed.holonomic)
     wanted = np.array([f"{name}_dot" in preferred for name in eqs.coordinate_names])
     free_q = _free_columns(by_q[:count], wanted)
     return (*free_u, *free_q, *(True for _ in eqs.signal_state_names))
@@ -96,13 +97,13 @@ def held_states(eqs: EquationSet, are_free: Iterable[bool]) -> tuple[bool, ...]:
 
 def _constraint_slopes(program: FmuProgram) -> list[Floats]:
     """Return the derivatives of constraints by coordinates and by speeds at the first state."""
-    eqs, given, modes = program.eqs, program.parameters, program.modal.arguments
-    outputs, arguments = ("position_jacobian", "jacobian"), (*given.arguments, *modes)
-    sequence = written_out(form_sequence(eqs, outputs, given.fixed_formulas, arguments)[0])
+    eqs, given, modes = program.modal.eqs, program.parameters, program.modal.modes
+    outputs = ("position_jacobian", "jacobian")
+    sequence = written_out(form_sequence(eqs, outputs, given.fixed_formulas, given.arguments)[0])
     n_u, x = len(eqs.speed_names), program.x0.tolist()
     point = {
-        "t": [0.0], "q": x[n_u:], "u": x[:n_u], "r": [0.0] * len(eqs.input_names),
-        "p": [*given.values.tolist(), *[0.0] * len(modes)],
+        "t": [0.0], "q": x[n_u:], "u": x[:n_u], "p": given.values.tolist(),
+        "r": [*[0.0] * len(program.eqs.input_names), *[float(LOOSE)] * len(modes)],
     }  # fmt: skip
     values = evaluate_sequence(sequence, point)
     shapes = [output.shape for output in sequence.outputs]
@@ -201,11 +202,10 @@ def _outputs(program: FmuProgram) -> Iterator[FmuVariable]:
     )  # fmt: skip
     place = count
     for output in function.sequence.outputs[1:]:
-        name = program.modal.plain_name(output.name)
         for k in range(len(output.values)):
             yield FmuVariable(
-                entry_name(name, output.shape, k), "output", "continuous", "calculated",
-                unit=units.get(name, ""), description=name, dependencies=depends[place],
+                entry_name(output.name, output.shape, k), "output", "continuous", "calculated",
+                unit=units.get(output.name, ""), description=output.name, dependencies=depends[place],
             )  # fmt: skip
             place += 1
 
@@ -222,10 +222,12 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
         for k, (condition, read) in enumerate(zip(program.conditions, depends, strict=True), start=1):
             words = f"passes zero where a condition in {', '.join(condition.reads)} changes"
             yield _indicator(f"condition[{k}]", words, read)
-    for element in program.modal.elements:
-        end = "goes slack or taut" if element.is_rope else "sticks or slips"
-        words = f"passes zero where {'rope' if element.is_rope else 'joint'} {element.name} {end}"
-        yield FmuVariable(f"mode.{variable_name(element.name)}", "local", "continuous", description=words)
+    ends = [(f"joint {name} sticks or slips", name) for name in program.modal.joints]
+    ends += [(f"rope {name} goes slack or taut", name) for name in program.modal.ropes]
+    for words, name in ends:
+        yield FmuVariable(
+            f"mode.{variable_name(name)}", "local", "continuous", description=f"passes zero where {words}"
+        )
 
 
 def _indicator(name: str, words: str, read: tuple[tuple[int, str], ...]) -> FmuVariable:
@@ -244,5 +246,8 @@ def _dependencies(program: FmuProgram, function: ModelFunction) -> list[tuple[tu
 def _references(program: FmuProgram, read: Symbols, kind: str) -> tuple[tuple[int, str], ...]:
     n_u, n = len(program.eqs.speed_names), len(program.eqs.state_names)
     firsts = {"t": 0, "u": 1, "q": 1 + n_u, "r": 1 + 2 * n}
-    held = {("r", value.slot) for value in program.samples.values}  # constant in continuous time
+    held = {
+        ("r", value.slot) for value in program.samples.values
+    }  # constant in continuous time, as are modes
+    held |= {("r", len(program.eqs.input_names) + k) for k in range(len(program.modal.modes))}
     return tuple(sorted((firsts[group] + place, kind) for group, place in read - held if group in firsts))

@@ -128,7 +128,7 @@ static int judge_actions(Motion *m)
    a fault. */
 static int act(Motion *m, int *must_stop)
 {
-    int k, ended[SB_ELEMENTS + 1], changed;
+    int k, changed;
     *must_stop = 0;
     for (k = 0; k < SB_EVENTS + SB_ELEMENTS; k++) {
         if (!m->pending[k]) continue;
@@ -139,7 +139,7 @@ static int act(Motion *m, int *must_stop)
         }
     }
     changed = set_states(m);
-    if (changed >= 0 && have_ended(m, ended)) changed = switch_modes(m, ended) == SOLVED ? 1 : -1;
+    if (changed >= 0 && have_ended(m)) changed = switch_modes(m) == SOLVED ? 1 : -1;
     if (changed > 0) {
         look_at_sides(m); /* a map leaves what it acts on where it is, up to rounding */
         changed = judge_actions(m);

@@ -102,7 +102,6 @@ static void free_instance(Instance *instance)
 /* Values that were set before and in initialization mode hold, the others follow from them. */
 static int prepare(Instance *instance, const char *function)
 {
-    static const int none[SB_ELEMENTS + 1] = {0};
     Motion *m = &instance->motion;
     if (!(m->mode & (INSTANTIATED | INITIALIZATION))) return STATUS_OK;
     if (!m->is_settled) {
@@ -112,7 +111,8 @@ static int prepare(Instance *instance, const char *function)
                 "no configuration near the one before fulfils the constraints with the values that were set");
     }
     if (!SB_ELEMENTS || m->has_modes) return STATUS_OK;
-    if (switch_modes(m, none) == SOLVED) return STATUS_OK;
+    forget_modes(m);
+    if (switch_modes(m) == SOLVED) return STATUS_OK;
     return fail(instance, STATUS_ERROR, function,
         "no way of sticking and slipping, and of ropes taut and slack, fits the values that were set");
 }
@@ -357,7 +357,7 @@ static int event_indicators(Instance *instance, const char *function, double *va
 static void completed_step(Instance *instance, int *enters_events)
 {
     Motion *m = &instance->motion;
-    if (SB_ELEMENTS) note_rates(m);
+    note_rates(m);
     *enters_events = note_events(m) | have_conditions_changed(m);
     if (is_open(m)) *enters_events = m->must_project = 1;
 }

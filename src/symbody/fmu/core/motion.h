@@ -27,7 +27,7 @@ typedef struct {
     int strikes, ends_jumps; /* whether prescribed rates jump at the next jump; whether they are known up to there */
     int unturned;         /* the event, from 1, that goes on as before its action at a start */
     int must_project;     /* the state is to be brought back onto the constraints in event mode */
-    int has_modes, mode_of[SB_ELEMENTS + 1]; /* see modes.h */
+    int has_modes; /* see modes.h */
     int side[SB_EVENTS + SB_ELEMENTS + 1], pending[SB_EVENTS + SB_ELEMENTS + 1];
     int happened_count, happened[SB_KEPT];  /* events that are not yet logged */
     double happened_at[SB_KEPT];
@@ -38,7 +38,7 @@ typedef struct {
     double r[SB_R + 1];
     double p[SB_P + 1], settled_p[SB_P + 1];
     double side_of_condition[SB_CONDITIONS + 1]; /* which branches are taken in model exchange */
-    double modes[SB_MODES + 1], level[SB_ELEMENTS + 1], slight[SB_ELEMENTS + 1], fastest;
+    double slight[SB_ELEMENTS + 1]; /* what is rounding of the values that end modes */
     double slope[SB_X + 1], outputs[SB_OUTPUTS + 1], calculated[SB_CALCULATED + 1];
     double indicators[SB_EVENTS + SB_ELEMENTS + 1], conditions[SB_CONDITIONS + 1];
     double slopes[SB_SLOPES + 1];
@@ -46,7 +46,7 @@ typedef struct {
     double pool[SB_POOL];
 } Motion;
 
-/* Write parameters and inputs to the numbers of a function, and what follows from parameters alone. */
+/* Write parameters, inputs and modes to the numbers of a function, and what follows from parameters alone. */
 static void write_arguments(Motion *m, const SbFunction *f)
 {
     static const double none[1] = {0.0};
@@ -54,8 +54,10 @@ static void write_arguments(Motion *m, const SbFunction *f)
     double *p = numbers + (int)numbers[SB_NUMBERS_PARAMETERS], *c = numbers + (int)numbers[SB_NUMBERS_CONSTANTS];
     memcpy(numbers + (int)numbers[SB_NUMBERS_INPUTS], m->r, SB_R * sizeof(double));
     memcpy(p, m->p, SB_P * sizeof(double));
-    memcpy(p + SB_P, m->modes, SB_MODES * sizeof(double));
-    memcpy(p + SB_P + SB_MODES, m->side_of_condition, SB_CONDITIONS * sizeof(double));
+#if SB_ELEMENTS
+    if ((int)numbers[SB_NUMBERS_INPUT_COUNT] > SB_R) symbody_show_modes(m->pool + SB_SWITCH, numbers);
+#endif
+    memcpy(p + SB_P, m->side_of_condition, SB_CONDITIONS * sizeof(double));
     if (f->values) f->values(none, none, none, none, p, c, c, m->pool + SB_SCRATCH);
 }
 
@@ -79,6 +81,14 @@ static int compute(Motion *m, const SbFunction *f, const double *x, double *out)
 {
     renew_arguments(m);
     return symbody_call(f->call, SB_U, m->pool + f->numbers, clock_of(m), x, out);
+}
+
+static int are_finite(const double *values, int count)
+{
+    int k;
+    for (k = 0; k < count; k++)
+        if (!isfinite(values[k])) return 0;
+    return 1;
 }
 
 static void begin_motion(Motion *m)

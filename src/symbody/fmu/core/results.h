@@ -1,14 +1,6 @@
 /* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* Results: what follows from the state. It is computed when it is needed, and kept until the state changes. */
 
-static int are_finite(const double *values, int count)
-{
-    int k;
-    for (k = 0; k < count; k++)
-        if (!isfinite(values[k])) return 0;
-    return 1;
-}
-
 /* Compute what is not there yet. */
 static int need(Motion *m, int what)
 {

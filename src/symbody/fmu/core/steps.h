@@ -116,7 +116,7 @@ static void take_step(Motion *m)
         B[SB_RUN_COUNTS_STEPS] = 0.0;
         m->from = before;
         m->to = B[SB_RUN_T_NEW];
-        if (SB_ELEMENTS) note_rates(m);
+        note_rates(m);
         if (!SB_IS_FIXED) B[SB_RUN_FIRST_STEP] = fabs(B[SB_RUN_STEP]);
     }
 }

@@ -220,7 +220,7 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
             if is_slack(modes, element, again) == 1:
                 opens = LOOSE
                 is_decided = 1.0
-        elif abs(element.rate) > slow_rate(modes, element):
+        elif has_turned(element) == 0 and abs(element.rate) > slow_rate(modes, element):
             opens = int(sign(element.rate))
             is_decided = 1.0
         if again == 0 or element.is_rope != 0.0:
@@ -229,6 +229,13 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
             element.opens = opens
             element.is_decided = is_decided
     return differs
+
+
+def has_turned(element: SwitchingElement) -> int:
+    """Return 1 if a joint whose slip has ended turns back: it came to rest a little before, else 0."""
+    if element.ended != 0.0 and element.before != 0.0 and float(element.mode) * element.rate < 0.0:
+        return 1
+    return 0
 
 
 def is_slack(modes: ModeSwitch, element: SwitchingElement, again: int) -> int:
@@ -481,8 +488,6 @@ def set_levels(modes: ModeSwitch) -> None:
     A slack rope that is at its length up to rounding is exactly there, and one without tension but for
     rounding has none.
     """
-    n = modes.candidates
-    joints = n - modes.ropes
     for k in range(modes.count):
         element = modes.elements[k]
         element.level = 0.0
@@ -491,12 +496,30 @@ def set_levels(modes: ModeSwitch) -> None:
                 if abs(element.slackness) <= AT_LENGTH * element.length:
                     element.level = element.slackness
             else:
-                c = element.candidate
-                response = modes.out[3 * joints + n + c * n + c]
-                size = modes.out[3 * joints + candidate_block(modes) + c]
-                rounding = BALANCED * size + CANCELLED * element.unit / (modes.time * modes.time)
-                if response > 0.0:
-                    element.level = CANCELLED / BALANCED * rounding / response
+                element.level = CANCELLED / BALANCED * slight_effort(modes, element)
+
+
+def slight_effort(modes: ModeSwitch, element: SwitchingElement) -> float:
+    """Return the effort of an element that is rounding, by the accelerations that are; 0 if it accelerates nothing."""
+    n = modes.candidates
+    joints = n - modes.ropes
+    c = element.candidate
+    response = modes.out[3 * joints + n + c * n + c]
+    size = modes.out[3 * joints + candidate_block(modes) + c]
+    rounding = BALANCED * size + CANCELLED * element.unit / (modes.time * modes.time)
+    if response > 0.0:
+        return rounding / response
+    return 0.0
+
+
+def slight_value(modes: ModeSwitch, place: int) -> float:
+    """Return what is rounding of the value that ends the mode of an element, once modes have been decided."""
+    element = modes.elements[place]
+    if element.mode == HOLDS:
+        return slight_effort(modes, element)
+    if element.is_rope != 0.0:
+        return AT_LENGTH * element.length
+    return slow_rate(modes, element)
 
 
 def record(modes: ModeSwitch, Z: Reals, kind: float, t: float, x: Reals, lost: float) -> None:
