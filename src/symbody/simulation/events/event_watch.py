@@ -195,7 +195,7 @@ class EventWatch:
         if held is not None:
             held.show_watch(self._block)
         code = modes.advance(call, functions, self._block, self._happened, held)
-        self.ending = modes.ending(code, self.actor) or self.ending
+        self.ending = modes.ending_note(code, self.actor) or self.ending
         return code
 
     def break_off(self, block: Floats, record: Record) -> None:

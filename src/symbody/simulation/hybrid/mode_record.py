@@ -57,13 +57,13 @@ class ModeRecord:
         self.rows = np.concatenate([self.rows, np.zeros_like(self.rows)])
 
     @property
-    def _written(self) -> Floats:
+    def _rows_so_far(self) -> Floats:
         return self.rows[: self._switch.recorded]
 
     @property
     def _decisions(self) -> Floats:
         """Times in the first column, modes behind it."""
-        rows = self._written
+        rows = self._rows_so_far
         rows = rows[rows[:, 0] != SHOCK]
         return np.column_stack([rows[:, 1], rows[:, 3 : 3 + len(self._places)]])
 
@@ -98,18 +98,18 @@ class ModeRecord:
 
     def _changes(self, *, has_first: bool) -> Iterator[tuple[float, str, str, Floats]]:
         """Yield when which element changes its mode, to which, and the state before."""
-        known: dict[str, float] = {}
+        last_modes: dict[str, float] = {}
         count = len(self._places)
-        for row in self._written:
+        for row in self._rows_so_far:
             t, state = float(row[1]), row[3 + count :]
             for k, name in enumerate((*self._joints, *self._ropes)):
                 mode = float(row[3 + k])
                 if row[0] == SHOCK and (mode == 0.0 or name not in self._ropes):
                     continue
                 mode = HOLDS if row[0] == SHOCK else mode
-                if known.get(name) != mode and (has_first or name in known or row[0] == SHOCK):
+                if last_modes.get(name) != mode and (has_first or name in last_modes or row[0] == SHOCK):
                     yield t, name, self._word(name, int(mode)), state
-                known[name] = mode
+                last_modes[name] = mode
 
     def _word(self, name: str, mode: int) -> str:
         return ROPE_WORDS[mode] if name in self._ropes else JOINT_WORDS[mode]
@@ -117,7 +117,7 @@ class ModeRecord:
     @property
     def notes(self) -> Iterator[str]:
         """The shocks of ropes in words."""
-        rows = self._written
+        rows = self._rows_so_far
         shocks = rows[rows[:, 0] == SHOCK]
         for row in shocks[:_MOST_NOTES]:
             pairs = zip(self._ropes, row[3 + len(self._joints) :].tolist(), strict=False)

@@ -129,7 +129,7 @@ class SwitchingModes:
         self._source = problem
         laws = problem.laws.with_held({name: HeldLaw(self.record, name) for name in self.modal.modes})
         self.problem = replace(problem, eqs=self.modal.eqs, laws=laws, permanent=self._permanent(problem))
-        function, self._callback, self._decides = self._deciding(problem)
+        function, self._callback, self._decides = self._deciding_function(problem)
         self._functions = function, self.problem.compile_outputs(PROJECTED)
         inputs = problem.laws.held_now()
         numbers, tables = self.switch.numbers, problem.laws.table_numbers()
@@ -148,7 +148,7 @@ class SwitchingModes:
             replace(problem, eqs=eqs.plans.get("permanent equations", make)) if self.modal.ropes else problem
         )
 
-    def _deciding(self, problem: SimulationProblem) -> tuple[CompiledFunction, CallbackFunction | None, int]:
+    def _deciding_function(self, problem: SimulationProblem) -> tuple[CompiledFunction, CallbackFunction | None, int]:
         """Return the function of what decides, with what calls laws in Python, and where it lies."""
         function = problem.compile_outputs(deciding_outputs(self.modal))
         if not problem.laws.need_python:
@@ -160,7 +160,7 @@ class SwitchingModes:
         first, tables = len(problem.laws.callbacks), problem.laws.table_numbers()
         deciding, projecting = (
             problem.compile_outputs(deciding_outputs(self.modal)),
-            _projecting(problem, self.modal),
+            _projecting_function(problem, self.modal),
         )
         return mode_block(
             self.modal, problem.eqs, problem.scales, first,
@@ -231,7 +231,7 @@ class SwitchingModes:
             f"set coordinates within its length"
         )
 
-    def ending(self, code: int, actor: str) -> str:
+    def ending_note(self, code: int, actor: str) -> str:
         """Return why a motion ended, for a code of `kernels.block`; empty for other ends.
 
         `actor` is the event that has acted last.
@@ -400,7 +400,7 @@ class _Sampling:
             self._held.make_room(code)
 
 
-def _projecting(problem: SimulationProblem, modal: ModalEquations) -> CompiledFunction:
+def _projecting_function(problem: SimulationProblem, modal: ModalEquations) -> CompiledFunction:
     """Return what projects states, with the modes as inputs."""
     laws = problem.laws.with_held(loose_modes(modal))
     return replace(problem, eqs=modal.eqs, laws=laws).compile_outputs(PROJECTED)

@@ -57,7 +57,7 @@ class Sweep(Displayed):
         Remarks on single cases, such as why they failed.
     notes : tuple of str
         Remarks on all of them.
-    evaluation : Evaluation
+    evaluation : CaseOutputs
         Computes outputs that are not stored.
     coordinate_names, speed_names : tuple of str
         Names of the last and the first of the states.
