@@ -50,6 +50,26 @@ def first_slip() -> tuple[float, float, float]:
     return start, start + s, float(x)
 
 
+def test_modes_of_a_motion_and_of_a_stepper() -> None:
+    """A block slides to rest, 2 m/s over mu g, and stays there: 3 N of spring are below mu m g."""
+    slide = sb.Prismatic("slide", "ground", sb.Body("Block", mass=2), axis="x", coordinate="x",
+                         friction=sb.Friction(0.25))  # fmt: skip
+    eqs = sb.form_equations(sb.Model("block", [slide], (0, 0, -9.81), initial={"x_dot": 2.0}))
+    rest = 2.0 / (0.25 * 9.81)
+    run = sb.simulate(eqs, 1.5)
+    assert [(change.name, change.mode) for change in run.modes] == [
+        ("slide", "slips forward"), ("slide", "sticks"),
+    ]  # fmt: skip
+    assert run.modes[1].t == pytest.approx(rest, abs=1e-9)
+    slips = run["mode slide"][run.t < rest - 1e-9]
+    assert (slips == 1.0).all() and run["mode slide"][-1] == 0.0
+    at_rest = np.flatnonzero(run.t == run.modes[1].t)
+    assert run["mode slide"][at_rest].tolist() == [1.0, 0.0]  # of two samples at a change the first is before it
+    stepper = sb.Stepper(eqs, 0.5)
+    assert stepper.step().modes == {"slide": "slips forward"}
+    assert stepper.step().modes == {"slide": "sticks"}
+
+
 def test_a_dragged_block_sticks_and_slips() -> None:
     run = dragged_run()
     assert run.success

@@ -48,6 +48,8 @@ class EquationsOfMotion(MultibodySystem):
         The elimination of dependent speeds; its rows are not among `rows`.
     slack : tuple of ConstraintEquation
         Rows of ropes that are slack; they are not among `rows`.
+    modes : mapping of str to Expr
+        The modes of ropes, 0 while they are taut, where these are inputs; see `modal_equations`.
     angles : frozenset of str
         Coordinates placed by hand that are angles; those of joints follow from the joints.
     outer_signals : tuple of str
@@ -62,6 +64,7 @@ class EquationsOfMotion(MultibodySystem):
     notes: tuple[str, ...] = ()
     elimination: SpeedElimination | None = None
     slack: tuple[ConstraintEquation, ...] = ()
+    modes: Mapping[str, Expr] = field(default_factory=dict)
     angles: frozenset[str] = frozenset()
     outer_signals: tuple[str, ...] = ()
     # Made on first request from the fields above: what replaces one of these replaces what is made of it.

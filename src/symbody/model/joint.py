@@ -288,6 +288,8 @@ class Joint(Connection):
             driven = tuple(x for x in self.coordinates if x in self.drives or x in self.motions)
             return driven if len(self.coordinates) > 1 else ("",) * len(driven)
         has_friction = self.friction is not None and not self.friction.is_none
+        if kind == "mode":
+            return ("",) if self.friction is not None and has_friction and not self.friction.is_smooth else ()
         return ("",) if kind == "reaction" or (kind == "friction" and has_friction) else ()
 
     def coordinate_path(self, word: str, coordinate: str) -> str:

@@ -199,6 +199,8 @@ _ALL: Final = (
                choose_unit=_normal_unit),
     OutputKind("friction_reserve", LOADS, "effort up to which it sticks, less the present one", "N, N m",
                (_elements("friction", "[J]", is_needed=False),), "n", _effort_unit),
+    OutputKind("mode", LOADS, "joint: 0 sticks, 1 or -1 slips forward or backward; rope: 1 taut, 0 slack", "",
+               (_elements("mode", "J"),)),
     OutputKind("reaction", REACTIONS, "wrench on B by A of what connects A and B", "N, N m",
                (_elements("reaction", "J"), EntryWord("[Fx]", lambda _: WRENCH)), "6",
                lambda words, _: {"F": "N", "M": "N m"}.get(words[1][:1], "")),

@@ -89,6 +89,18 @@ def _find_law(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[int, Fri
     raise FormulationError(Problem("equations.unknown_friction", f"friction {text}", what, "", fix))
 
 
+def mode_output(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "mode J": the direction in which a joint slips, 0 while it sticks; 1 for taut ropes.
+
+    Outside of motions it is the sign of the joint's rate, and ropes are taut.
+    """
+    if " ".join(words) in friction_names(formed):
+        return (), [_find_law(formed, words)[1].slip]
+    row = _find_row(formed, words)
+    taut = any(row.name == other.name for other in formed.rows)
+    return (), [number(formed.graph, int(taut)) - formed.modes.get(row.element, number(formed.graph, 0))]
+
+
 def rope_tension(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_tension R": the force with which it pulls; 0 where it is slack."""
     row = _find_row(formed, words)

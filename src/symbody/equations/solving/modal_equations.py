@@ -112,7 +112,10 @@ def _with_modes(
         for law in formed.friction
     )
     whole = tuple(row for row in formed.rows if row.element in modes)
-    return replace(formed.with_rows(tuple(rows)), friction=friction, slack=(*formed.slack, *whole))
+    return replace(
+        formed.with_rows(tuple(rows)), friction=friction, slack=(*formed.slack, *whole),
+        modes={name: mode for name, mode in modes.items() if name not in joints},
+    )  # fmt: skip
 
 
 def _row_in_mode(row: ConstraintEquation, mode: Expr) -> ConstraintEquation:

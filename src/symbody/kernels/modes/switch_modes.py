@@ -500,7 +500,7 @@ def set_levels(modes: ModeSwitch) -> None:
 
 
 def slight_effort(modes: ModeSwitch, element: SwitchingElement) -> float:
-    """Return the effort of an element that is rounding, as accelerations are; 0 if it moves nothing."""
+    """Return the effort of an element that is rounding; 0 if it accelerates nothing."""
     n = modes.candidates
     joints = n - modes.ropes
     c = element.candidate

@@ -37,7 +37,7 @@ class Distance(FrameConstraint):
 
     def output_words(self, kind: str) -> tuple[str, ...]:
         """Return what may follow its name in outputs of a kind, of ropes alone in those of ropes."""
-        return ("",) * self.rope if kind == "rope" else FrameConstraint.output_words(self, kind)
+        return ("",) * self.rope if kind in ("rope", "mode") else FrameConstraint.output_words(self, kind)
 
 
 @final

@@ -18,7 +18,7 @@ from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.kernels.block import Run
-from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.events import ModeChange, Occurrence
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.inputs.time_functions import function_of_time
@@ -85,6 +85,11 @@ class Steps(Protocol):
     occurrences: tuple[Occurrence, ...]
 
     @property
+    def modes(self) -> tuple[ModeChange, ...]:
+        """The modes of joints and ropes in the last step; none where nothing switches."""
+        ...
+
+    @property
     def go_on(self) -> Callable[[], int]:
         """See above."""
         ...
@@ -135,6 +140,7 @@ class CompiledSteps:
 
     def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
         self.occurrences: tuple[Occurrence, ...] = ()
+        self.modes: tuple[ModeChange, ...] = ()
         self._problem = problem
         self._numbers = numbers
         self._function: CompiledFunction = problem.problem.compile_outputs(OF_STEPS)

@@ -21,7 +21,7 @@ from symbody.simulation.co_simulation.sampled_unit import (
     make_reader,
     read_values,
 )
-from symbody.simulation.events.events import Occurrence
+from symbody.simulation.events.events import ModeChange, Occurrence
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import Ending, Steps
 from symbody.simulation.stepper.numbers import StepNumbers
@@ -77,6 +77,11 @@ class FmuSteps:
         self._slots = {name: names.index(name) for name in problem.settings.fmus}
         self._units: _Units | None = None
         self._ending: Ending | None = None
+
+    @property
+    def modes(self) -> tuple[ModeChange, ...]:
+        """The modes of joints and ropes in the last step."""
+        return self._inner.modes
 
     @property
     def occurrences(self) -> tuple[Occurrence, ...]:

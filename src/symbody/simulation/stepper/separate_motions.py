@@ -13,7 +13,7 @@ from symbody.equations.solving.modal_equations import switches
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.drive import Driven, drive
-from symbody.simulation.events.events import EventSide, Occurrence
+from symbody.simulation.events.events import EventSide, ModeChange, Occurrence
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import InputLaws
@@ -68,6 +68,7 @@ class SeparateMotions:
 
     def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
         self.occurrences: tuple[Occurrence, ...] = ()
+        self.modes: tuple[ModeChange, ...] = ()
         self._problem = problem
         self._numbers = numbers
         self._sides: tuple[EventSide, ...] = no_sides(problem)
@@ -83,7 +84,7 @@ class SeparateMotions:
         with numbers.unless_it_fails():
             end = numbers.next_end()
             run, _, sides = self._run(start, end)
-        self._last, self.occurrences = run, run.events
+        self._last, self.occurrences, self.modes = run, run.events, run.modes
         self._sides = sides[: len(settings.events)] or no_sides(self._problem)
         self._show_samples()
         arrived = run.status is Status.SUCCESS

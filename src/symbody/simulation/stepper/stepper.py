@@ -188,6 +188,11 @@ class Stepper(OwnCopies):
         return self._steps.occurrences
 
     @property
+    def modes(self) -> dict[str, str]:
+        """The modes of joints that stick and slip and of ropes, by name, in which the last step ended."""
+        return {change.name: change.mode for change in self._steps.modes}
+
+    @property
     def parameters(self) -> dict[str, Value]:
         """The values of parameters that differ from the model."""
         return dict(self._problem.parameters)
