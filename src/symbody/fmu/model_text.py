@@ -55,9 +55,14 @@ _RECORDS: Final[Mapping[str, type[RecordLayout]]] = {
     "RUN": Run, "BREAK": Breakpoint, "NUMBERS": FunctionNumbers, "PROJECTOR": StateProjection,
     "W": EventMonitor, "E": MonitoredEvent, "Z": SampleHold, "S": ModeSwitch, "M": SwitchingElement,
 }  # fmt: skip
-_IMPLICIT_FUNCTIONS: Final = {
-    "turn": ImplicitStep.layout["rate_numbers"],
-    "jacobian": ImplicitStep.layout["derivative_numbers"],
+# Functions whose numbers lie in a block: where that tells their place.
+_INNER_NUMBERS: Final = {
+    "motion": ("run", Run.layout["numbers"]),
+    "assembly": ("closing", AssemblyProblem.fields["numbers"].place),
+    "turn": ("implicit", ImplicitStep.layout["rate_numbers"]),
+    "jacobian": ("implicit", ImplicitStep.layout["derivative_numbers"]),
+    "strike": ("struck", StrikeProblem.fields["numbers"].place),
+    "deciding": ("switch", ModeSwitch.fields["numbers"].place),
 }
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
@@ -121,30 +126,23 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
 
 def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     """Return the numbers of an instance at first, and where those of each function begin."""
-    motion, assembly = program.block(), program.assembly()
-    sampler = program.samples.block(len(program.eqs.speed_names))
-    implicit, watch, strike, switch = program.implicit(), program.watch(), program.strike(), program.switch()
-    parts = [motion, assembly, sampler, implicit, watch, strike, switch]
-    places = {"motion": int(motion[Run.layout["numbers"]])}
-    places["sampler"] = motion.size + assembly.size
-    places["implicit"] = places["sampler"] + sampler.size
-    places["watch"] = places["implicit"] + implicit.size
-    places["struck"] = places["watch"] + watch.size
-    places["switch"] = places["struck"] + strike.size
-    size = places["switch"] + switch.size
+    motion, watch, switch = program.block(), program.watch(), program.switch()
+    blocks = {
+        "run": motion, "closing": program.assembly(),
+        "sampler": program.samples.block(len(program.eqs.speed_names)), "implicit": program.implicit(),
+        "watch": watch, "struck": program.strike(), "switch": switch,
+    }  # fmt: skip
+    ends = np.cumsum([block.size for block in blocks.values()]).tolist()
+    places: dict[str, int] = dict(zip(blocks, [0, *ends], strict=False))
+    parts, size = list(blocks.values()), ends[-1]
     for name, function in program.functions.items():
         if name == "projection":
             begin = int(motion[Run.layout["projection"]])
             places[name] = begin + int(motion[begin + StateProjection.layout["numbers"]])
-        elif name == "assembly":
-            places[name] = motion.size + int(assembly[AssemblyProblem.fields["numbers"].place])
-        elif name == "strike":
-            places[name] = places["struck"] + int(strike[StrikeProblem.fields["numbers"].place])
-        elif name == "deciding":
-            places[name] = places["switch"] + int(switch[ModeSwitch.fields["numbers"].place])
-        elif name in _IMPLICIT_FUNCTIONS:
-            places[name] = places["implicit"] + int(implicit[_IMPLICIT_FUNCTIONS[name]])
-        elif name != "motion":
+        elif name in _INNER_NUMBERS:
+            block, place = _INNER_NUMBERS[name]
+            places[name] = places[block] + int(blocks[block][place])
+        else:
             places[name] = size
             parts.append(function.numbers)
             size += function.numbers.size
@@ -174,7 +172,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_WATCHED": program.indicator_count, "SB_ACTIONS": len(program.actions),
         "SB_SLOPES": rows * (n + n_r),
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
-        "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": program.block().size,
+        "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": places["closing"],
         "SB_HELD": AssemblyProblem.fields["asked"].place, "SB_IS_CLOSED": int("assembly" in functions),
         "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
         "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],

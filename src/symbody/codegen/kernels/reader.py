@@ -20,8 +20,6 @@ from symbody.codegen.kernels.tree import KernelTree, Literal, Type, called_kerne
 from symbody.kernels.record_layout import RecordLayout
 
 PACKAGE: Final = "symbody.kernels"
-# Names of parameters that languages do not allow, and what stands for them.
-_PLAIN_NAMES: Final = MappingProxyType({"switch": "switch_"})
 LANGUAGE: Final = (f"{PACKAGE}.language", f"{PACKAGE}.record_layout")
 
 
@@ -79,7 +77,7 @@ def _content(syntax: ast.Module, file: str) -> _Content:
         elif isinstance(node, ast.AnnAssign):
             source.define_constant(node)
         elif isinstance(node, ast.FunctionDef):
-            definitions.append(_with_plain_names(node))
+            definitions.append(node)
         elif not _is_docstring(node) and not isinstance(node, ast.ClassDef):
             source.refuse(
                 node, "a kernel file contains only imports, constants, records and functions", "remove it"
@@ -92,17 +90,6 @@ def _content(syntax: ast.Module, file: str) -> _Content:
     for name in _order_by_calls(source, own_calls):
         kernels[name] = _mark_changes(own[name], changed_arrays(effects[name], kernels))
     return _Content(MappingProxyType(kernels), MappingProxyType(calls | own_calls))
-
-
-def _with_plain_names(function: ast.FunctionDef) -> ast.FunctionDef:
-    """Return a function none of whose parameters is called as a keyword of a language."""
-    others = {a.arg: _PLAIN_NAMES[a.arg] for a in function.args.args if a.arg in _PLAIN_NAMES}
-    for node in ast.walk(function) if others else ():
-        if isinstance(node, ast.Name):
-            node.id = others.get(node.id, node.id)
-        elif isinstance(node, ast.arg):
-            node.arg = others.get(node.arg, node.arg)
-    return function
 
 
 @cache
