@@ -70,7 +70,7 @@ class CaseModes:
     Attributes
     ----------
     deciding, projecting : CompiledFunction
-        Compute `hybrid.switching.deciding_outputs`, and `constraints.PROJECTED` with the modes as last inputs.
+        Compute `hybrid.switching.deciding_outputs`, and `constraints.PROJECTED` with modes as last inputs.
     block : array
         The `ModeSwitch` of a motion that has not begun.
     names, joints, ropes : tuples of str

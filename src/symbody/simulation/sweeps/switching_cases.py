@@ -17,7 +17,7 @@ from symbody.simulation.sweeps.records import CaseDetails, CaseModes, Chunk
 from symbody.simulation.sweeps.watched_cases import SLICE, WatchedLoop, case_numbers
 
 # Room for the record of the modes of all cases, at first.
-_DECISIONS: Final = 1024
+_ROWS: Final = 1024
 
 
 def mode_rows(modes: CaseModes, chunk: Chunk) -> Floats:
@@ -44,7 +44,7 @@ class SwitchingLoop(WatchedLoop):
         self._mode_state = self._fresh_modes.copy()
         self._behind = self._rows.shape[1] - self._mode_row_size
         switch = self._switch
-        self._decisions = np.zeros((_DECISIONS, 3 + switch.count + switch.states))
+        self._decisions = np.zeros((_ROWS, 3 + switch.count + switch.states))
         self._own_events = len(self._watch.events) - switch.count
         self._written = 0  # rows of the cases that have been written down
         self._held = NO_SAMPLES.copy()
