@@ -15,7 +15,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.loads.friction import FrictionLaw
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.ropes import ropes, slacken
 from symbody.equations.solving.sticking import holding_row, switching_joints
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
@@ -72,6 +72,16 @@ def modal_equations(eqs: EquationSet) -> ModalEquations:
         return ModalEquations(eqs)
     made: ModalEquations = eqs.plans.get("modal equations", lambda: _modal_equations(eqs))
     return made
+
+
+def permanent_equations(eqs: EquationSet) -> EquationSet:
+    """Return equations without the rows that hold in some modes only; those given where there are none."""
+    lines = ropes(eqs.formed)
+
+    def make() -> EquationSet:
+        return EquationSet(eqs.model, slacken(eqs.formed, lines), eqs.notes)
+
+    return eqs.plans.get("permanent equations", make) if lines else eqs
 
 
 def _modal_equations(eqs: EquationSet) -> ModalEquations:

@@ -135,9 +135,12 @@ def step_watched(
     held: SampleHold, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
 ) -> int:  # fmt: skip
     """Try one step, and let events happen unless samples are due at its end; return a code of `block`."""
-    code = FULL
-    if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
-        code = advance_to_sample(f, g, run, held, times, t, x, breaks, pieces)
+    code = monitor.resumed - 1
+    monitor.resumed = 0
+    if code < 0:
+        code = FULL
+        if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
+            code = advance_to_sample(f, g, run, held, times, t, x, breaks, pieces)
     if run.counts.steps == 0 or (code == RUNNING and is_due(held, run.time) != 0):
         return code
     is_over = 1
@@ -145,6 +148,7 @@ def step_watched(
         is_over = 0
     happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
     if happened == NO_ROOM:
+        monitor.resumed = code + 1
         return NO_EVENT_ROOM
     if happened == GOES_ON:
         cut_back(run, monitor, t, x, breaks, pieces, 1)

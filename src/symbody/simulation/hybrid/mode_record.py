@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.kernels.modes.mode_problem import HOLDS
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch
 from symbody.simulation.events.events import ModeChange, Occurrence
@@ -131,13 +130,15 @@ class ModeRecord:
             )
 
 
-def held_modes(modal: ModalEquations, changes: Sequence[ModeChange]) -> HeldRecord | None:
-    """Return the modes of a motion as inputs that are held; None without any."""
+def held_modes(
+    inputs: tuple[str, ...], elements: Sequence[str], changes: Sequence[ModeChange]
+) -> HeldRecord | None:
+    """Return the modes of elements along a motion as inputs that are held; None without any."""
     if not changes:
         return None
     numbers = {word: float(mode) for words in (JOINT_WORDS, ROPE_WORDS) for mode, word in words.items()}
     times = np.unique([change.t for change in changes])
-    values = np.empty((len(modal.modes), times.size))
+    values = np.empty((len(inputs), times.size))
     for change in changes:
-        values[modal.names.index(change.name), np.searchsorted(times, change.t) :] = numbers[change.mode]
-    return HeldRecord(modal.modes, times, values)
+        values[elements.index(change.name), np.searchsorted(times, change.t) :] = numbers[change.mode]
+    return HeldRecord(inputs, times, values)

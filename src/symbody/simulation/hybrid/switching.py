@@ -21,9 +21,13 @@ from symbody.codegen.native_call import check_status
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.output_roots import OF_MODES
-from symbody.equations.solving.modal_equations import ModalEquations, modal_equations, switches
+from symbody.equations.solving.modal_equations import (
+    ModalEquations,
+    modal_equations,
+    permanent_equations,
+    switches,
+)
 from symbody.equations.solving.mode_responses import candidate_laws, reaction_sizes
-from symbody.equations.solving.ropes import slacken
 from symbody.errors import Problem, UsageError
 from symbody.kernels import block as run_at
 from symbody.kernels.events.event_monitor import EventMonitor
@@ -62,7 +66,7 @@ _STUCK: Final = "no speeds were found that keep the ropes taut"
 _SMOOTH: Final = "give friction a v0, and replace ropes by springs that only pull: their laws are smooth then"
 NO_SAMPLES: Final = pack(SampleHold, next=sys.float_info.max)
 _NOTHING: Final = np.zeros(0)
-_NO_NUMBERS: Final = function_numbers(RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0))
+NO_NUMBERS: Final = function_numbers(RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0))
 
 
 class DeadEndError(Exception):
@@ -139,14 +143,7 @@ class SwitchingModes:
 
     def _permanent(self, problem: SimulationProblem) -> SimulationProblem:
         """Return the problem without what holds in some modes only."""
-        eqs = problem.eqs
-
-        def make() -> EquationSet:
-            return EquationSet(eqs.model, slacken(eqs.formed, self.modal.ropes), eqs.notes)
-
-        return (
-            replace(problem, eqs=eqs.plans.get("permanent equations", make)) if self.modal.ropes else problem
-        )
+        return replace(problem, eqs=permanent_equations(problem.eqs)) if self.modal.ropes else problem
 
     def _deciding_function(self, problem: SimulationProblem) -> tuple[CompiledFunction, CallbackFunction | None, int]:
         """Return the function of what decides, with what calls laws in Python, and where it lies."""
@@ -387,7 +384,7 @@ class _Sampling:
     def __init__(self, held: HeldValues | None) -> None:
         self._held = held
         self.address = 0 if held is None else held.address
-        self.arrays = (NO_SAMPLES.copy(), _NO_NUMBERS) if held is None else held.arrays
+        self.arrays = (NO_SAMPLES.copy(), NO_NUMBERS) if held is None else held.arrays
 
     @property
     def rows(self) -> Floats:

@@ -41,6 +41,19 @@ _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
         _INTEGER,
         [*[_POINTER] * 7, _INTEGER, _POINTER, *[_INTEGER] * 3, *[_POINTER] * 10, _INTEGER],
     ),
+    "run_switching_cases": (
+        _INTEGER,
+        [
+            *[_POINTER] * 9,
+            _INTEGER,
+            *[_POINTER] * 4,
+            _INTEGER,
+            _POINTER,
+            *[_INTEGER] * 4,
+            *[_POINTER] * 11,
+            _INTEGER,
+        ],
+    ),
     "run_lanes": (_INTEGER, [*[_POINTER] * 4, *_CASES]),
 }
 
@@ -127,6 +140,12 @@ def many_motions() -> Callable[..., int]:
 def watched_cases() -> Callable[..., int]:
     """Return `run_watched_cases`, ready to be called."""
     return _functions("watched_cases", "run_watched_cases")[0]
+
+
+@once
+def switching_cases() -> Callable[..., int]:
+    """Return `run_switching_cases`, ready to be called."""
+    return _functions("switching_cases", "run_switching_cases")[0]
 
 
 @once

@@ -17,6 +17,7 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.texts.modelica import Declaration, ModelDeclarations, model_text
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import switches
 from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.folding import fold_constants
 from symbody.expr.sequences.program import written_out
@@ -80,6 +81,8 @@ def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mappi
 def _check_motion(eqs: EquationSet) -> None:
     refuse_held(eqs, "a Modelica model")
     reason = reason_for_simulate(eqs, InputLaws({}, {}, (), {}), None, None)
+    if switches(eqs.formed):
+        reason = "; ".join(filter(None, ("joints stick and slip, or ropes slacken", reason)))
     if reason:
         raise UsageError(
             Problem("modelica.motion", eqs.model.name,

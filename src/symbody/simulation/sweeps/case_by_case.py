@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.modal_equations import modal_equations, switches
+from symbody.equations.solving.modal_equations import modal_equations
 from symbody.errors import SymbodyError
 from symbody.kernels.block import Counts
 from symbody.simulation.hybrid.mode_record import held_modes
@@ -54,7 +54,6 @@ def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, c
     reasons = {
         f"values are sampled ({held})": bool(held),
         reason_for_python(eqs, laws, integrator, constraints): True,
-        "joints stick and slip, or ropes slacken": switches(eqs.formed),
         "prescribed rates may jump": may_jump(eqs),
     }
     return "; ".join(reason for reason, holds in reasons.items() if reason and holds)
@@ -91,7 +90,7 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     records.x[row] = np.nan
     records.x[row, :samples] = np.concatenate([run.u, run.q, run.s]).T[:samples]
     records.codes[row] = CODES[run.status]
-    statistics = run.statistics
+    statistics, modal = run.statistics, modal_equations(job.eqs)
     counts = {
         "accepted": statistics.accepted,
         "rejected": statistics.rejected or 0,
@@ -104,7 +103,7 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         "; ".join(run.notes),
         run.events,
         run.stored["work"][:samples],
-        held_modes(modal_equations(job.eqs), run.modes),
+        held_modes(modal.modes, modal.names, run.modes),
         _held_values(job, run),
     )
 

@@ -26,6 +26,7 @@ from symbody.simulation.native.machine import lane_motions, many_motions
 from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
+from symbody.simulation.sweeps.switching_cases import SwitchingLoop, mode_rows
 from symbody.simulation.sweeps.watched_cases import (
     WatchedLoop,
     case_function,
@@ -52,7 +53,7 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     direction = 1.0 if job.span[1] >= job.span[0] else -1.0
     breaks = _break_rows(_breakpoints(job, chunk), direction)
     numbers, closing = (case_numbers(function, chunk.parameters) for function in (job.function, job.closing))
-    rhs = case_function(job, job.function, numbers)
+    rhs = case_function(job.function, numbers, job.input_count, job.tables)
     projection = _projector(job, chunk, closing)
     block = _block(job, rhs, projection, breaks[0])
     every = np.broadcast_to(breaks, (chunk.count, breaks.shape[1]))
@@ -62,9 +63,12 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     projector = 0 if job.closing is None else job.closing.address
     if job.watch is not None:
         watched = watched_rows(job, job.watch, chunk)
-        rows = np.ascontiguousarray(np.hstack([*parts, watched.rows]))
-        before = records.codes.copy()
-        loop = WatchedLoop(job, job.watch, (rhs.address, projector), block, rows, watched, records)
+        first, parts = sum(part.shape[1] for part in parts), [*parts, watched.rows]
+        parts += [] if job.modes is None else [mode_rows(job.modes, chunk)]
+        rows, before = np.ascontiguousarray(np.hstack(parts)), records.codes.copy()
+        kind = WatchedLoop if job.modes is None else SwitchingLoop
+        addresses = rhs.address, projector
+        loop = kind(job, job.watch, addresses, block, rows, first, watched.fresh, records)
         verdicts = _verdicts(records)
         loop.run(verdicts, stop, done)
         _keep_verdicts(records, verdicts)
@@ -137,7 +141,7 @@ def _projector(job: LoopJob, chunk: Chunk, numbers: tuple[Floats, Floats]) -> Pr
     if closing is None:
         return NOTHING_TO_PROJECT
     return Projector(
-        *case_function(job, closing, numbers)[:-1],
+        *case_function(closing, numbers, job.input_count, job.tables)[:-1],
         len(closing.signature.q),
         np.zeros(chunk.scales.shape[1]),
         job.limit,

@@ -16,7 +16,9 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.rounding_rows import RoundingRows
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import ModalEquations, modal_equations
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
+from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.events.event_functions import (
     action_outputs,
@@ -25,6 +27,12 @@ from symbody.simulation.events.event_functions import (
     numbers_of_events,
 )
 from symbody.simulation.events.events import Event
+from symbody.simulation.hybrid.switching import (
+    check_backwards,
+    deciding_outputs,
+    mode_block,
+    mode_ends,
+)
 from symbody.simulation.inputs.breakpoints import Breakpoints, search_ahead
 from symbody.simulation.methods.constraints import (
     PROJECTED,
@@ -36,12 +44,15 @@ from symbody.simulation.methods.constraints import (
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
+from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import closing_of, metric
+from symbody.simulation.simulation_problem import OutputName
 from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.simulation.sweeps.first_states import first_states
-from symbody.simulation.sweeps.records import CaseWatch, Chunk, LoopJob
+from symbody.simulation.sweeps.records import CaseModes, CaseWatch, Chunk, LoopJob
 from symbody.simulation.sweeps.sweep_job import SweepJob
+from symbody.simulation.sweeps.watched_cases import case_function, case_numbers
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
@@ -60,15 +71,16 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     UsageError
         If an event does not watch a number.
     """
-    eqs, table, laws, motion = sweep.eqs, sweep.table, sweep.laws, sweep.motion
-    constraints, span = motion.constraints, motion.span
-    first = first_states(eqs, table, sweep.guess, laws.formulas, span, sweep.scales)
+    table, laws, motion, modal = sweep.table, sweep.laws, sweep.motion, modal_equations(sweep.eqs)
+    constraints, span, eqs = motion.constraints, motion.span, modal.eqs
+    first = first_states(sweep.eqs, table, sweep.guess, laws.formulas, span, sweep.scales)
     stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     values = table.fixed_parameters, table.parameter_names, laws.formulas
-    function = bound_function(stabilized, ("xdot", "power") if motion.events else "xdot", *values)
+    events = (*motion.events, *mode_ends(modal))
+    function = bound_function(stabilized, ("xdot", "power") if events else "xdot", *values)
     projection = constraints if isinstance(constraints, Projection) else Projection()
     tolerance = residual_share(projection, motion.atol)
-    watch = case_watch(stabilized, motion.events, tolerance, *values) if motion.events else None
+    watch = case_watch(stabilized, events, tolerance, *values) if events else None
     method = motion.integrator if isinstance(motion.integrator, Explicit | FixedStep) else DEFAULT
     closing, scales, sizes = None, np.zeros((table.count, 0)), np.zeros((table.count, 0))
     rounding, limit = 0.0, np.inf
@@ -79,6 +91,10 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         scales, sizes = tolerance * scales, first.scales.coordinates(eqs)
         rounding = ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance
         limit = np.inf if isinstance(method, FixedStep) else projection.limit
+    modes, mode_sizes = None, np.zeros((table.count, 0))
+    if modal.modes:
+        check_backwards(span)
+        modes, mode_sizes = _case_modes(sweep, modal, first.scales), _mode_sizes(sweep.eqs, first.scales)
     job = LoopJob(
         function,
         closing,
@@ -87,22 +103,23 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         method,
         motion.rtol,
         motion.max_steps,
-        stop_when_stiff=motion.integrator is None,
+        stop_when_stiff=motion.integrator is None and modes is None,
         lanes=table.count >= CASES_THAT_PAY if sweep.lanes is None else sweep.lanes,
         rounding=rounding,
         limit=limit,
         tables=laws.tables,
         watch=watch,
+        modes=modes,
     )
     job = replace(job, breakpoints=_breakpoints(job))
     states = np.nan_to_num(first.states)
     tolerances, own_metric = first.scales.tolerances(eqs, states, motion.atol), np.zeros((table.count, 0))
     if watch is not None:
-        energies = bound_function(stabilized, "kinetic_energy", *values, quick=True)
+        energies = bound_function(sweep.eqs, "kinetic_energy", *values, quick=True)
         tolerances = np.column_stack([tolerances, _work_tolerances(energies, sweep, states, first.scales)])
     if watch is not None and watch.closing is not None:
         own_metric = metric(closing_of(stabilized, holds=watch.actions is not None).eqs, first.scales)
-    chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances, own_metric)
+    chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances, own_metric, mode_sizes)
     return job, chunk, dict(first.notes)
 
 
@@ -134,6 +151,36 @@ def case_watch(
         values, actions, labels, numbers_of_events(eqs, events, values), eqs.state_names,
         closing, close.shape, share,
     )  # fmt: skip
+
+
+def _case_modes(sweep: SweepJob, modal: ModalEquations, scales: Scales) -> CaseModes:
+    """Return what decides about modes; sizes in its block are those of the first case."""
+    table, laws = sweep.table, sweep.laws
+    values = table.fixed_parameters, table.parameter_names, laws.formulas
+    deciding = bound_function(sweep.eqs, _flat(deciding_outputs(modal)), *values)
+    projecting = bound_function(modal.eqs, PROJECTED, *values)
+    sized = [
+        (case_numbers(function, table.parameters[:1]), sum(len(output.values) for output in function.outputs))
+        for function in (deciding, projecting)
+    ]
+    count = len(laws.tables)
+    block = mode_block(
+        modal, sweep.eqs, scales.of_motion(0), count,
+        (function_numbers(case_function(deciding, sized[0][0], count, laws.tables)), sized[0][1]),
+        (function_numbers(case_function(projecting, sized[1][0], count + len(modal.modes))), sized[1][1]),
+    )  # fmt: skip
+    ModeSwitch(block).first_event = len(sweep.motion.events)
+    return CaseModes(deciding, projecting, block, modal.modes, modal.joints, modal.ropes)
+
+
+def _flat(outputs: Sequence[OutputName]) -> list[str]:
+    """Return all names of outputs: one function computes them, in this order, combined or not."""
+    return [name for each in outputs for name in ((each,) if isinstance(each, str) else each)]
+
+
+def _mode_sizes(eqs: EquationSet, scales: Scales) -> Floats:
+    """Return what counts as large where modes are decided: lengths, times, displacements of all cases."""
+    return np.column_stack([scales.length, scales.time, scales.displacements(eqs)])
 
 
 def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, x: Floats, scales: Scales) -> Floats:

@@ -64,6 +64,28 @@ class CaseWatch:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class CaseModes:
+    """What decides in all cases which joints stick and which ropes are taut.
+
+    Attributes
+    ----------
+    deciding, projecting : CompiledFunction
+        Compute `hybrid.switching.deciding_outputs`, and `constraints.PROJECTED` with modes as last inputs.
+    block : array
+        The `ModeSwitch` of a motion that has not begun.
+    names, joints, ropes : tuples of str
+        The inputs that are modes, and the elements in their order.
+    """
+
+    deciding: CompiledFunction
+    projecting: CompiledFunction
+    block: Floats
+    names: tuple[str, ...]
+    joints: tuple[str, ...]
+    ropes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class LoopJob:
     """A sweep for the compiled loop over many cases.
 
@@ -82,9 +104,11 @@ class LoopJob:
     rounding, limit : float
         As in `Projector`.
     tables : mapping of place to Table
-        The inputs r of the derivative, all of them tables.
+        The inputs r of the derivative that are tables: all of them, but for modes behind them.
     watch : CaseWatch or None
         The events. Where there are any, `function` gives the power behind xdot.
+    modes : CaseModes or None
+        Where joints stick and slip or ropes go taut; their ends are the last events.
     """
 
     function: CompiledFunction
@@ -101,6 +125,12 @@ class LoopJob:
     limit: float = math.inf
     tables: Mapping[int, Table] = field(default_factory=dict)
     watch: CaseWatch | None = None
+    modes: CaseModes | None = None
+
+    @property
+    def input_count(self) -> int:
+        """Number of inputs r of the derivative, the modes among them."""
+        return len(self.tables) + (0 if self.modes is None else len(self.modes.names))
 
     @property
     def state_size(self) -> int:
@@ -131,6 +161,8 @@ class Chunk:
         As in `Goal`, the work last where events are watched.
     metric : (cases, n_u + n_q + n_h) array
         As `native.closing.metric` returns it; without columns where nothing is closed after events.
+    mode_sizes : (cases, 2 + n_u) array
+        Length, time and displacements that count as large; without columns where no modes change.
     """
 
     first: int
@@ -140,11 +172,12 @@ class Chunk:
     sizes: Floats
     atol: Floats
     metric: Floats
+    mode_sizes: Floats
 
     @classmethod
     def blank(cls, count: int) -> Chunk:
         """Return cases that are found by their numbers alone."""
-        return cls(0, *[np.zeros((count, 0))] * 6)
+        return cls(0, *[np.zeros((count, 0))] * 7)
 
     @property
     def count(self) -> int:
@@ -153,7 +186,9 @@ class Chunk:
 
     def cut(self, start: int, stop: int) -> Chunk:
         """Return some of the cases."""
-        arrays = self.states, self.parameters, self.scales, self.sizes, self.atol, self.metric
+        arrays = (
+            self.states, self.parameters, self.scales, self.sizes, self.atol, self.metric, self.mode_sizes,
+        )  # fmt: skip
         return Chunk(self.first + start, *(array[start:stop] for array in arrays))
 
 

@@ -16,6 +16,7 @@ from symbody.analysis.scales import Scales, mechanism_scales, scales_by_name
 from symbody.arguments import checked_arguments
 from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import modal_equations, permanent_equations
 from symbody.errors import SymbodyError
 from symbody.kernels import block as at
 from symbody.model.first_values import FirstValue, Initial, PlainValue, by_priority
@@ -276,14 +277,14 @@ def _runs(cases: Sequence[int]) -> list[tuple[int, int]]:
 
 def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     """Return why the loop over many cases may leave the branches of motions, empty if it does not."""
-    eqs = job.eqs
+    eqs = permanent_equations(job.eqs)
     started = np.flatnonzero(np.isfinite(chunk.states).all(axis=1)).tolist()
     if not eqs.multiplier_names or not started:
         return ""
     case, x = started[0], chunk.states[started[0]]
     values = job.table.values(case)[0]
     q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=False))
-    scales = mechanism_scales(eqs, values, job.scales, q).fit_span(*job.motion.span)
+    scales = mechanism_scales(job.eqs, values, job.scales, q).fit_span(*job.motion.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
     try:
         if is_overconstrained(problem, job.motion.span[0], x):
@@ -299,7 +300,7 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
 def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
     """Return cases that `simulate` integrates by another method than the loop over many cases."""
     codes = [at.STIFF]
-    if job.eqs.multiplier_names and job.motion.constraints is None:
+    if modal_equations(job.eqs).eqs.multiplier_names and job.motion.constraints is None:
         codes += [at.COLLAPSED, at.SINGULAR, at.NOT_FINITE]
     return np.flatnonzero(np.isin(records.codes, codes)).tolist()
 
@@ -307,7 +308,7 @@ def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
 def _notes(job: SweepJob, serial: Sequence[int]) -> tuple[str, ...]:
     silent = sorted(set(job.eqs.input_names).difference(job.inputs, job.laws.callbacks))
     notes = [*job.laws.notes, *(silent_input_note(job.eqs.units, name) for name in silent)]
-    if job.eqs.multiplier_names and job.motion.constraints is None:
+    if permanent_equations(job.eqs).multiplier_names and job.motion.constraints is None:
         notes.append(
             "sweeps do not search for change points: if constraints become dependent during the motion, "
             "pass constraints=sb.Partition()"
