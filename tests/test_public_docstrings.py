@@ -41,6 +41,9 @@ def test_a_class_says_all_that_it_is_made_of(name: str) -> None:
         fields = {each.name for each in own if not each.name.startswith("_")}
         assert fields <= documented | OF_THE_PACKAGE
     assert documentation["Summary"]
+    assert documentation["Examples"], "no example"
+    assert "EX01" not in {code for code, _ in validate(address(kind))["errors"]}
+    assert ">>>" in kind.__doc__
 
 
 # Fields of results that later stages keep in them, which no user reads.

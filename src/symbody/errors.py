@@ -31,6 +31,13 @@ class Problem:
         The likely cause, where it is not plain from `what`.
     fix : str
         What to type instead.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> print(sb.Problem("model.negative_mass", "body Cart", "mass is negative", "", "give 0 or more"))
+    [model.negative_mass] body Cart: mass is negative
+      fix: give 0 or more
     """
 
     code: str
@@ -55,6 +62,15 @@ class SymbodyError(Exception):
     ----------
     *problems : Problem
         All problems of the stage that failed, at least one.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> try:
+    ...     sb.Model("cart", [sb.Body("Cart", mass=-1)])
+    ... except sb.SymbodyError as error:
+    ...     print(error.problems[0].code)
+    model.negative_mass
     """
 
     exit_code: ClassVar[int] = 3
@@ -68,51 +84,179 @@ class SymbodyError(Exception):
 
 
 class UsageError(SymbodyError):
-    """A call or a command line for something that does not exist."""
+    """A call or a command line for something that does not exist.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> try:
+    ...     sb.FixedStep(-0.1)
+    ... except sb.UsageError as error:
+    ...     print(error.problems[0].code)
+    simulation.fixed_step
+    """
 
     exit_code = 2
 
 
 class CallError(UsageError, TypeError):
-    """A call with arguments that a function does not have, or without those that it needs."""
+    """A call with arguments that a function does not have, or without those that it needs.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> try:
+    ...     sb.Body("Cart", mas=1)
+    ... except sb.CallError as error:
+    ...     print(error)
+    [call.unknown_argument] Body: there is no argument 'mas'
+      fix: did you mean 'mass'?
+    """
 
 
 class ExpressionError(SymbodyError):
-    """Text or an operation that is not a legal expression."""
+    """Text or an operation that is not a legal expression.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> try:
+    ...     sb.trace_positions(sb.form_equations(ladder), {"x": ["10 dg"]})
+    ... except sb.ExpressionError as error:
+    ...     print(error.problems[0].code)
+    expression.implicit_multiplication
+    """
 
 
 class FormatError(SymbodyError):
-    """A file that cannot be read as what it claims to be."""
+    """A file that cannot be read as what it claims to be.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> try:
+    ...     sb.load_model("missing.toml")
+    ... except sb.FormatError as error:
+    ...     print(error.problems[0].code)
+    file.missing
+    """
 
 
 class FrameError(SymbodyError):
-    """Vectors, points or frames that do not fit together."""
+    """Vectors, points or frames that do not fit together.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> from symbody.spatial import FrameTree
+    >>> from symbody.expr.graph import Graph
+    >>> try:
+    ...     FrameTree(Graph(), {}).depth("Arm")
+    ... except sb.FrameError as error:
+    ...     print(error.problems[0].code)
+    frame.unknown
+    """
 
 
 class ModelError(SymbodyError):
-    """A mechanism whose description contradicts itself."""
+    """A mechanism whose description contradicts itself.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> try:
+    ...     sb.Model("cart", [sb.Body("Cart"), sb.Body("Cart")])
+    ... except sb.ModelError as error:
+    ...     print(error.problems[0].code)
+    names.duplicate
+    """
 
 
 class TopologyError(SymbodyError):
-    """A choice of trees that does not span the mechanism."""
+    """A choice of trees that does not span the mechanism.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> try:
+    ...     sb.form_equations(sb.Model("cart", [rail]), tree=sb.Trees([], ["other"]))
+    ... except sb.TopologyError as error:
+    ...     print(error.problems[0].code)
+    topology.unknown_joint
+    """
 
 
 class FormulationError(SymbodyError):
-    """Equations that cannot be formed as requested."""
+    """Equations that cannot be formed as requested.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> run = sb.simulate(sb.form_equations(sb.Model("cart", [rail])), 1.0)
+    >>> try:
+    ...     run["kinetic_enrgy"]
+    ... except sb.FormulationError as error:
+    ...     print(error)
+    [equations.unknown_output] kinetic_enrgy: 'kinetic_enrgy' is neither an output nor an expression
+      why: there is no symbol 'kinetic_enrgy'
+        kinetic_enrgy
+        ^
+      fix: did you mean 'kinetic_energy' or 'potential_energy'?
+    """
 
 
 class CompileError(SymbodyError):
-    """Outputs, parameters or arguments that do not fit a compiled function."""
+    """Outputs, parameters or arguments that do not fit a compiled function.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail]))
+    >>> try:
+    ...     sb.compile(eqs, "kinetic_energy", parameters={"mas": 2})
+    ... except sb.CompileError as error:
+    ...     print(error.problems[0].code)
+    compile.unknown_parameter
+    """
 
 
 class AssemblyError(SymbodyError):
-    """Positions or velocities that cannot satisfy the constraints."""
+    """Positions or velocities that cannot satisfy the constraints.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> try:
+    ...     sb.assemble(sb.form_equations(sb.Model("cart", [rail, sb.Constraint("never", "x^2 + 1")])))
+    ... except sb.AssemblyError as error:
+    ...     print(error.problems[0].code)
+    assembly.open
+    """
 
     exit_code = 4
 
 
 class SimulationError(SymbodyError):
-    """A motion that cannot be computed as asked."""
+    """A motion that cannot be computed as asked.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> ratios = sb.velocity_ratios(sb.form_equations(ladder), "x")
+    >>> try:
+    ...     ratios.at({"x": 5, "y": 0})
+    ... except sb.SimulationError as error:
+    ...     print(error.problems[0].code)
+    kinematics.singular
+    """
 
     exit_code = 4
 
@@ -128,6 +272,16 @@ class TimeLimitError(SymbodyError):
         The stages done before, with their seconds.
     notes : tuple of str
         Choices made until then, as `EquationSet.notes`: trees, cut joints, formulation.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> try:
+    ...     sb.form_equations(sb.Model("cart", [rail]), time_limit=1e-9)
+    ... except sb.TimeLimitError as error:
+    ...     print(error.stage)
+    trees
     """
 
     exit_code = 4
@@ -146,7 +300,18 @@ class TimeLimitError(SymbodyError):
 
 
 class EnvironmentFault(SymbodyError):
-    """Something this computer lacks: a package, a permission, a file. Its other name is `ResourceError`."""
+    """Something this computer lacks: a package, a permission, a file. Its other name is `ResourceError`.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> try:
+    ...     sb.save_report(sb.form_equations(sb.Model("cart", [rail])), "missing/folder/cart.md")
+    ... except sb.EnvironmentFault as error:
+    ...     print(error.problems[0].code)
+    report.unwritable
+    """
 
     exit_code = 5
 

@@ -44,6 +44,15 @@ class IndexOneSolution:
         The entries of x.
     reaction_names : tuple of str
         The entries of `reactions`.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> solution = sb.solve_index_1(sb.form_equations(ladder))
+    >>> solution.state_names, solution(0.0, [4.0, -3.0, 3.0, 4.0])[2:]
+    (('x_dot', 'y_dot', 'x', 'y'), array([ 4., -3.]))
     """
 
     state_names: tuple[str, ...]

@@ -50,6 +50,15 @@ class Redundancy:
     undetermined : tuple of str
         Outputs that do not follow from the motion: components of reactions, "reaction J Fz", and efforts that
         hold motions, "effort J". Their values are those of the minimum-norm solution.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> found = sb.redundancy(sb.form_equations(ladder))
+    >>> found.degrees_of_freedom, found.kept, found.dropped
+    (1, ('lambda_rod_1',), ())
     """
 
     degrees_of_freedom: int

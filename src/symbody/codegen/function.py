@@ -61,6 +61,15 @@ class CompiledFunction:
         300,000 points have been asked for, False never.
     portable : bool
         Fuse no operation, so that `source` has the same bits.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass="m"), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], parameters={"m": 2}))
+    >>> energy = sb.compile(eqs, "kinetic_energy")
+    >>> energy(0.0, [0.5], [3.0])
+    array(9.)
     """
 
     def __init__(

@@ -64,6 +64,16 @@ class EquationSet(PrintedEquations, NamedEquations):
         Outputs beside those that every set of equations has.
     identity : bytes
         A hash of all that the equations follow from; empty if it cannot be computed.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass="m"), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F", stiffness="k"))
+    >>> model = sb.Model("oscillator", [rail], parameters={"m": 2, "k": 8}, inputs=["F"])
+    >>> eqs = sb.form_equations(model)
+    >>> eqs.mass_matrix, eqs.forcing, eqs.state_names
+    (Matrix([[m]]), Matrix([[-k*x(t) + F(t)]]), ('x_dot', 'x'))
     """
 
     model: Model

@@ -66,6 +66,15 @@ class Fmu:
         In the order of their value references.
     notes : tuple of str
         What was left out, and why.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail]))
+    >>> fmu = sb.save_fmu(eqs, "cart.fmu", platforms=())  # doctest: +SKIP
+    >>> [variable.name for variable in fmu.variables][:3]  # doctest: +SKIP
+    ['time', 'x_dot', 'x']
     """
 
     path: Path

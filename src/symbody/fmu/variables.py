@@ -47,6 +47,13 @@ class FmuVariable:
         Value reference of the state whose derivative this is.
     dependencies : tuple of (int, str) or None
         Value references of what it depends on in the motion, and how.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> height = sb.FmuVariable("z", "output", "continuous", unit="m")
+    >>> height.name, height.unit, height.start
+    ('z', 'm', None)
     """
 
     name: str

@@ -23,6 +23,14 @@ class Trees:
     ----------
     rotation, translation : iterable of joint or name
         Joints in the tree; all others are cut: what they lock becomes constraints.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> trees = sb.Trees(rotation=["rail"], translation=["rail"])
+    >>> sb.form_equations(sb.Model("cart", [rail]), tree=trees).coordinate_names
+    ('x',)
     """
 
     rotation: tuple[str, ...]

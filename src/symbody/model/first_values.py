@@ -30,6 +30,14 @@ class Initial:
     ------
     UsageError
         If the priority is neither.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> model = sb.Model("cart", [rail], initial={"x": sb.Initial(0.3, "hold"), "x_dot": 1})
+    >>> sb.assemble(sb.form_equations(model))["x"]
+    0.3
     """
 
     value: Value

@@ -7,7 +7,16 @@ from enum import Enum, unique
 
 @unique
 class Status(Enum):
-    """The verdict on a run; the value names what happened and what to try."""
+    """The verdict on a run; the value names what happened and what to try.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> run = sb.simulate(sb.form_equations(sb.Model("cart", [rail])), 1.0)
+    >>> run.status.name, run.status.value
+    ('SUCCESS', 'the motion was computed to the end')
+    """
 
     SUCCESS = "the motion was computed to the end"
     STOPPED = "a stopping event ended the motion"

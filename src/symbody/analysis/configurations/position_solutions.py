@@ -46,6 +46,16 @@ class PositionSolutions:
         One for each way to assemble the mechanism.
     notes : tuple of str
         Ropes that are taken as taut.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> for branch in sb.solve_positions(sb.form_equations(ladder), ["y"]).branches:
+    ...     print(list(branch.values()))
+    [-sqrt(25 - x(t)**2)]
+    [sqrt(25 - x(t)**2)]
     """
 
     dependent: tuple[SympyExpr, ...]

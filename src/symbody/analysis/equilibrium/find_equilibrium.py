@@ -43,6 +43,16 @@ class Equilibrium(State):
     ----------
     notes : tuple of str
         Properties beyond the numbers.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Mass", mass=2), axis="z", coordinate="z",
+    ...                     force=sb.Drive(stiffness=100))
+    >>> eqs = sb.form_equations(sb.Model("scale", [rail], gravity=(0, 0, -10)))
+    >>> rest = sb.find_equilibrium(eqs)
+    >>> round(rest["z"], 9), bool(rest.residual < 1e-9)
+    (-0.2, True)
     """
 
     notes: tuple[str, ...] = ()

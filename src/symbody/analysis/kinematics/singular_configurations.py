@@ -60,6 +60,15 @@ class SingularConfiguration:
     assembly : int
         Equal numbers for places that are reached from each other without taking the mechanism apart, the
         assembly nearest to the guess being 1; 0 where all places are. Where branches cross they are one.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> [lock] = sb.singular_configurations(sb.form_equations(ladder), "x", {"x": (0.0, 5.0)})
+    >>> lock.kind, lock.joint, round(lock.q["x"], 6)
+    ('lock-up', 'x', 5.0)
     """
 
     kind: str

@@ -50,6 +50,15 @@ class Positions:
         The reason for the dead end, and the ropes that are taken as taut.
     followers : mapping of coordinate to (N,) array
         Coordinates that couplings give, where they are substituted.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> path = sb.trace_positions(sb.form_equations(ladder), {"x": [0.0, 3.0, 4.0]})
+    >>> path.coordinate_names, path["y"].round(6)
+    (('x', 'y'), array([5., 4., 3.]))
     """
 
     coordinate_names: tuple[str, ...]

@@ -71,6 +71,14 @@ class VelocityRatios:
         Names of the multipliers of the constraints that `dependent_jacobian` is made of.
     notes : tuple of str
         Choices that were made, with reasons.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> sb.velocity_ratios(sb.form_equations(ladder), "x").tau
+    Matrix([[-x(t)/y(t)]])
     """
 
     eqs: EquationSet = field(repr=False)

@@ -50,6 +50,15 @@ class Linearization(Displayed):
         The state.
     notes : tuple of str
         Choices that were made, and limits of the result.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(stiffness=8))
+    >>> linear = sb.linearize(sb.form_equations(sb.Model("oscillator", [rail])))
+    >>> linear.state_names, linear.A.tolist()
+    (('x_dot', 'x'), [[0.0, -4.0], [1.0, 0.0]])
     """
 
     A: Floats

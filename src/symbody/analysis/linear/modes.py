@@ -39,6 +39,15 @@ class Mode(Displayed):
         Bound on its rounding error [1/s].
     shape : mapping of name to complex
         The eigenvector by names of states, the largest component 1, each in its own unit.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(stiffness=8))
+    >>> linear = sb.linearize(sb.form_equations(sb.Model("oscillator", [rail])))
+    >>> [round(mode.eigenvalue.imag, 9) for mode in linear.modes]
+    [2.0, -2.0]
     """
 
     eigenvalue: complex

@@ -35,7 +35,16 @@ from symbody.spatial.vector import vector
 
 @dataclass(frozen=True, slots=True)
 class Lagrange(Formulation):
-    """Formulation by energies and multipliers; any trees, any coordinates."""
+    """Formulation by energies and multipliers; any trees, any coordinates.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail]), sb.Lagrange())
+    >>> eqs.mass_matrix
+    Matrix([[2]])
+    """
 
     differentiates_placements: ClassVar[bool] = True
     takes_kinetic_energy: ClassVar[bool] = True

@@ -49,7 +49,16 @@ _Column = dict[int, Expr]
 
 @dataclass(frozen=True, slots=True)
 class NewtonEuler(Formulation):
-    """Formulation with free bodies and unknown reactions; any trees, any coordinates."""
+    """Formulation with free bodies and unknown reactions; any trees, any coordinates.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail]), sb.NewtonEuler())
+    >>> eqs.mass_matrix
+    Matrix([[2]])
+    """
 
     differentiates_placements: ClassVar[bool] = True
 

@@ -41,6 +41,14 @@ class Recursive(Formulation):
         Whether the axes of links are put along joints and common normals.
     regrouped : bool
         Whether mass that a parent can carry as well is added to the parent: base parameters.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail]), sb.Recursive(method="composite"))
+    >>> eqs.mass_matrix
+    Matrix([[2]])
     """
 
     has_lazy_velocities: ClassVar[bool] = True

@@ -28,7 +28,16 @@ from symbody.spatial.vector import ZERO, Vector, cross, dot
 
 @dataclass(frozen=True, slots=True)
 class VirtualWork(Formulation):
-    """Formulation by virtual work; any trees, any coordinates."""
+    """Formulation by virtual work; any trees, any coordinates.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail]), sb.VirtualWork())
+    >>> eqs.mass_matrix
+    Matrix([[2]])
+    """
 
     def derive(self, system: MultibodySystem) -> Dynamics:
         """Return the equations of motion, joint by joint; body by body where there are no joints."""

@@ -36,6 +36,18 @@ class IndexReduction:
         Pivots: where one vanishes, the equations may mean something else.
     definitions : tuple of (symbol, expression)
         z1, z2, ... in which formulas beyond 20,000 operations are written.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> import symbody as sb
+    >>> t = sp.Symbol("t")
+    >>> x, y = sp.Function("x")(t), sp.Function("y")(t)
+    >>> result = sb.reduce_index([x.diff(t) - y, x - sp.sin(t)], [x, y])
+    >>> result.ode
+    [-y(t) + Derivative(x(t), t), sin(t) + Derivative(y(t), t)]
+    >>> result.algebraic
+    ([x(t) - sin(t)], [y(t) - cos(t)])
     """
 
     unknowns: tuple[SympyExpr, ...]

@@ -68,6 +68,16 @@ class Separation:
         Places of the equations that follow from the others.
     definitions : tuple of (symbol, expression)
         z1, z2, ... in which formulas beyond 20,000 operations are written.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> import symbody as sb
+    >>> t = sp.Symbol("t")
+    >>> x, y = sp.Function("x")(t), sp.Function("y")(t)
+    >>> result = sb.separate_derivatives([x.diff(t) - y, x - sp.sin(t)], [x.diff(t), y.diff(t)])
+    >>> result.algebraic
+    [x(t) - sin(t)]
     """
 
     equations: list[SympyExpr]

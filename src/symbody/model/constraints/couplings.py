@@ -50,6 +50,13 @@ class Gear(JointCoupling):
 
     Wheels that mesh on the outside turn against each other: their ratio is negative. The multiplier is the
     torque on the first wheel about its axis [N m].
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> gear = sb.Gear("stage", ["motor", "output"], ratio=-3)
+    >>> gear.ratio.text
+    '-3'
     """
 
     rows: ClassVar[str] = "1"
@@ -77,6 +84,13 @@ class RackPinion(JointCoupling):
     """A rack moved by a wheel: ``displacement = radius angle + offset``.
 
     The multiplier is the force on the rack along its displacement [N].
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rack = sb.RackPinion("rack", ["x", "steering"], radius="r")
+    >>> rack.coupled
+    ('x', 'steering')
     """
 
     rows: ClassVar[str] = "1"
@@ -107,6 +121,13 @@ class Belt(JointCoupling):
     """Two pulleys and a belt that does not slip: ``radius1 first = radius2 second + offset``.
 
     The multiplier is the pull of the belt at the rim of the first pulley, in the sense of its angle [N].
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> belt = sb.Belt("belt", ["alpha", "beta"], radii=("r1", "r2"), crossed=True)
+    >>> belt.coupled
+    ('alpha', 'beta')
     """
 
     rows: ClassVar[str] = "1"
@@ -140,6 +161,13 @@ class Differential(JointCoupling):
     """A differential: the carrier turns by the mean of its two shafts, ``2 carrier = left + right + offset``.
 
     The multiplier is half the torque on the carrier about its axis [N m].
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> axle = sb.Differential("axle", ["carrier", "left", "right"])
+    >>> axle.coupled
+    ('carrier', 'left', 'right')
     """
 
     rows: ClassVar[str] = "1"
@@ -166,6 +194,14 @@ class Constraint(ConstraintElement):
     One with rates or speeds is a velocity constraint, used unchanged: nonholonomic, unless it is the
     rate of one on positions. The multiplier times the derivative of the equation by a coordinate, or by its
     rate, is the effort along that coordinate.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> parabola = sb.Constraint("parabola", "y - x^2/(2*p)")
+    >>> pulley = sb.Constraint("pulley", ["x + 2*y - L", "z_dot - v"])
+    >>> len(pulley.equations)
+    2
     """
 
     rows: ClassVar[str] = "their number"

@@ -20,6 +20,14 @@ class Distance(FrameConstraint):
     """Keeps two points at a distance, as a massless rod does; a rope lets them come closer.
 
     Its one multiplier is the force with which it pushes the points apart [N]; in a rope it is never positive.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rod = sb.Distance("rod", "ground", "Ball", "L")
+    >>> rope = sb.Distance("rope", "ground", "Ball", "L", rope=True)
+    >>> rod.rope, rope.rope
+    (False, True)
     """
 
     rows: ClassVar[str] = "1"
@@ -43,7 +51,14 @@ class Distance(FrameConstraint):
 @final
 @element
 class PointOnLine(FrameConstraint):
-    """Holds the origin of end on a line through the origin of start."""
+    """Holds the origin of end on a line through the origin of start.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> sb.PointOnLine("slot", "ground", "Pin", axis="x").axis
+    'x'
+    """
 
     rows: ClassVar[str] = "2"
     holds: ClassVar[str] = "`p` has no component across the axis"
@@ -56,7 +71,14 @@ class PointOnLine(FrameConstraint):
 @final
 @element
 class PointOnPlane(FrameConstraint):
-    """Holds the origin of end in a plane through the origin of start."""
+    """Holds the origin of end in a plane through the origin of start.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> sb.PointOnPlane("table", "ground", "Foot", axis="z").axis
+    'z'
+    """
 
     rows: ClassVar[str] = "1"
     holds: ClassVar[str] = "`p . axis = 0`"
@@ -73,6 +95,13 @@ class PointOnCurve(FrameConstraint):
 
     The curve's parameter becomes a coordinate of the mechanism, without mass; the derivative of the curve
     with respect to it must not vanish.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> helix = sb.PointOnCurve("helix", "ground", "Bead", ["r*cos(s)", "r*sin(s)", "h*s"], parameter="s")
+    >>> helix.parameter
+    's'
     """
 
     rows: ClassVar[str] = "3"
@@ -111,6 +140,13 @@ class PointOnSurface(FrameConstraint):
     """Holds the origin of end on a surface fixed in start; several equations make a curve.
 
     A multiplier times the gradient of its equation is the force on end.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> bowl = sb.PointOnSurface("bowl", "ground", "Bead", "x^2 + y^2 + z^2 - R^2")
+    >>> [equation.text for equation in bowl.equations]
+    ['x^2 + y^2 + z^2 - R^2']
     """
 
     rows: ClassVar[str] = "their number"
@@ -142,7 +178,14 @@ def _check_cosine(check: NumericChecks, angle: Formula, where: str) -> None:
 @final
 @element
 class Parallel(FrameConstraint):
-    """Holds a direction of end parallel to one of start."""
+    """Holds a direction of end parallel to one of start.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> sb.Parallel("upright", "ground", "Table", axes=("z", "z")).axes
+    ('z', 'z')
+    """
 
     rows: ClassVar[str] = "2"
     holds: ClassVar[str] = "the second axis has no component along two perpendiculars `n` of the first"
@@ -155,7 +198,14 @@ class Parallel(FrameConstraint):
 @final
 @element
 class Perpendicular(FrameConstraint):
-    """Holds a direction of end perpendicular to one of start."""
+    """Holds a direction of end perpendicular to one of start.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> sb.Perpendicular("square", "ground", "Blade", axes=("z", "x")).axes
+    ('z', 'x')
+    """
 
     rows: ClassVar[str] = "1"
     holds: ClassVar[str] = "`first . second = 0`"
@@ -171,6 +221,13 @@ class Angle(FrameConstraint):
     """Constrains the angle between a direction of start and one of end, by an equation in its cosine.
 
     The angle must stay away from 0 and pi, where the cosine has no slope.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> angle = sb.Angle("fold", "ground", "Leaf", axes=("x", "x"), value="60 deg")
+    >>> angle.axes, angle.value.text
+    (('x', 'x'), '60 deg')
     """
 
     rows: ClassVar[str] = "1"

@@ -18,6 +18,13 @@ class KnifeEdge(FrameConstraint):
     """A blade on end that does not slide sideways on start.
 
     The velocity of end's origin relative to start has no component along the blade's normal.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> skate = sb.KnifeEdge("skate", "ground", "Sled", axis="y")
+    >>> skate.axis
+    'y'
     """
 
     rows: ClassVar[str] = "1"
@@ -38,6 +45,14 @@ class Rolling(FrameConstraint):
     Of its three rows the first holds the point of contact in the plane, the others hold the velocity there:
     forward, then sideways. The multipliers are the contact force on end along the normal, forward and to the
     left [N].
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> wheel = sb.Rolling("contact", "ground", "Wheel", radius="R", axis="y")
+    >>> ball = sb.Rolling("contact", "ground", "Ball", radius="R")
+    >>> wheel.axis, ball.axis
+    ('y', None)
     """
 
     rows: ClassVar[str] = "3"

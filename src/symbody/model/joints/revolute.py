@@ -25,7 +25,16 @@ from symbody.model.simple_rotation import unit_axis
 @final
 @element
 class Revolute(Joint):
-    """Turns about an axis."""
+    """Turns about an axis.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> arm = sb.Body("Arm", mass=2, inertia=(0, 0, 0.1), frames={"hip": sb.Frame(at=(-0.5, 0, 0))})
+    >>> hinge = sb.Revolute("hinge", "ground", arm["hip"], axis="z", coordinate="phi")
+    >>> sb.form_equations(sb.Model("pendulum", [hinge])).coordinate_names
+    ('phi',)
+    """
 
     letters: ClassVar[tuple[str, ...]] = ("theta",)
     law: ClassVar[str] = "R = Rot(axis, theta)"

@@ -12,7 +12,14 @@ from symbody.model.joint import Joint
 @final
 @element
 class Weld(Joint):
-    """Holds two frames together."""
+    """Holds two frames together.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> tool = sb.Body("Tool", mass="m")
+    >>> weld = sb.Weld("flange", "Wrist", tool)
+    """
 
     law: ClassVar[str] = "R = 1, d = 0"
 

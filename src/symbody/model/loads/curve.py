@@ -28,6 +28,12 @@ class Curve(ElementPart):
 
     Cubics of kind "pchip" have a continuous slope and do not overshoot: they are monotone where the points
     are (Fritsch & Butland 1984, the slopes of SciPy's ``PchipInterpolator``).
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> stop = sb.Curve(x=(0, 0.1, 0.12), y=(0, -50, -400), outside="slope")
+    >>> bumper = sb.Prismatic("bumper", "ground", "Cart", axis="x", force=sb.Drive(law=stop))
     """
 
     x: Numbers = Numbers("Increasing arguments; at least two.")

@@ -35,7 +35,16 @@ LENGTH: Final = ("length", "length_rate")
 @final
 @part
 class Drive(ElementPart):
-    """What acts along a joint coordinate: ``applied + law - stiffness*(x - free) - damping*x_dot``."""
+    """What acts along a joint coordinate: ``applied + law - stiffness*(x - free) - damping*x_dot``.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> drive = sb.Drive(applied="T", stiffness="k", damping="c", free="30 deg")
+    >>> joint = sb.Revolute("hinge", "ground", "Flap", coordinate="phi", torque=drive)
+    >>> drive.free.text
+    '30 deg'
+    """
 
     equation: ClassVar[str] = "applied + law - stiffness (x - free) - damping x'"
     sign: ClassVar[str] = "positive drives the end along the positive coordinate"
@@ -62,7 +71,16 @@ class Drive(ElementPart):
 @final
 @element
 class Force(Element):
-    """A force at a point, and its reaction, which acts at the same point."""
+    """A force at a point, and its reaction, which acts at the same point.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> arm = sb.Body("Arm", mass="m", frames={"tip": sb.Frame(at=("L", 0, 0))})
+    >>> push = sb.Force("push", arm["tip"], ("F", 0, 0), resolved_in=arm)
+    >>> [str(value) for value in push.vector]
+    ['F', '0', '0']
+    """
 
     equation: ClassVar[str] = "vector at the point `on`, in the axes of `resolved_in`"
     sign: ClassVar[str] = "the opposite force acts on `reaction_on` at the same point"
@@ -80,7 +98,15 @@ class Force(Element):
 @final
 @element
 class Torque(Element):
-    """A torque on a body, and its reaction."""
+    """A torque on a body, and its reaction.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> spin = sb.Torque("motor", "Rotor", (0, 0, "T"), reaction_on="Stator")
+    >>> [str(value) for value in spin.vector]
+    ['0', '0', 'T']
+    """
 
     equation: ClassVar[str] = "vector on `on`"
     sign: ClassVar[str] = "the opposite torque acts on `reaction_on`"
@@ -106,6 +132,14 @@ class SpringDamper(Connection):
     which has no direction there. With `isotropic` both are vector laws: ``-stiffness r - damping v`` on end,
     the opposite on start, with r the position of end relative to start and v the difference of their
     velocities as seen from ground, so that a turn of both bodies together is damped too.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> spring = sb.SpringDamper("spring", "ground", "Mass", stiffness="k", damping="c", free="L0")
+    >>> hard = sb.SpringDamper("hard", "ground", "Mass", law="-k3*(length - L0)^3")
+    >>> spring.free.text
+    'L0'
     """
 
     equation: ClassVar[str] = (
@@ -264,6 +298,13 @@ class TorsionSpring(Connection):
     which is fixed in the start frame; `angle_rate` is the component of end's angular velocity relative to
     start along it. The angle is zero where the frames have the same axes. Joints about parallel axes between
     the two count their turns; else the angle is measured on the frames, within half a turn of `free`.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> spring = sb.TorsionSpring("spring", "ground", "Door", axis="z", stiffness="k", free="90 deg")
+    >>> spring.free.text
+    '90 deg'
     """
 
     equation: ClassVar[str] = (
@@ -302,6 +343,13 @@ class Bushing(Connection):
     axes, and the Cardan angles, which for small angles are the rotation vector. Along each acts
     ``-stiffness*(x - free) - damping*x_dot``, with the opposite wrench on start. It is singular where the
     second angle is a quarter turn.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> mount = sb.Bushing("mount", "ground", "Engine", stiffness=(2e5, 2e5, 1e5, 50, 50, 50))
+    >>> [str(value) for value in mount.stiffness[3:]]
+    ['50', '50', '50']
     """
 
     equation: ClassVar[str] = (

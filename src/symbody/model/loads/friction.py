@@ -26,6 +26,12 @@ class Friction(ElementPart):
     ``sin(atan(v/v0))``: 0.71 of its strength at `v0`; without it the joint sticks and slips by events. In a
     prismatic joint the moment it transmits, over `radius`, counts as one more component of its reaction;
     without `radius` forces alone count.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> friction = sb.Friction(mu=0.3, mu_static=0.4)
+    >>> rail = sb.Prismatic("rail", "ground", "Block", axis="x", coordinate="x", friction=friction)
     """
 
     mu: Quantity = Quantity(

@@ -46,6 +46,15 @@ class Include:
     ------
     ModelError
         With every port, parameter or shared name that the part does not have.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> shank = sb.Body("Shank", inertia=(0, 0, 0.1))
+    >>> leg = sb.Model("leg", [sb.Revolute("knee", "ground", shank, coordinate="phi")])
+    >>> robot = sb.Model("robot", [sb.Include(leg, "L"), sb.Include(leg, "R")])
+    >>> [joint.name for joint in robot.joints]
+    ['L_knee', 'R_knee']
     """
 
     part: Model

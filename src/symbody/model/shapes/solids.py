@@ -34,7 +34,14 @@ from symbody.model.tables.inner_path import path_between
 @final
 @part
 class Box(BodyShape):
-    """A box with its edges along its axes."""
+    """A box with its edges along its axes.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> box = sb.Box((0.4, 0.1, 0.1), at=(0.2, 0, 0), color="steelblue")
+    >>> link = sb.Body("Link", mass="m", shapes=[box])
+    """
 
     size: VectorQuantity = VectorQuantity("Edges along x, y and z.", unit="m")
     at: VectorQuantity = CENTRE
@@ -70,13 +77,27 @@ class RoundShape(BodyShape):
 @final
 @part
 class Cylinder(RoundShape):
-    """A cylinder about its z axis."""
+    """A cylinder about its z axis.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> along_x = sb.Cylinder(radius=0.02, length="L", rotate=[("y", "pi/2")])
+    >>> body = sb.Body("Rod", mass="m", shapes=[along_x])
+    """
 
 
 @final
 @part
 class Capsule(RoundShape):
-    """A cylinder about its z axis with half a sphere on each end."""
+    """A cylinder about its z axis with half a sphere on each end.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> leg = sb.Capsule(radius=0.05, length=0.4, color="gray")
+    >>> body = sb.Body("Leg", mass="m", shapes=[leg])
+    """
 
     length: Quantity = Quantity("Length without the caps.", unit="m")
 
@@ -84,7 +105,14 @@ class Capsule(RoundShape):
 @final
 @part
 class Cone(RoundShape):
-    """A cone that points along its z axis; its centre is half way up the axis."""
+    """A cone that points along its z axis; its centre is half way up the axis.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> top = sb.Cone(radius=0.05, length=0.1, rotate=[("x", "pi")])
+    >>> body = sb.Body("Top", mass="m", shapes=[top])
+    """
 
     radius: Quantity = Quantity("Radius of its base.", unit="m")
     length: Quantity = Quantity("Height from base to tip.", unit="m")
@@ -93,7 +121,14 @@ class Cone(RoundShape):
 @final
 @part
 class Sphere(BodyShape):
-    """A sphere."""
+    """A sphere.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> ball = sb.Sphere("R", color="#cc3311", opacity=0.5)
+    >>> body = sb.Body("Ball", mass="m", shapes=[ball])
+    """
 
     radius: Quantity = Quantity(unit="m")
     at: VectorQuantity = CENTRE
@@ -145,7 +180,14 @@ class ScaleFactors(VectorQuantity):
 @final
 @part
 class Mesh(BodyShape):
-    """Triangles from a file: STL, OBJ, glTF or GLB, DAE."""
+    """Triangles from a file: STL, OBJ, glTF or GLB, DAE.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> shell = sb.Mesh("base_link.stl", scale=0.001, color="silver")
+    >>> body = sb.Body("Base", mass="m", shapes=[shell])
+    """
 
     path: FilePath = FilePath(
         "Path of the file, relative to the directory of the model file, or to `folder`."

@@ -95,6 +95,15 @@ class Event:
     ------
     UsageError
         If the direction or the action is not valid.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Ball", mass=1), axis="z", coordinate="z")
+    >>> eqs = sb.form_equations(sb.Model("drop", [rail], gravity=(0, 0, -10), initial={"z": 5}))
+    >>> run = sb.simulate(eqs, 3.0, events=sb.Event("z", direction=-1, action="stop"))
+    >>> float(run.t[-1].round(6))
+    1.0
     """
 
     expression: Value

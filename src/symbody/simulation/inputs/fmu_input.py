@@ -41,6 +41,13 @@ class FmuInput:
     ------
     UsageError
         If there is no step, or it is not positive.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> law = sb.FmuInput("controller.fmu", "torque", reads={"angle": "phi"}, step=0.01)
+    >>> law.period
+    0.01
     """
 
     path: str | os.PathLike[str]

@@ -44,6 +44,16 @@ class Table:
     ------
     UsageError
         If a time is listed three times, times fall, shapes differ, or numbers are not finite.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> push = sb.Table(t=[0, 1, 1, 2], values=[0, 5, 0, 0])
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F"))
+    >>> run = sb.simulate(sb.form_equations(sb.Model("cart", [rail], inputs=["F"])), 2.0, inputs={"F": push})
+    >>> float(run["x_dot"][-1].round(6))
+    1.25
     """
 
     t: ArrayLike

@@ -43,6 +43,16 @@ class Projection:
         what rounding leaves open if that is more, as at coordinates far larger than the mechanism.
     limit : float
         A move above so many tolerated errors rejects the step, unless its start is as far off already.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> eqs = sb.form_equations(ladder)
+    >>> run = sb.simulate(eqs, 1.0, {"x_dot": 1}, constraints=sb.Projection(tolerance=1e-12))
+    >>> run.success, bool(run.constraint_violation.max() < 1e-9)
+    (True, True)
     """
 
     tolerance: float = 1e-10
@@ -72,6 +82,16 @@ class Baumgarte:
     ------
     UsageError
         If a value is not positive, or both pairs are given, or only one of alpha and beta.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> eqs = sb.form_equations(ladder)
+    >>> run = sb.simulate(eqs, 1.0, {"x_dot": 1}, constraints=sb.Baumgarte(zeta=1.0, omega=50.0))
+    >>> run.success, bool(run.constraint_violation.max() < 1e-6)
+    (True, True)
     """
 
     zeta: float

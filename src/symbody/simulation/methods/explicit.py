@@ -59,6 +59,14 @@ class Explicit:
     ------
     UsageError
         Another order, or a step that is not positive.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], initial={"x_dot": 3}))
+    >>> sb.simulate(eqs, 1.0, integrator=sb.Explicit(order=5, max_step=0.1)).success
+    True
     """
 
     order: int = 8

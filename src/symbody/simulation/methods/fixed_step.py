@@ -35,6 +35,14 @@ class FixedStep:
     ------
     UsageError
         A step that is not positive, or another method.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], initial={"x_dot": 3}))
+    >>> sb.simulate(eqs, 1.0, integrator=sb.FixedStep(0.01)).success
+    True
     """
 
     step: float

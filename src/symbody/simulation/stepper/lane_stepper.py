@@ -51,6 +51,8 @@ class LaneStepper(OwnCopies):
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of motion, from `form_equations`.
     dt : float
         Length of each step [s].
     lanes : int
@@ -65,6 +67,16 @@ class LaneStepper(OwnCopies):
     ------
     CompileError, FormulationError, UsageError, AssemblyError
         If names, values or tables make no sense, or initial values do not fit.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F"))
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], inputs=["F"]))
+    >>> stepper = sb.LaneStepper(eqs, 0.1, lanes=3, initial={"x_dot": [0, 1, 2]})
+    >>> stepper.step(F=[4.0, 0.0, -4.0])["x_dot"].round(9)
+    array([0.2, 1. , 1.8])
     """
 
     _failed: dict[int, SymbodyError]  # of the last step

@@ -66,6 +66,8 @@ class Stepper(OwnCopies):
 
     Parameters
     ----------
+    eqs : EquationSet
+        The equations of motion, from `form_equations`.
     dt : float
         Length of each step [s].
     parameters, initial, guess : mapping of name to number or formula
@@ -89,6 +91,17 @@ class Stepper(OwnCopies):
     ------
     CompileError, FormulationError, UsageError, AssemblyError
         If names, values or tables make no sense, or initial values do not fit.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x",
+    ...                     force=sb.Drive(applied="F"))
+    >>> stepper = sb.Stepper(sb.form_equations(sb.Model("cart", [rail], inputs=["F"])), dt=0.1)
+    >>> for _ in range(10):
+    ...     state = stepper.step(F=4.0)
+    >>> round(stepper["x"], 9), round(stepper["x_dot"], 9)
+    (1.0, 2.0)
     """
 
     _go_on: Callable[[], int]

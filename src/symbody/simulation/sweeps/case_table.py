@@ -43,6 +43,15 @@ class Samples:
     ------
     UsageError
         If the law is unknown, or its numbers make no sense.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass="m"), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], parameters={"m": 2}))
+    >>> result = sb.sweep(eqs, 1.0, {"m": sb.Samples("normal", 2.0, 0.1)}, samples=100, times=[0, 1])
+    >>> result["x"].shape, result.cases["m"].shape
+    ((100, 2), (100,))
     """
 
     law: Law

@@ -65,6 +65,15 @@ class Sweep(Displayed):
         Units of what is known.
     name : str
         Of the model.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], initial={"x_dot": 1}))
+    >>> result = sb.sweep(eqs, 1.0, initial={"x_dot": [1, 2, 3]}, times=[0, 1])
+    >>> result["x"].shape, result["x"][:, -1].round(9)
+    ((3, 2), array([1., 2., 3.]))
     """
 
     t: Floats

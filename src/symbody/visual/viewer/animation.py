@@ -55,6 +55,14 @@ class Animation:
         Above the picture.
     options : mapping
         Settings of the page.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
+    >>> run = sb.simulate(sb.form_equations(sb.Model("cart", [rail])), 1.0)
+    >>> sb.animate(run, "cart.html").title  # doctest: +SKIP
+    'cart'
     """
 
     scene: Scene

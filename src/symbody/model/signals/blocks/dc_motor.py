@@ -22,6 +22,13 @@ class DCMotor(SignalBlock):
     """The torque of a direct-current motor; its current is a state.
 
     The output is the torque: apply it at the joint whose rate is `speed`.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> motor = sb.DCMotor("T", voltage="V", speed="phi_dot", resistance=0.5, inductance=0.001, constant=0.05)
+    >>> [signal.name for signal in motor.signals]
+    ['T_current', 'T']
     """
 
     equation: ClassVar[str] = "y = constant i, inductance i' = voltage - resistance i - constant speed"

@@ -26,6 +26,13 @@ class Delay(SignalBlock):
     """A delay, by a Pade approximation: an exact delay has no finite number of states.
 
     Sampled, it is exact: the output is what was sampled `time` ago, and 0 before that.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> delay = sb.Delay("late", "x", time=0.02, order=2)
+    >>> [signal.name for signal in delay.signals]
+    ['late_1', 'late_2', 'late']
     """
 
     equation: ClassVar[str] = "y(t) = input(t - time), approximately, for frequencies below order/time"

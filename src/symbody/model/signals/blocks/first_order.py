@@ -14,7 +14,15 @@ from symbody.model.signals.signal import Signal
 @final
 @block
 class FirstOrder(SignalBlock):
-    """A first-order lag: the output is a state that follows the input."""
+    """A first-order lag: the output is a state that follows the input.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> lag = sb.FirstOrder("pressure", input="valve", time=0.1, gain=2)
+    >>> [signal.name for signal in lag.signals]
+    ['pressure']
+    """
 
     equation: ClassVar[str] = "time y' = gain input - y"
     states: ClassVar[str] = "`y`, the output itself"

@@ -19,6 +19,13 @@ class RateLimit(SignalBlock):
     """Follows a signal with a limited slope; slower changes it follows with a first-order lag.
 
     Sampled, it follows without a lag: from sample to sample by as much as the slopes allow.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> limit = sb.RateLimit("steering", input="demand", rise=0.5, time=0.01)
+    >>> [signal.name for signal in limit.signals]
+    ['steering']
     """
 
     equation: ClassVar[str] = "y' = min(rise, max(-fall, (input - y)/time))"

@@ -22,6 +22,13 @@ class StateSpace(SignalBlock):
 
     Sampled, ``A x + B u`` is the state at the next sample. Its output bears its name; several outputs are
     ``name_1``, ``name_2``, and so on.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> filter = sb.StateSpace("y", ["F"], A=[[0, 1], [-4, -0.4]], B=[[0], [1]], C=[[1, 0]])
+    >>> [signal.name for signal in filter.signals]
+    ['y_x1', 'y_x2', 'y']
     """
 
     equation: ClassVar[str] = "x' = A x + B u, y = C x + D u; if sampled, A x + B u is the next x"

@@ -72,6 +72,15 @@ class Partition:
     worst : float
         Other coordinates are chosen when the pivots of the dependent ones have shrunk to this share of the
         best so far, between 0 and 1.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> x, y = (sb.Prismatic(c, "ground", sb.Body(c.upper(), mass=1), axis=c, coordinate=c) for c in "xy")
+    >>> ladder = sb.Model("ladder", [x, y, sb.Distance("rod", "X", "Y", 5)], initial={"x": 3, "y": 4})
+    >>> run = sb.simulate(sb.form_equations(ladder), 1.0, {"x_dot": 1}, constraints=sb.Partition())
+    >>> run.success, bool(run.constraint_violation.max() < 1e-9)
+    (True, True)
     """
 
     worst: float = 0.1

@@ -69,6 +69,15 @@ class GeneralizedAlpha:
     ------
     UsageError
         `rho` outside 0 to 1, or a step that is not positive.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x",
+    ...                     force=sb.Drive(stiffness=100))
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], initial={"x": 0.1}))
+    >>> sb.simulate(eqs, 1.0, integrator=sb.GeneralizedAlpha(rho=0.8), rtol=1e-4).success
+    True
     """
 
     rho: float = 0.9

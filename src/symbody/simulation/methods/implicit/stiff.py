@@ -57,6 +57,15 @@ class Stiff:
     ------
     UsageError
         Another order, or a step that is not positive.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=1), axis="x", coordinate="x",
+    ...                     force=sb.Drive(damping=1e5))
+    >>> eqs = sb.form_equations(sb.Model("cart", [rail], initial={"x_dot": 3}))
+    >>> sb.simulate(eqs, 1.0, integrator=sb.Stiff(max_order=2)).success
+    True
     """
 
     max_order: int = 5
