@@ -64,7 +64,10 @@ def test_modes_of_a_motion_and_of_a_stepper() -> None:
     slips = run["mode slide"][run.t < rest - 1e-9]
     assert (slips == 1.0).all() and run["mode slide"][-1] == 0.0
     at_rest = np.flatnonzero(run.t == run.modes[1].t)
-    assert run["mode slide"][at_rest].tolist() == [1.0, 0.0]  # of two samples at a change the first is before it
+    assert run["mode slide"][at_rest].tolist() == [
+        1.0,
+        0.0,
+    ]  # of two samples at a change the first is before it
     stepper = sb.Stepper(eqs, 0.5)
     assert stepper.step().modes == {"slide": "slips forward"}
     assert stepper.step().modes == {"slide": "sticks"}

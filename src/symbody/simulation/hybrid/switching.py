@@ -145,7 +145,9 @@ class SwitchingModes:
         """Return the problem without what holds in some modes only."""
         return replace(problem, eqs=permanent_equations(problem.eqs)) if self.modal.ropes else problem
 
-    def _deciding_function(self, problem: SimulationProblem) -> tuple[CompiledFunction, CallbackFunction | None, int]:
+    def _deciding_function(
+        self, problem: SimulationProblem
+    ) -> tuple[CompiledFunction, CallbackFunction | None, int]:
         """Return the function of what decides, with what calls laws in Python, and where it lies."""
         function = problem.compile_outputs(deciding_outputs(self.modal))
         if not problem.laws.need_python:
