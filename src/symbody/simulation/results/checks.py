@@ -293,7 +293,8 @@ def _open_loops(start: MotionStart) -> Iterator[Words]:
         return
     t, q = first.t, np.array(list(first.q.values()))
     function = problem.compile_outputs(("constraints", "jacobian"), quick=True)
-    values, rows = function(t, q, np.zeros(len(eqs.speed_names)))
+    u, inputs = np.zeros(len(eqs.speed_names)), np.zeros(len(problem.laws.callbacks))  # neither is read
+    values, rows = function(t, q, u, inputs)
     rows = rows / problem.scales.constraints(eqs)[:, np.newaxis] * problem.scales.displacements(eqs)
     if np.isfinite(rows).all():
         yield from _nearly_redundant(problem, rows, values)
