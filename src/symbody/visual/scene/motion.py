@@ -153,7 +153,7 @@ class _Source:
     def sample(self, times: Floats) -> Sampled:
         """Return poses and curves at times."""
         run = self.motion(times)
-        outputs = run.outputs(*self.chain.outputs, *self.curves)
+        outputs = _values_of(run, (*self.chain.outputs, *self.curves))
         rows = [outputs[name].reshape(-1, times.size) for name in self.curves]
         values = np.concatenate([np.empty((0, times.size)), *rows]).T
         return Sampled(times, self.chain.poses(outputs, times.size), values)
@@ -162,7 +162,13 @@ class _Source:
         """Return the run at times with all curves and forces stored."""
         run = self.motion(times)
         names = dict.fromkeys([*self.curves, *(name for arrow in self.arrows for name in arrow.outputs)])
-        return replace(run, stored={**run.stored, **run.outputs(*names)})
+        return replace(run, stored={**run.stored, **_values_of(run, names)})
+
+
+def _values_of(run: Trajectory, names: Iterable[str]) -> dict[str, Floats]:
+    """Return the samples by name; `run.outputs` without any name would say what there is."""
+    asked = tuple(names)
+    return run.outputs(*asked) if asked else {}
 
 
 def _interpolate(run: Trajectory, name: str, times: Floats) -> Floats:
