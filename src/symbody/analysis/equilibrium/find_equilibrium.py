@@ -133,7 +133,7 @@ def find_equilibrium(
     -------
     Equilibrium
         A `State` at rest: ``rest["x"]`` is one coordinate [m, rad], ``rest.q`` all by name, ``rest.inputs``
-        the unknowns, ``rest.residual`` the forces that are left. ``stable`` and ``verdict`` say what small
+        the unknowns, ``rest.residual`` how far loops are open. ``stable`` and ``verdict`` say what small
         deviations do; ``branches`` has other equilibria.
 
     Raises

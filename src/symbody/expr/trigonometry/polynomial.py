@@ -101,7 +101,7 @@ def sum_without_noise(p: Polynomial, q: Polynomial, factor: Exact, noise: float)
         for monomial in p.keys() & q.keys() & result.keys():
             terms = abs(Fraction(p[monomial])), abs(Fraction(q[monomial]))
             is_rounded = max(term.numerator for term in terms) >= _LONG
-            if is_rounded and abs(result[monomial]) < Fraction(noise) * max(terms):
+            if is_rounded and abs(Fraction(result[monomial])) < Fraction(noise) * max(terms):
                 del result[monomial]
     return result
 
