@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from symbody.expr.expression import Expr, cos, sin, symbol
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import FLOAT, RATIONAL
@@ -38,6 +40,21 @@ def test_what_rounding_leaves_of_a_sum_is_no_factor_of_what_is_shown() -> None:
     assert len(symbols_of(x.graph, [shown])) == 3  # x has cancelled
     constants = [x.graph.number(k) for k in x.graph.reachable([shown]) if x.graph.ops[k] in (FLOAT, RATIONAL)]
     assert min(abs(float(each)) for each in constants if each is not None) > 1e-5
+
+
+def test_what_halves_of_a_length_leave_of_it_is_not_shown() -> None:
+    x, y = angles("xy")
+    length, half = 0.3333333333333333, 0.16666666666666666  # as decimals 2e-17 are between them
+    for factor in (x, cos(x)):
+        formula = (length + cos(y)) * factor - (half + sin(y)) * factor - (half - sin(y)) * factor
+        (shown,) = readable(x.graph, [formula.index])
+        given, written = values(x.graph, [formula.index, shown])
+        assert abs(given - written) < 1e-15
+        assert shown == (factor * cos(y)).index
+    exact = (0.6 + cos(y)) * x - (0.3 + sin(y)) * x - (0.299999999999999 - sin(y)) * x
+    (kept,) = readable(x.graph, [exact.index])
+    numbers = [x.graph.number(k) for k in x.graph.reachable([kept])]
+    assert Fraction(1, 10**15) in numbers  # both were written with digits that a double keeps
 
 
 def test_small_constants_of_few_digits_stay() -> None:

@@ -66,8 +66,10 @@ def compile(
     Returns
     -------
     CompiledFunction
-        Called with t, q and u in the order of ``eqs.coordinate_names`` and ``eqs.speed_names``, the inputs r
-        and the values p of `free`; ``f.of_state(t, x, r, p)`` takes the states x = (u, q), as solvers do.
+        Called with t, q (n_q,) and u (n_u,) in the order of ``eqs.coordinate_names`` and ``eqs.speed_names``,
+        the inputs r of ``eqs.inputs`` and the values p of `free`, in SI units. One output comes as an array
+        of its own shape, several as a tuple of them; arguments (B, n) give results (B, ...).
+        ``f.of_state(t, x, r, p)`` takes the states x = (u, q), as solvers do.
 
     Raises
     ------

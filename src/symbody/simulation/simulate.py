@@ -59,7 +59,8 @@ def simulate(
     t_end : float or (t0, t_end)
         End time [s], or both ends; initial values hold at the first.
     initial : mapping of name to number or formula in parameters, or `Initial`
-        Coordinates, speeds, ``_dot`` names, joint coordinates and signals that have these values at first.
+        Coordinates, speeds, ``_dot`` names, joint coordinates and signals that have these values at first, in
+        SI units [m, rad, m/s, rad/s]; of an angle also ``"30 deg"``.
     guess : mapping of name to number or formula in parameters, or `Initial`
         Where the others are looked for, see `assemble`; by default the model's initial values, then 0.
     parameters : mapping of name to number or formula
@@ -70,7 +71,8 @@ def simulate(
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
-        ``Explicit(order=8)``, changed to `Stiff` where it pays; ``Projection()`` holds closed loops.
+        ``Explicit(order=8)``, changed to `Stiff` where it pays, or `FixedStep`, `Stiff`, `GeneralizedAlpha`;
+        ``Projection()`` holds closed loops, or `Baumgarte`, `GGL`, `Partition`.
     events : Event or sequence of Event
         Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
@@ -86,7 +88,8 @@ def simulate(
     Returns
     -------
     Trajectory
-        The motion: ``run["x"]`` are the samples (N,) of any output by its name, ``run.outputs()`` lists all;
+        The motion: ``run["x"]`` are the samples (N,) of any output by its name, of vectors (3, N), of
+        matrices (rows, columns, N), in ``run.units["x"]``; ``run.outputs()`` lists all;
         ``run.t`` the times [s]; ``run.q`` (n_q, N) and ``run.u`` (n_u, N) coordinates and speeds in the order
         of ``run.coordinate_names`` and ``run.speed_names``; ``run.at(t)`` the motion between the samples.
         ``run.success`` is True if the end was reached, ``run.status`` says how it ended and what to try,

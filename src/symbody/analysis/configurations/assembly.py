@@ -102,8 +102,9 @@ def assemble(
     Returns
     -------
     State
-        Positions ``q``, speeds ``u``, accelerations ``udot`` and multipliers by name, also as
-        ``state["theta"]``; ``moved`` says which guesses were not kept, ``branches`` has other assemblies.
+        Positions ``q`` [m, rad], speeds ``u``, accelerations ``udot`` and ``multipliers``, each a mapping of
+        names to floats, also as ``state["theta"]``; ``moved`` says which guesses were not kept, ``branches``
+        has other assemblies.
 
     Raises
     ------

@@ -132,7 +132,9 @@ def find_equilibrium(
     Returns
     -------
     Equilibrium
-        A `State` at rest, with ``stable`` and ``verdict``, and other equilibria in ``branches``.
+        A `State` at rest: ``rest["x"]`` is one coordinate [m, rad], ``rest.q`` all by name, ``rest.inputs``
+        the unknowns, ``rest.residual`` how far loops are open. ``stable`` and ``verdict`` say what small
+        deviations do; ``branches`` has other equilibria.
 
     Raises
     ------

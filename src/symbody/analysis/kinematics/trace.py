@@ -154,7 +154,9 @@ def trace_positions(
     Returns
     -------
     Positions
-        Up to the dead end, where there is one; `limits` has the values there, to about 1e-9.
+        ``path["y"]`` are the values of a coordinate [m, rad], one for each position up to the dead end,
+        where there is one: (N,); ``path.q`` all, (n_q, N), in the order of ``path.coordinate_names``.
+        `limits` has the driven values at the dead end, to about 1e-9, and is empty if there is none.
 
     Raises
     ------

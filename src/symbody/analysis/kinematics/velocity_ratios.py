@@ -357,8 +357,9 @@ def velocity_ratios(
     Returns
     -------
     VelocityRatios
-        The rows of dependent speeds over the independent ones as formulas, ``determinant``, and numbers at
-        any configuration.
+        The rows of dependent speeds over the independent ones, in the order of ``ratios.dependent`` and
+        ``ratios.independent``: ``tau`` as a SymPy matrix, ``ratios.at(state)`` as an array of the same shape.
+        ``determinant`` is 0 where they do not exist.
 
     Raises
     ------

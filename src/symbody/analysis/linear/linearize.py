@@ -83,9 +83,10 @@ def linearize(
     Returns
     -------
     Linearization
-        ``x' = A x + B r``, ``y = C x + D r`` of the deviations, with ``state_names``, ``input_names``,
-        ``output_names``, ``modes`` and ``verdict``; rows and columns are in the order of ``state_names``:
-        speeds, then coordinates.
+        ``x' = A x + B r``, ``y = C x + D r`` of the deviations in SI units: arrays ``A`` (n, n), ``B``
+        (n, inputs), ``C`` (outputs, n) and ``D`` (outputs, inputs), also by ``A, B, C, D = ...``. Rows and
+        columns are in the order of ``state_names``: speeds, then coordinates; of ``input_names``; of
+        ``output_names``. ``modes`` has frequencies and shapes, ``verdict`` says whether it is stable.
 
     Raises
     ------

@@ -28,6 +28,7 @@ from symbody.expr.trigonometry.polynomial import (
     plus,
     product,
     size,
+    sum_without_noise,
     times,
     variable,
     with_unit_norm,
@@ -173,7 +174,7 @@ class _PolynomialWriter:
             return self._product(*operands)
         if op == NEG:
             return plus({}, operands[0], -1)
-        return plus(operands[0], operands[1], -1 if op == SUB else 1)
+        return sum_without_noise(operands[0], operands[1], -1 if op == SUB else 1, self._noise)
 
     def _power(self, p: Polynomial, exponent: int) -> Polynomial | None:
         result: Polynomial | None = p

@@ -91,6 +91,21 @@ def without_noise(p: Polynomial, noise: float) -> Polynomial:
     }
 
 
+def sum_without_noise(p: Polynomial, q: Polynomial, factor: Exact, noise: float) -> Polynomial:
+    """Return ``p + factor q``; what is left of terms that cancel is dropped if it is below `noise` of them.
+
+    Terms of few digits are exact, so that nothing of what they leave is dropped.
+    """
+    result = plus(p, q, factor)
+    if noise:
+        for monomial in p.keys() & q.keys() & result.keys():
+            terms = abs(Fraction(p[monomial])), abs(Fraction(q[monomial]))
+            is_rounded = max(term.numerator for term in terms) >= _LONG
+            if is_rounded and abs(Fraction(result[monomial])) < Fraction(noise) * max(terms):
+                del result[monomial]
+    return result
+
+
 def product(a: Monomial, b: Monomial) -> Monomial:
     """Return the product of two monomials."""
     if not a or not b:

@@ -75,8 +75,9 @@ def inverse_dynamics(
     Returns
     -------
     Trajectory
-        With the unknowns as keys beside all that a simulated motion has: coordinates, multipliers, reactions,
-        energy, work, constraint violation. Between its samples nothing is known.
+        ``result["F"]`` are the values (N,) of an unknown at `times`, in ``result.units["F"]``, beside all
+        that a simulated motion has: coordinates, multipliers, reactions, energy, work, constraint violation.
+        Between its samples nothing is known.
 
     Raises
     ------

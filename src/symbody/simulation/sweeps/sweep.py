@@ -107,8 +107,10 @@ def sweep(
     Returns
     -------
     Sweep
-        The motions: ``result["x"]`` are samples (cases, N) of an output, ``result.cases`` the values that
-        vary, ``result.status`` how each ended, ``result.trajectory(3)`` one of them.
+        The motions: ``result["x"]`` are samples (cases, N) of an output, of vectors (cases, 3, N), in
+        ``result.units["x"]`` and NaN where a motion did not get that far; ``result.t`` the times [s];
+        ``result.cases`` the values that vary, (cases,) each; ``result.status`` how each ended,
+        ``result.trajectory(3)`` one of them.
 
     Raises
     ------
