@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import symbody as sb
-from tests.equations.test_friction import MU, by_hand, slider_crank
+from tests.equations.test_friction import MU, TREES, by_hand, slider_crank
 
 M, G, K, SPEED = 1.5, 9.81, 40.0, 0.3
 MU_STATIC, MU_SLIDING = 0.3, 0.2
@@ -151,6 +152,31 @@ def test_smooth_friction_in_a_loop_against_free_bodies() -> None:
     assert run["theta"][-1] == pytest.approx(found.y[0, -1], abs=1e-7)
     assert run["theta_dot"][-1] == pytest.approx(found.y[1, -1], abs=1e-6)
     assert run.energy_drift < 1e-7
+
+
+@pytest.mark.parametrize("tree", TREES)
+def test_dry_friction_in_joints_that_trees_cut(tree: str) -> None:
+    """A slider-crank with dry friction in its slider and the pin at B falls and turns back: in each tree alike."""
+    first, other = fallen("absolute"), fallen(tree)
+    assert first.success and other.success
+    for name in ("B slips backward", "D slips forward"):
+        times = [[event.t for event in run.events if event.name == name] for run in (first, other)]
+        assert times[0] and times[1] == pytest.approx(times[0], abs=1e-7)
+    assert other["theta"][-1] == pytest.approx(first["theta"][-1], abs=1e-6)
+    assert np.abs(other["constraints"]).max(initial=0.0) < 1e-8
+    assert other.energy_drift < 1e-7
+
+
+@cache
+def fallen(tree: str) -> sb.Trajectory:
+    laws = {"B": sb.Friction(force=0.2), "D": sb.Friction(force=2.0)}
+    model = slider_crank({})
+    elements = [replace(element, friction=laws[element.name]) if element.name in laws else element
+                for element in model.elements]  # fmt: skip
+    dry = sb.Model("dry", elements, gravity=(0, "-G", 0), parameters=model.parameters, inputs=["F"])
+    guess = {"beta": -0.2, "s": 1.3, "phi": -0.7}
+    return sb.simulate(sb.form_equations(dry, tree=TREES[tree]), 2.0, {"theta": 0.5}, guess,
+                       inputs={"F": 0.0}, rtol=1e-10, atol=1e-12)  # fmt: skip
 
 
 def test_dry_friction_holds_a_loop() -> None:

@@ -115,17 +115,17 @@ def _with_modes(
 ) -> EquationsOfMotion:
     """Return equations with the rows of all elements, each where its mode is 0."""
     laws = {law.joint.name: law for law in formed.friction}
-    rows = [_row_in_mode(row, modes[row.element]) if row.element in modes else row for row in formed.rows]
+    lines = {name: mode for name, mode in modes.items() if name not in joints}  # cut joints have rows, too
+    rows = [_row_in_mode(row, lines[row.element]) if row.element in lines else row for row in formed.rows]
     rows += [_row_in_mode(holding_row(formed, laws[name]), modes[name]) for name in joints]
     friction = tuple(
         replace(law, slip=modes[law.joint.name], switches=False, may_stick=True) if law.switches else law
         for law in formed.friction
     )
-    whole = tuple(row for row in formed.rows if row.element in modes)
+    whole = tuple(row for row in formed.rows if row.element in lines)
     return replace(
-        formed.with_rows(tuple(rows)), friction=friction, slack=(*formed.slack, *whole),
-        modes={name: mode for name, mode in modes.items() if name not in joints},
-    )  # fmt: skip
+        formed.with_rows(tuple(rows)), friction=friction, slack=(*formed.slack, *whole), modes=lines
+    )
 
 
 def _row_in_mode(row: ConstraintEquation, mode: Expr) -> ConstraintEquation:
