@@ -8,13 +8,12 @@ from decimal import Decimal
 from pathlib import Path
 
 import pytest
-from symbody.formats.version import VERSION
 
 from symbody import formats
 from symbody.errors import FormatError
 from symbody.formats import schema
 from symbody.formats.places import pointer
-from symbody.formats.schema import check_structure
+from symbody.formats.schema import VERSION, check_structure
 from symbody.model import Model, elements
 from symbody.model.class_folders import definition_name
 from symbody.model.declarations.field import OTHER_NAMES
