@@ -23,7 +23,7 @@ def visits(chromium: Any, settings: Any) -> Iterator[Visit]:
 
     def open_page(expected: tuple[str, ...] = (), **options: Any) -> BuilderPage:
         context = chromium.new_context(**{"viewport": {"width": 1280, "height": 720}, **options})
-        context.set_default_timeout(20_000)
+        context.set_default_timeout(60_000)  # Chromium beside other workers
         contexts.append(context)
         page = context.new_page()
         listen(page, settings.port, complaints, (*HARMLESS, *expected))

@@ -82,7 +82,7 @@ class Surfer:
 
     def new_page(self, size: tuple[int, int], **options: Any) -> Any:
         context = self.browser.new_context(viewport={"width": size[0], "height": size[1]}, **options)
-        context.set_default_timeout(20_000)
+        context.set_default_timeout(60_000)  # Chromium beside other workers
         self.contexts.append(context)
         page = context.new_page()
         page.on("console", lambda message: self.complain(message.type == "error", message.text))
