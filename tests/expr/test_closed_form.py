@@ -49,7 +49,7 @@ def test_what_halves_of_a_length_leave_of_it_is_not_shown() -> None:
         formula = (length + cos(y)) * factor - (half + sin(y)) * factor - (half - sin(y)) * factor
         (shown,) = readable(x.graph, [formula.index])
         given, written = values(x.graph, [formula.index, shown])
-        assert abs(given - written) < 1e-15
+        assert abs(given - written) < 1e-14  # some rounding of sums below 10
         assert shown == (factor * cos(y)).index
     exact = (0.6 + cos(y)) * x - (0.3 + sin(y)) * x - (0.299999999999999 - sin(y)) * x
     (kept,) = readable(x.graph, [exact.index])

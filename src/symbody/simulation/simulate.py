@@ -94,8 +94,7 @@ def simulate(
         of ``run.coordinate_names`` and ``run.speed_names``; ``run.at(t)`` the motion between the samples.
         ``run.success`` is True if the end was reached, ``run.status`` says how it ended and what to try,
         ``run.notes`` what was assumed; ``run.events`` what happened when; ``run.statistics`` what it cost.
-        `energy_drift` and `constraint_violation` measure errors. ``plot(run)`` and ``animate(run)`` show it,
-        ``run.to_pandas()`` and ``run.save(path)`` keep it.
+        `energy_drift` and `constraint_violation` measure errors; ``run.save(path)`` keeps it.
 
     Raises
     ------

@@ -64,9 +64,7 @@ class ModeSwitch(RecordLayout):
     room: int  # rows of the record
 
     elements: Rows[SwitchingElement] = pointer("count")
-    places: Reals = pointer(
-        "candidates"
-    )  # the element of each candidate, -1 for friction that does not switch
+    places: Reals = pointer("candidates")  # the element of each; -1 for friction that does not switch
     normals: Reals = pointer("candidates")  # how many components of its reaction each candidate reads
     units: Reals = pointer("candidates")
     are_lengths: Reals = pointer("candidates")  # whether these are lengths, not angles

@@ -13,7 +13,7 @@ from symbody.simulation.hybrid.mode_record import ModeRecord, held_modes
 from symbody.simulation.hybrid.switching import NO_NUMBERS, NO_SAMPLES
 from symbody.simulation.native.description import Floats
 from symbody.simulation.native.machine import switching_cases
-from symbody.simulation.sweeps.records import CaseDetails, CaseModes, Chunk
+from symbody.simulation.sweeps.records import CaseDetails, CaseModes, Chunk, LoopJob
 from symbody.simulation.sweeps.watched_cases import SLICE, WatchedLoop, case_numbers
 
 # Room for the record of the modes of all cases, at first.
@@ -37,9 +37,10 @@ class SwitchingLoop(WatchedLoop):
 
     _LOOKS = 1  # how many rows of the record of modes there were when a case ended
 
-    def __init__(self, job: Any, *rest: Any) -> None:
+    def __init__(self, job: LoopJob, *rest: Any) -> None:
         super().__init__(job, *rest)
-        self._modes: CaseModes = job.modes
+        assert job.modes is not None
+        self._modes = job.modes
         self._fresh_modes = self._modes.block.copy()
         self._mode_state = self._fresh_modes.copy()
         self._behind = self._rows.shape[1] - self._mode_row_size
