@@ -163,7 +163,7 @@ def test_sweeps_vary_what_held_values_start_from(eqs: sb.EquationSet) -> None:
 
 def test_steppers_take_samples_in_their_steps(eqs: sb.EquationSet) -> None:
     stepper = sb.Stepper(eqs, 0.04, initial={"count": 1})
-    assert stepper["count"] == 1.0 and "sampled" in stepper.notes[-1]
+    assert stepper["count"] == 1.0 and not any("slow" in note for note in stepper.notes)
     for _ in range(20):
         stepper.step(F=0.5)
     saved, other = stepper.save(), stepper.copy()

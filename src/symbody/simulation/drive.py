@@ -22,9 +22,8 @@ from symbody.simulation.hybrid.rate_jumps import (
     jump_notes,
     jump_times,
     neglect_note,
-    no_speeds,
+    pass_jump,
     strikes,
-    torn_constraint,
 )
 from symbody.simulation.hybrid.switching import (
     DeadEndError,
@@ -36,7 +35,6 @@ from symbody.simulation.hybrid.switching import (
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
 from symbody.simulation.motion import Motion
-from symbody.simulation.native.strikes import Strike
 from symbody.simulation.pieces import MotionInstant, Pieces, one_state
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -250,16 +248,7 @@ class _MotionByPieces:
         if self._modes is not None:
             self._modes.release()
             problem = self._modes.problem
-        strike = Strike(problem)
-        momenta = strike.find_momenta(until.before, behind, x)
-        if momenta is None:
-            raise torn_constraint(problem.eqs, strike.block.torn - 1, behind)
-        moved = x
-        if problem.eqs.speed_names:
-            moved = x.copy()
-            if not strike.change_speeds(moved):
-                raise no_speeds(behind)
-        gained = strike.energy_gained(behind, moved)
+        moved, gained = pass_jump(problem, until.before, behind, x)
         self._pieces.add_energy(gained)
         if strikes(problem, moved - x):
             self._jumped.append((until.at, gained))

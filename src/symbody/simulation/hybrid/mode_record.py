@@ -55,6 +55,21 @@ class ModeRecord:
         """Make room for as many more rows."""
         self.rows = np.concatenate([self.rows, np.zeros_like(self.rows)])
 
+    def begin_anew(self) -> None:
+        """Forget all but the last modes."""
+        decisions = np.flatnonzero(self._rows_so_far[:, 0] != SHOCK)
+        if decisions.size:
+            self.rows[0] = self.rows[decisions[-1]]
+        self._switch.recorded = min(decisions.size, 1)
+
+    @property
+    def present(self) -> dict[str, str]:
+        """The modes at present, in words; none before they are decided."""
+        if not self._switch.known:
+            return {}
+        elements = zip((*self._joints, *self._ropes), self._switch.elements, strict=True)
+        return {name: self._word(name, element.mode) for name, element in elements}
+
     @property
     def _rows_so_far(self) -> Floats:
         return self.rows[: self._switch.recorded]

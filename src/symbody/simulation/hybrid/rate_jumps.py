@@ -28,6 +28,7 @@ from symbody.graph.linear_graph import Edge, breadth_first
 from symbody.model.constraint import FrameConstraint
 from symbody.model.joint import Joint
 from symbody.model.naming import GROUND
+from symbody.simulation.native.strikes import Strike
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import AT_REST
 
@@ -266,6 +267,25 @@ def neglect_note(formed: EquationsOfMotion) -> Iterator[str]:
             f"friction of {', '.join(names)} is neglected where prescribed rates jump, though its reactions "
             f"are infinite there; prescribe a motion without corners, for instance with smoothstep"
         )
+
+
+def pass_jump(problem: SimulationProblem, before: float, behind: float, x: Floats) -> tuple[Floats, float]:
+    """Return the state behind a jump of prescribed rates, and by how much the energy has risen [J].
+
+    Raises
+    ------
+    UsageError
+        If a position jumps.
+    SimulationError
+        If no speeds fit the rates.
+    """
+    strike = Strike(problem)
+    if strike.find_momenta(before, behind, x) is None:
+        raise torn_constraint(problem.eqs, strike.block.torn - 1, behind)
+    moved = x.copy()
+    if problem.eqs.speed_names and not strike.change_speeds(moved):
+        raise no_speeds(behind)
+    return moved, strike.energy_gained(behind, moved)
 
 
 def strikes(problem: SimulationProblem, change: Floats) -> bool:

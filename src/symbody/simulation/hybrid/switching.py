@@ -135,9 +135,7 @@ class SwitchingModes:
         self.problem = replace(problem, eqs=self.modal.eqs, laws=laws, permanent=self._permanent(problem))
         function, self._callback, self._decides = self._deciding_function(problem)
         self._functions = function, self.problem.compile_outputs(PROJECTED)
-        inputs = problem.laws.held_now()
         numbers, tables = self.switch.numbers, problem.laws.table_numbers()
-        np.asarray(numbers.inputs)[:] = inputs
         if tables.size:
             np.asarray(numbers.tables)[: tables.size] = tables
 
@@ -205,6 +203,7 @@ class SwitchingModes:
         """
         state = np.append(x, 0.0)
         self._make_room()
+        np.asarray(self.switch.numbers.inputs)[:] = self._source.laws.held_now()
         first = self.switch.recorded
         code = _kernel("settle_modes")(
             self._decides, self._functions[1].address, address(self._block), address(self.record.rows), t,

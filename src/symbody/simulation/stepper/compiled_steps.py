@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Final, NamedTuple, Protocol
 
 import numpy as np
@@ -18,7 +18,7 @@ from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.kernels.block import Run
-from symbody.simulation.events.events import ModeChange, Occurrence
+from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.inputs.time_functions import function_of_time
@@ -28,6 +28,7 @@ from symbody.simulation.motion import StateProjector
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Projector, RightHandSide
 from symbody.simulation.native.run import VERDICTS, RawRun, Statistics
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.settings import WINDOW
@@ -85,8 +86,17 @@ class Steps(Protocol):
     occurrences: tuple[Occurrence, ...]
 
     @property
-    def modes(self) -> tuple[ModeChange, ...]:
-        """The modes of joints and ropes in the last step; none where nothing switches."""
+    def moving(self) -> SimulationProblem:
+        """The equations that move, with all inputs as they are at present."""
+        ...
+
+    @property
+    def modes(self) -> dict[str, str]:
+        """The modes of joints and ropes in which the last step ended; none where nothing switches."""
+        ...
+
+    def at_present(self) -> AbstractContextManager[None]:
+        """Let the modes be those of the present state and inputs, while outputs are computed."""
         ...
 
     @property
@@ -136,23 +146,37 @@ class CompiledSteps:
         What moves.
     numbers : StepNumbers
         Time, state and inputs, which are renewed by every step.
+    moving : SimulationProblem, optional
+        The equations that move, where more than these inputs changes on the way.
     """
 
-    def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
+    def __init__(
+        self, problem: StepProblem, numbers: StepNumbers, moving: SimulationProblem | None = None
+    ) -> None:
         self.occurrences: tuple[Occurrence, ...] = ()
-        self.modes: tuple[ModeChange, ...] = ()
+        self.moving = problem.problem if moving is None else moving
         self._problem = problem
         self._numbers = numbers
-        self._function: CompiledFunction = problem.problem.compile_outputs(OF_STEPS)
+        laws = self.moving.laws
+        self._function: CompiledFunction = self.moving.compile_outputs(OF_STEPS)
         self._closing = self._projection()
-        self._laws = CallbackFunction(self._function, problem.problem.laws) if problem.calls_python else None
-        numbers.array[stepping.INPUTS] = 0.0 if problem.calls_python else numbers.inputs.size
+        self._laws = CallbackFunction(self._function, laws) if laws.need_python else None
+        numbers.array[stepping.INPUTS] = 0.0 if laws.need_python else numbers.inputs.size
         numbers.array[stepping.DERIVED] = 0.0
         self._window = self._window_end = numbers.t
         self._open_window(numbers.t)
         self._block = self._new_block()
         self._call = self._bind()
         self.go_on: Callable[[], int] = self._way()
+
+    @property
+    def modes(self) -> dict[str, str]:
+        """No modes: nothing switches."""
+        return {}
+
+    def at_present(self) -> AbstractContextManager[None]:
+        """Do nothing: there are no modes."""
+        return nullcontext()
 
     def end(self, code: int) -> Ending:
         """Bring a step to its end after another code than `FINISHED`; return how it ended."""
@@ -207,7 +231,7 @@ class CompiledSteps:
         if projection is None:
             return None
         span = (numbers.t, numbers.t + settings.dt)
-        return self._problem.integration(numbers.x, span).projection(projection)
+        return self._problem.integration(numbers.x, span, self.moving).projection(projection)
 
     def _way(self) -> Callable[[], int]:
         """Return the shortest way to take a step."""
@@ -222,7 +246,7 @@ class CompiledSteps:
     @property
     def _depends_on_time(self) -> bool:
         """Whether steps have to be bounded by what happens at certain times."""
-        functions = function_of_time(self._function, self._problem.problem.laws.tables)
+        functions = function_of_time(self._function, self.moving.laws.tables)
         return functions is not None and bool(functions.moves.any())
 
     def _go_on_in_window(self) -> int:
@@ -271,7 +295,7 @@ class CompiledSteps:
     def _breakpoints(self) -> Breakpoints:
         settings = self._problem.settings
         window = self._window, self._window_end
-        pieces = self._problem.integration(self._numbers.x, window).breakpoints
+        pieces = self._problem.integration(self._numbers.x, window, self.moving).breakpoints
         return pieces.jumps_alone() if isinstance(settings.method, FixedStep) else pieces
 
     def _new_block(self) -> Floats:
@@ -289,10 +313,10 @@ class CompiledSteps:
     @property
     def right_hand_side(self) -> RightHandSide:
         """The function that is integrated, with the parameters of this motion."""
+        laws = self.moving.laws
         return RightHandSide(
-            self._right_hand_side, len(self._problem.settings.eqs.speed_names),
-            np.zeros(self._numbers.inputs.size), np.zeros(0), self._function.constants(),
-            self._function.work_size, self._problem.tables,
+            self._right_hand_side, len(self._problem.settings.eqs.speed_names), laws.held_now(), np.zeros(0),
+            self._function.constants(), self._function.work_size, laws.table_numbers(),
         )  # fmt: skip
 
     @property

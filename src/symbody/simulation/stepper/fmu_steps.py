@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Iterable, Mapping
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from typing import Final
 
 import numpy as np
@@ -21,12 +21,13 @@ from symbody.simulation.co_simulation.sampled_unit import (
     make_reader,
     read_values,
 )
-from symbody.simulation.events.events import ModeChange, Occurrence
+from symbody.simulation.events.events import Occurrence
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import Ending, Steps
+from symbody.simulation.stepper.hybrid_steps import OTHERWISE
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.step_problem import StepProblem
-from symbody.simulation.stepper.watched_steps import OTHERWISE
 
 Floats = NDArray[np.float64]
 
@@ -39,14 +40,15 @@ class _Units:
     """The instances of all FMUs of a stepper; they end with the last stepper that uses them."""
 
     def __init__(
-        self, problem: StepProblem, numbers: StepNumbers, readers: Iterable[CompiledFunction | None]
-    ) -> None:
+        self, problem: StepProblem, numbers: StepNumbers, moving: SimulationProblem,
+        readers: Iterable[CompiledFunction | None],
+    ) -> None:  # fmt: skip
         stack = ExitStack()
         weakref.finalize(self, stack.close)
         start, x = problem.settings.t_start, numbers.x[:-1].copy()
         self.units: list[SampledUnit] = []
         for group, reader in zip(by_instance(problem.settings.fmus), readers, strict=True):
-            values = read_values(problem.problem, reader, numbers.t, x)
+            values = read_values(moving, reader, numbers.t, x)
             unit = stack.enter_context(open_unit(group, start, values))
             self.units.append(SampledUnit(group, unit, reader, start))
 
@@ -71,7 +73,7 @@ class FmuSteps:
         self._problem = problem
         self._numbers = numbers
         groups = by_instance(problem.settings.fmus)
-        self._readers = [make_reader(problem.problem, group) for group in groups]
+        self._readers = [make_reader(inner.moving, group) for group in groups]
         self._width = _ONE_INSTANT * min(law.period for law in problem.settings.fmus.values())
         names = tuple(problem.problem.laws.callbacks)
         self._slots = {name: names.index(name) for name in problem.settings.fmus}
@@ -79,9 +81,18 @@ class FmuSteps:
         self._ending: Ending | None = None
 
     @property
-    def modes(self) -> tuple[ModeChange, ...]:
-        """The modes of joints and ropes in the last step."""
+    def moving(self) -> SimulationProblem:
+        """The equations that move, with all inputs as they are at present."""
+        return self._inner.moving
+
+    @property
+    def modes(self) -> dict[str, str]:
+        """The modes of joints and ropes in which the last step ended."""
         return self._inner.modes
+
+    def at_present(self) -> AbstractContextManager[None]:
+        """Let the modes be those of the present state and inputs, while outputs are computed."""
+        return self._inner.at_present()
 
     @property
     def occurrences(self) -> tuple[Occurrence, ...]:
@@ -174,7 +185,7 @@ class FmuSteps:
             for slot in self._slots.values():
                 if np.isnan(self._numbers.inputs[slot]):
                     self._numbers.inputs[slot] = 0.0
-            self._units = _Units(self._problem, self._numbers, self._readers)
+            self._units = _Units(self._problem, self._numbers, self.moving, self._readers)
         return self._units.units
 
     def _sample(self, units: list[SampledUnit]) -> None:
@@ -182,7 +193,8 @@ class FmuSteps:
         t, x = self._numbers.t, self._numbers.x[:-1].copy()
         pairs = zip(units, self._readers, strict=True)
         due = [(unit, reader) for unit, reader in pairs if unit.due <= t + self._width]
-        values = [read_values(self._problem.problem, reader, t, x) for _, reader in due]
+        with self.at_present():
+            values = [read_values(self.moving, reader, t, x) for _, reader in due]
         for (unit, _), given in zip(due, values, strict=True):
             for name, value in unit.sample(given).items():
                 self._numbers.inputs[self._slots[name]] = value

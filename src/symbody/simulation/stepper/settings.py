@@ -19,7 +19,7 @@ from symbody.simulation.inputs.tables import Table
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.methods.integration import DEFAULT, Constraints, Integrator
 
 # What depends on time alone is looked at for so many steps ahead.
 WINDOW: Final = 1000
@@ -77,7 +77,7 @@ class StepperSettings:
     @property
     def method(self) -> Explicit | FixedStep:
         """The integrator of the compiled loop."""
-        return self.integrator if isinstance(self.integrator, Explicit | FixedStep) else Explicit()
+        return self.integrator if isinstance(self.integrator, Explicit | FixedStep) else DEFAULT
 
     @property
     def projection(self) -> Projection | None:

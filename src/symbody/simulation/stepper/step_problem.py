@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,10 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import Callback, InputLaws, input_laws
-from symbody.simulation.inputs.tables import table_numbers
 from symbody.simulation.methods.integration import work_tolerance
 from symbody.simulation.motion import Motion
 from symbody.simulation.sampling.held_signals import held_signals
+from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.settings import WINDOW, Sizes, StepperSettings
@@ -27,16 +27,20 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class HeldInput:
-    """An input that keeps its value, as a law; 0 before one is given."""
+class StepInputs:
+    """The inputs that keep their values from step to step; 0 before one is given."""
 
     numbers: StepNumbers
-    place: int
+    names: tuple[str, ...]
 
-    def __call__(self, t: float, q: Floats, u: Floats) -> float:
-        """Return the value at present."""
-        value = self.numbers.inputs.item(self.place)
+    def current(self, name: str) -> float:
+        """Return a value at present."""
+        value = self.numbers.inputs.item(self.names.index(name))
         return value if value == value else 0.0
+
+    def values_at(self, name: str, t: Floats) -> Floats:
+        """Return a value at times (N,) of a step."""
+        return np.full(np.shape(t), self.current(name))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,23 +59,35 @@ class StepProblem:
     own_laws: InputLaws
     sizes: Sizes
 
-    @property
-    def calls_python(self) -> bool:
-        """Whether laws of inputs are functions of Python."""
-        return self.own_laws.need_python
-
-    @property
-    def tables(self) -> Floats:
-        """The inputs that compiled functions read from tables; none where Python is called anyway."""
-        return table_numbers({} if self.calls_python else self.problem.laws.tables)
-
-    def inputs_now(self, numbers: StepNumbers) -> Floats:
-        """Return the inputs that compiled functions take at present."""
-        if not self.own_laws.callbacks:
-            return numbers.inputs
+    def inputs_now(self, numbers: StepNumbers, moving: SimulationProblem) -> Floats:
+        """Return the inputs that functions of what moves take at present; NaN where none was given yet."""
         n_u = len(self.settings.eqs.speed_names)
-        values = self.problem.laws.evaluate(numbers.t, numbers.x[n_u:-1].copy(), numbers.x[:n_u].copy())
-        return np.array(values)
+        laws = moving.laws
+        values = np.array(laws.evaluate(numbers.t, numbers.x[n_u:-1].copy(), numbers.x[:n_u].copy()))
+        for place, name in enumerate(laws.callbacks):
+            if name in self.settings.held:
+                values[place] = numbers.inputs[place]
+        return values
+
+    def sampler(self, others: Mapping[str, Value] | None = None) -> Sampler | None:
+        """Return what samples the held values of signals, from their values at the start on.
+
+        Values in `others` count instead of those at the start; None where nothing is sampled.
+        """
+        settings = self.settings
+        span = settings.t_start, settings.t_start + settings.dt
+        held = held_signals(settings.eqs, span, self.parameters, {**settings.initial, **(others or {})}, {})
+        if not held.names:
+            return None
+        held.place(self.problem.laws)
+        return held.active
+
+    def sampled(self, sampler: Sampler | None) -> SimulationProblem:
+        """Return the equations with held values of signals that are sampled on the way."""
+        if sampler is None:
+            return self.problem
+        laws = self.problem.laws.with_held({name: HeldLaw(sampler, name) for name in sampler.names})
+        return replace(self.problem, laws=laws, sampler=sampler)
 
     def integration(
         self, x: Floats, span: tuple[float, float], problem: SimulationProblem | None = None
@@ -155,9 +171,8 @@ def inputs_read(settings: StepperSettings, laws: InputLaws) -> tuple[str, ...]:
 def _all_laws(settings: StepperSettings, laws: InputLaws, numbers: StepNumbers) -> InputLaws:
     names = inputs_read(settings, laws)
     given = {name: law for name, law in laws.callbacks.items() if not isinstance(law, HeldLaw)}
-    callbacks: dict[str, Callback] = {
-        name: given.get(name, HeldInput(numbers, place)) for place, name in enumerate(names)
-    }
+    held = StepInputs(numbers, names)
+    callbacks: dict[str, Callback] = {name: given.get(name, HeldLaw(held, name)) for name in names}
     own = tuple(laws.callbacks)
     tables = {names.index(own[place]): table for place, table in laws.tables.items()}
     return InputLaws(laws.formulas, callbacks, laws.notes, tables, coordinates=laws.coordinates)

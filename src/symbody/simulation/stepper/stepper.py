@@ -76,8 +76,8 @@ class Stepper(OwnCopies):
         Laws as for `simulate`, FMUs among them: those without one are given by `step`. Or the names of those
         that are given, the others being 0. By default all are given.
     integrator, constraints : optional
-        By default ``Explicit()`` and ``Projection()``. With `Stiff`, `GGL` and `Partition`, and where joints
-        stick or ropes go slack, each step is a motion of its own, some milliseconds long: see `notes`.
+        By default ``Explicit()`` and ``Projection()``. With `Stiff`, `GeneralizedAlpha`, `GGL` and
+        `Partition` each step is a motion of its own, some milliseconds long: see `notes`.
     events : Event or sequence of Event
         One that stops ends its step early; the next continues from there.
     t : float
@@ -203,7 +203,7 @@ class Stepper(OwnCopies):
     @property
     def modes(self) -> dict[str, str]:
         """The modes of joints that stick and slip and of ropes, by name, in which the last step ended."""
-        return {change.name: change.mode for change in self._steps.modes}
+        return self._steps.modes
 
     @property
     def parameters(self) -> dict[str, Value]:
@@ -235,8 +235,10 @@ class Stepper(OwnCopies):
         place = self._state_places.get(name)
         if place is not None:
             return self._numbers.array.item(place)
-        function = self._problem.problem.compile_outputs(name, quick=True)
-        inputs = self._problem.inputs_now(self._numbers)
+        moving = self._steps.moving
+        function = moving.compile_outputs(name, quick=True)
+        with self._steps.at_present():
+            inputs = self._problem.inputs_now(self._numbers, moving)
         value = np.asarray(function.of_state(self.t, self._numbers.x[:-1], inputs))
         if self._missing and not np.isfinite(value).all():
             raise missing_values(self._missing)
@@ -256,7 +258,8 @@ class Stepper(OwnCopies):
         """
         if self._missing:
             raise missing_values(self._missing)
-        inputs = dict(zip(self._names, self._problem.inputs_now(self._numbers), strict=True))
+        inputs_now = self._problem.inputs_now(self._numbers, self._steps.moving)
+        inputs = dict(zip(self._names, inputs_now, strict=False))
         return nearest_state(self._problem, self._numbers, self._problem.parameters, inputs)
 
     @checked_arguments

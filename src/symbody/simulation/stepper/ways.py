@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import switches
 from symbody.errors import Problem, SimulationError
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps
 from symbody.simulation.stepper.fmu_steps import FmuSteps
+from symbody.simulation.stepper.hybrid_steps import HybridSteps
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.separate_motions import SeparateMotions, why_separate
 from symbody.simulation.stepper.step_problem import StepProblem
-from symbody.simulation.stepper.watched_steps import WatchedSteps
 
 
 def steps_of(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
@@ -23,9 +27,14 @@ def _plain_steps(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tup
         return SeparateMotions(problem, numbers), (
             f"each step is a separate simulation, which is slow: {reason}",
         )
-    if problem.settings.events:
-        return WatchedSteps(problem, numbers), ()
+    if problem.settings.events or has_instants(problem.settings.moving):
+        return HybridSteps(problem, numbers), ()
     return CompiledSteps(problem, numbers), ()
+
+
+def has_instants(eqs: EquationSet) -> bool:
+    """Return whether more than smooth motion may happen: samples, changes of modes, jumps of rates."""
+    return bool(held_later(eqs)) or switches(eqs.formed) or eqs.plans.get("may jump", lambda: may_jump(eqs))
 
 
 def broken_off(t: float, ending: Ending) -> SimulationError:
