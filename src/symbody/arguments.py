@@ -12,6 +12,7 @@ import ast
 import builtins
 import inspect
 import reprlib
+import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
 from functools import wraps
 from numbers import Integral, Real
@@ -94,6 +95,39 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
             raise
 
     return call_with_checks
+
+
+def named_after(count: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Return what lets a function take its arguments by name, but for the first ones.
+
+    Others that are given by their places are taken as they always were, with a `DeprecationWarning` that says
+    their names.
+    """
+
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        signature = inspect.signature(function)
+        parameters = list(signature.parameters.values())
+        own = count + (parameters[0].name == "self")
+        places = [each.name for each in parameters if each.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD]
+        label = function.__qualname__.removesuffix(".__init__")
+
+        @wraps(function)
+        def call_by_names(*given: P.args, **named: P.kwargs) -> R:
+            late = places[own : len(given)]
+            if late and len(given) <= len(places):
+                words = ", ".join(f"{name}=" for name in late)
+                what = f"{label}: give {words} by name; their places may change in a later version"
+                warnings.warn(what, DeprecationWarning, stacklevel=2)
+            return function(*given, **named)
+
+        by_name = [
+            each.replace(kind=inspect.Parameter.KEYWORD_ONLY) if each.name in places[own:] else each
+            for each in parameters
+        ]
+        vars(call_by_names)["__signature__"] = signature.replace(parameters=by_name)
+        return call_by_names
+
+    return decorate
 
 
 def register_sympy_writer(write: Callable[[object], str]) -> None:

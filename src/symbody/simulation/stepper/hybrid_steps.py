@@ -223,14 +223,13 @@ class HybridSteps(CompiledSteps):
             if self._jumps.until != self._window_end:
                 span = t, t + float(self._numbers.array[stepping.DURATION])
                 return _Jumps(*jump_times(self._posed.with_other_times(), x, span), span[1])
-        if self._modes is not None and self._jumps.times:
-            check_strike(eqs.formed, self._jumps.times[0])
         return self._jumps
 
     def _jump(self, behind: float) -> None:
         """Go on behind a jump of prescribed rates, before which the motion stands."""
         run, state = Run(self._block), state_of(self._block)
         if self._modes is not None:
+            check_strike(self._problem.settings.moving.formed, behind)
             self._modes.release()
             self._modes.forget()
         moved, gained = pass_jump(self.moving, run.time, behind, state[:-1].copy())

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
+from symbody.equations.solving.modal_equations import permanent_equations
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.drive import Driven, drive
@@ -45,7 +46,8 @@ def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
         return f"sb.{type(settings.constraints).__name__}() restarts in each step"
     if eqs.formed.elimination is not None:
         return "pivots of dependent speeds are monitored"
-    if settings.constraints is None and is_overconstrained(problem.problem, numbers.t, numbers.x[:-1].copy()):
+    always = replace(problem.problem, eqs=permanent_equations(eqs))  # ropes may be slack
+    if settings.constraints is None and is_overconstrained(always, numbers.t, numbers.x[:-1].copy()):
         return "some constraints are redundant only where all loops are closed"
     return ""
 
