@@ -252,3 +252,29 @@ def test_laws_of_two_motions_may_wait_for_each_other() -> None:
     for thread in threads:
         thread.join()
     assert len(ends) == 2 and ends[0] == ends[1] and sys.stdout is usual
+
+
+def damped_on_a_table() -> sb.EquationSet:
+    """A block that sticks and slips, with a light one on a strong damper: explicit steps take 6 microseconds."""
+    block, light = sb.Body("Block", mass=1), sb.Body("Light", mass=1e-3)
+    guide = sb.Prismatic(
+        "guide", "ground", block, axis="x", coordinate="x", force=sb.Drive(applied="5*sin(t)"),
+        friction=sb.Friction(force=2.0),
+    )  # fmt: skip
+    damper = sb.Prismatic(
+        "damper", block, light, axis="x", coordinate="y", force=sb.Drive(stiffness=100, damping=1e3)
+    )
+    return sb.form_equations(sb.Model("damped", [guide, damper], initial={"y": 0.01}))
+
+
+def test_a_stiff_motion_whose_joints_stick_goes_on_by_stiff() -> None:
+    eqs = damped_on_a_table()
+    run = sb.simulate(eqs, 4.5)
+    reference = sb.simulate(eqs, 4.5, integrator=sb.Stiff(), rtol=1e-10)
+    assert run.success and run.statistics.accepted < 10_000
+    assert sum("sb.Stiff() integrates it" in note for note in run.notes) == 1
+    assert [event.name for event in run.events] == [event.name for event in reference.events]
+    assert len(run.events) == 2
+    times = [[event.t for event in each.events] for each in (run, reference)]
+    np.testing.assert_allclose(*times, rtol=0, atol=1e-5)
+    assert run["x"][-1] == pytest.approx(reference["x"][-1], abs=1e-6)

@@ -34,6 +34,8 @@ from symbody.simulation.hybrid.switching import (
 )
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
+from symbody.simulation.methods.implicit.stiff import Stiff
+from symbody.simulation.methods.integration import takes_steps_compiled
 from symbody.simulation.motion import Motion
 from symbody.simulation.pieces import MotionInstant, Pieces, one_state
 from symbody.simulation.results.trajectory import Trajectory
@@ -118,7 +120,7 @@ class _MotionByPieces:
         self._jumped: list[tuple[float, float]] = []  # jumps that changed a speed: when, and the energy
         self._passed = 0  # of the jumps
         self._modes = switching_modes(held.problem)
-        self._stiff = False  # whether stability limited the steps of the piece before
+        self._integrator = motion.integrator
         self._changes: list[float] = []
         if self._modes is not None:
             check_backwards(span)
@@ -194,7 +196,9 @@ class _MotionByPieces:
         modes = self._modes
         problem = self._held.problem if modes is None else modes.problem
         motion = self._pieces.plan(problem, x, t, until)
-        piece = execute(replace(motion, modes=modes))
+        piece = execute(replace(motion, modes=modes, integrator=self._integrator))
+        if piece.goes_on is not None and takes_steps_compiled(self._motion) and self._integrator is None:
+            self._integrator = Stiff()  # which was chosen on the way: the loop itself goes on in other modes
         self._pieces.add(piece, until)
         return piece
 

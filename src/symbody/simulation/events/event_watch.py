@@ -144,6 +144,10 @@ class EventWatch:
         """When something happened last [s]."""
         return float(self._happened[self._monitor.happened - 1, 1])
 
+    def hand_over(self) -> None:
+        """Let the motion end where a mode does, for methods outside the loop in which modes change."""
+        self._monitor.hands_over = float(self.modes is not None)
+
     def forget_last(self) -> None:
         """Forget the last occurrence."""
         self._monitor.happened -= 1

@@ -122,7 +122,6 @@ def _run_method(
     watch: EventWatch | None,
 ) -> tuple[RawRun, Notes, EventWatch | None]:
     """Return the run by a method that can hold the constraints, what to note, and what looked for events."""
-    has_one_method = motion.problem.sampler is not None or motion.modes is not None
     if isinstance(constraints, GGL):
         stiff = integrator if isinstance(integrator, Stiff) else Stiff()
         return *run_ggl(motion, stiff, watch), watch
@@ -135,7 +134,7 @@ def _run_method(
     if isinstance(integrator, GeneralizedAlpha):
         tolerance = work_tolerance(motion)
         return *run_generalized_alpha(motion, integrator, closing, watch, tolerance), watch
-    if integrator is not None or has_one_method:
+    if integrator is not None or motion.problem.sampler is not None:
         return run_explicit(motion, integrator or DEFAULT, closing, watch), (), watch
     return _choose_method(motion, constraints, closing, watch)
 
@@ -162,6 +161,8 @@ def _choose_method(
         if watch is None and is_over:
             return trial, (note,), watch
         if is_over or _gains(trial, length):
+            if watch is not None:
+                watch.hand_over()
             run = _run_some(remainder, constraints, most, watch)
             if run.status is not Status.TOO_MANY_STEPS or remainder.max_steps <= most:
                 return run, (note,), watch
