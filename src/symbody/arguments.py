@@ -107,13 +107,13 @@ def named_after(count: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
         signature = inspect.signature(function)
         parameters = list(signature.parameters.values())
-        own = count + (parameters[0].name == "self")
+        first = count + (parameters[0].name == "self")
         places = [each.name for each in parameters if each.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD]
         label = function.__qualname__.removesuffix(".__init__")
 
         @wraps(function)
         def call_by_names(*given: P.args, **named: P.kwargs) -> R:
-            late = places[own : len(given)]
+            late = places[first : len(given)]
             if late and len(given) <= len(places):
                 words = ", ".join(f"{name}=" for name in late)
                 what = f"{label}: give {words} by name; their places may change in a later version"
@@ -121,7 +121,7 @@ def named_after(count: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
             return function(*given, **named)
 
         by_name = [
-            each.replace(kind=inspect.Parameter.KEYWORD_ONLY) if each.name in places[own:] else each
+            each.replace(kind=inspect.Parameter.KEYWORD_ONLY) if each.name in places[first:] else each
             for each in parameters
         ]
         vars(call_by_names)["__signature__"] = signature.replace(parameters=by_name)

@@ -12,7 +12,7 @@ import pytest
 
 import symbody as sb
 from symbody.codegen import kernel_call
-from symbody.simulation.stepper import step_kernel
+from symbody.simulation.stepper import compiled_steps
 from tests.simulation.loops import example, pushed_mass
 from tests.simulation.test_friction import dragged
 
@@ -359,7 +359,7 @@ def test_without_the_builtin_call(monkeypatch: pytest.MonkeyPatch) -> None:
     quick = balancing()
     monkeypatch.setattr(kernel_call, "available", lambda: False)
     slow = balancing()
-    assert slow._go_on.__module__ == step_kernel.__name__
+    assert slow._go_on.__module__ == compiled_steps.__name__
     for force in forces(20):
         quick.step(F=force)
         slow.step(F=force)

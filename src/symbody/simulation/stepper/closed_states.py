@@ -32,7 +32,7 @@ def close_again(problem: StepProblem, numbers: StepNumbers, parameters: Mapping[
         return None
     if ropes(eqs.formed):  # which of them are taut follows from the state
         return state_values(nearest_state(problem, numbers, parameters, {}))
-    scales = mechanism_scales(whole, parameters, problem.sizes.scales.sizes)
+    scales = mechanism_scales(whole, parameters, problem.problem.scales.sizes)
     signals = x[len(eqs.speed_names) + len(eqs.coordinate_names) :]
     evaluator = constraint_evaluator(whole, parameters, formulas, numbers.t, scales, signals=signals)
     present = dict(zip(eqs.state_names, x.tolist(), strict=True))
@@ -50,4 +50,4 @@ def nearest_state(
     eqs = problem.settings.eqs
     near = dict(zip(eqs.state_names, numbers.x.tolist(), strict=False))
     given = {**problem.own_laws.formulas, **inputs}
-    return assemble(eqs, None, near, parameters, given, numbers.t, scales=problem.sizes.scales.sizes)
+    return assemble(eqs, None, near, parameters, given, numbers.t, scales=problem.problem.scales.sizes)

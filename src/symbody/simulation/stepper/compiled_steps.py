@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 from symbody.codegen.call_arguments import address
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
+from symbody.codegen.kernel_call import kernel_call
+from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
@@ -32,11 +35,13 @@ from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.settings import WINDOW
-from symbody.simulation.stepper.step_kernel import bound_step, step_kernel
 from symbody.simulation.stepper.step_problem import StepProblem
+from symbody.single_flight import once
 
 Floats = NDArray[np.float64]
 
+_POINTER: Final = ctypes.c_void_p
+_STEP: Final = ctypes.CFUNCTYPE(ctypes.c_int64, *[_POINTER] * 4, ctypes.c_int64)
 # Operations during which the interpreter's lock may be kept: about a millisecond.
 _LOCKED: Final = 1_000_000
 # Steps of the integrator between two looks at Ctrl-C.
@@ -50,6 +55,31 @@ KEPT: Final = np.array(
         if (name in Run.fields and Run.fields[name].pointer is None) or name.startswith("counts.")
     ]
 )
+
+
+class StepKernel(NamedTuple):
+    """Where the kernel lies, and a function that releases the interpreter's lock while it runs."""
+
+    address: int
+    unlocked: Callable[..., int]
+
+
+@once
+def step_kernel() -> StepKernel:
+    """Return the kernel, ready to be called."""
+    address = load_kernels("stepping", ("step",))["step"]
+    return StepKernel(address, _STEP(address))
+
+
+def bound_step(pointers: tuple[int, int, int, int], trials: int) -> Callable[[], int]:
+    """Return a function that tries so many steps of the integrator with numbers at these places."""
+    kernel = step_kernel()
+    quick = kernel_call(kernel.address, pointers, trials)
+
+    def call_slowly() -> int:
+        return kernel.unlocked(*pointers, trials)
+
+    return call_slowly if quick is None else quick
 
 
 @contextmanager
@@ -86,7 +116,7 @@ class Steps(Protocol):
     occurrences: tuple[Occurrence, ...]
 
     @property
-    def moving(self) -> SimulationProblem:
+    def motion_problem(self) -> SimulationProblem:
         """The equations that move, with all inputs as they are at present."""
         ...
 
@@ -154,11 +184,11 @@ class CompiledSteps:
         self, problem: StepProblem, numbers: StepNumbers, moving: SimulationProblem | None = None
     ) -> None:
         self.occurrences: tuple[Occurrence, ...] = ()
-        self.moving = problem.problem if moving is None else moving
+        self.motion_problem = problem.problem if moving is None else moving
         self._problem = problem
         self._numbers = numbers
-        laws = self.moving.laws
-        self._function: CompiledFunction = self.moving.compile_outputs(OF_STEPS)
+        laws = self.motion_problem.laws
+        self._function: CompiledFunction = self.motion_problem.compile_outputs(OF_STEPS)
         self._closing = self._projection()
         self._laws = CallbackFunction(self._function, laws) if laws.need_python else None
         numbers.array[stepping.INPUTS] = 0.0 if laws.need_python else numbers.inputs.size
@@ -231,7 +261,7 @@ class CompiledSteps:
         if projection is None:
             return None
         span = (numbers.t, numbers.t + settings.dt)
-        return self._problem.integration(numbers.x, span, self.moving).projection(projection)
+        return self._problem.integration(numbers.x, span, self.motion_problem).projection(projection)
 
     def _way(self) -> Callable[[], int]:
         """Return the shortest way to take a step."""
@@ -246,7 +276,7 @@ class CompiledSteps:
     @property
     def _depends_on_time(self) -> bool:
         """Whether steps have to be bounded by what happens at certain times."""
-        functions = function_of_time(self._function, self.moving.laws.tables)
+        functions = function_of_time(self._function, self.motion_problem.laws.tables)
         return functions is not None and bool(functions.moves.any())
 
     def _go_on_in_window(self) -> int:
@@ -295,16 +325,16 @@ class CompiledSteps:
     def _breakpoints(self) -> Breakpoints:
         settings = self._problem.settings
         window = self._window, self._window_end
-        pieces = self._problem.integration(self._numbers.x, window, self.moving).breakpoints
+        pieces = self._problem.integration(self._numbers.x, window, self.motion_problem).breakpoints
         return pieces.jumps_alone() if isinstance(settings.method, FixedStep) else pieces
 
     def _new_block(self) -> Floats:
         """Return the block of a motion from time and state at present."""
-        numbers, sizes, method = self._numbers, self._problem.sizes, self._problem.settings.method
+        numbers, method = self._numbers, self._problem.settings.method
         rhs = self.right_hand_side
         settings, span = self._problem.settings, (self._window, self._window_end)
         goal = make_goal(
-            span, settings.rtol, np.array(sizes.tolerances), method.max_step, self._breakpoints()
+            span, settings.rtol, np.array(self._problem.tolerances), method.max_step, self._breakpoints()
         )
         goal = goal._replace(max_trials=settings.max_steps)
         first = 0.0 if method.first_step is None else float(method.first_step)
@@ -313,7 +343,7 @@ class CompiledSteps:
     @property
     def right_hand_side(self) -> RightHandSide:
         """The function that is integrated, with the parameters of this motion."""
-        laws = self.moving.laws
+        laws = self.motion_problem.laws
         return RightHandSide(
             self._right_hand_side, len(self._problem.settings.eqs.speed_names), laws.held_now(), np.zeros(0),
             self._function.constants(), self._function.work_size, laws.table_numbers(),

@@ -73,7 +73,7 @@ class FmuSteps:
         self._problem = problem
         self._numbers = numbers
         groups = by_instance(problem.settings.fmus)
-        self._readers = [make_reader(inner.moving, group) for group in groups]
+        self._readers = [make_reader(inner.motion_problem, group) for group in groups]
         self._width = _ONE_INSTANT * min(law.period for law in problem.settings.fmus.values())
         names = tuple(problem.problem.laws.callbacks)
         self._slots = {name: names.index(name) for name in problem.settings.fmus}
@@ -81,9 +81,9 @@ class FmuSteps:
         self._ending: Ending | None = None
 
     @property
-    def moving(self) -> SimulationProblem:
+    def motion_problem(self) -> SimulationProblem:
         """The equations that move, with all inputs as they are at present."""
-        return self._inner.moving
+        return self._inner.motion_problem
 
     @property
     def modes(self) -> dict[str, str]:
@@ -185,7 +185,7 @@ class FmuSteps:
             for slot in self._slots.values():
                 if np.isnan(self._numbers.inputs[slot]):
                     self._numbers.inputs[slot] = 0.0
-            self._units = _Units(self._problem, self._numbers, self.moving, self._readers)
+            self._units = _Units(self._problem, self._numbers, self.motion_problem, self._readers)
         return self._units.units
 
     def _sample(self, units: list[SampledUnit]) -> None:
@@ -194,7 +194,7 @@ class FmuSteps:
         pairs = zip(units, self._readers, strict=True)
         due = [(unit, reader) for unit, reader in pairs if unit.due <= t + self._width]
         with self.at_present():
-            values = [read_values(self.moving, reader, t, x) for _, reader in due]
+            values = [read_values(self.motion_problem, reader, t, x) for _, reader in due]
         for (unit, _), given in zip(due, values, strict=True):
             for name, value in unit.sample(given).items():
                 self._numbers.inputs[self._slots[name]] = value

@@ -88,13 +88,13 @@ class HybridSteps(CompiledSteps):
 
     def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
         self._sampler = problem.sampler()
-        moving = problem.sampled(self._sampler)
+        moving = problem.with_samples(self._sampler)
         self._posed = moving
         self._jumps = _NO_JUMPS
         self._modes = switching_modes(moving)
         self._undecided = None if self._modes is None else self._modes.snapshot()
         super().__init__(problem, numbers, moving if self._modes is None else self._modes.problem)
-        self._samples = None if self._sampler is None else SampledLoop(self.moving, self._sampler)
+        self._samples = None if self._sampler is None else SampledLoop(self.motion_problem, self._sampler)
         self._functions = self._event_functions()
         self._sides: tuple[EventSide, ...] = no_sides(problem)
         self._last: RawRun | None = None
@@ -109,7 +109,7 @@ class HybridSteps(CompiledSteps):
             return None
         constraints = settings.constraints
         method = constraints if isinstance(constraints, Projection) else Projection()
-        return EventFunctions(self.moving, watched, residual_share(method, settings.atol))
+        return EventFunctions(self.motion_problem, watched, residual_share(method, settings.atol))
 
     @property
     def modes(self) -> dict[str, str]:
@@ -232,7 +232,7 @@ class HybridSteps(CompiledSteps):
             check_strike(self._problem.settings.moving.formed, behind)
             self._modes.release()
             self._modes.forget()
-        moved, gained = pass_jump(self.moving, run.time, behind, state[:-1].copy())
+        moved, gained = pass_jump(self.motion_problem, run.time, behind, state[:-1].copy())
         state[:-1] = moved
         state[-1] += gained
         run.time = behind
@@ -265,7 +265,7 @@ class HybridSteps(CompiledSteps):
             settled = self._modes.settle(run.time, state[:-1])
             state[:-1] = settled.x
             state[-1] += settled.work
-        inputs = self.moving.laws.held_now()
+        inputs = self.motion_problem.laws.held_now()
         np.asarray(run.numbers.inputs)[:] = inputs
         if exists(run.projection):
             np.asarray(run.projection.numbers.inputs)[:] = inputs

@@ -10,16 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
-from symbody.equations.solving.modal_equations import permanent_equations
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.drive import Driven, drive
 from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.hybrid.switching import switching_modes
-from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
-from symbody.simulation.methods.constraints import Baumgarte, Projection
-from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
-from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import Ending, Steps
@@ -34,22 +29,6 @@ from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.step_problem import StepProblem
 
 Floats = NDArray[np.float64]
-
-
-def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
-    """Return why steps have to be motions of their own, empty where the compiled loop can take them."""
-    settings = problem.settings
-    eqs = settings.moving
-    if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
-        return f"sb.{type(settings.integrator).__name__}() restarts in each step"
-    if not isinstance(settings.constraints, Projection | Baumgarte | None):
-        return f"sb.{type(settings.constraints).__name__}() restarts in each step"
-    if eqs.formed.elimination is not None:
-        return "pivots of dependent speeds are monitored"
-    always = replace(problem.problem, eqs=permanent_equations(eqs))  # ropes may be slack
-    if settings.constraints is None and is_overconstrained(always, numbers.t, numbers.x[:-1].copy()):
-        return "some constraints are redundant only where all loops are closed"
-    return ""
 
 
 class SeparateMotions:
@@ -71,9 +50,9 @@ class SeparateMotions:
         self._sides: tuple[EventSide, ...] = no_sides(problem)
         self._last: Trajectory | None = None
         self._sampler = problem.sampler()
-        self._posed = problem.sampled(self._sampler)
+        self._posed = problem.with_samples(self._sampler)
         self._modes = switching_modes(self._posed)  # those of motions are their own
-        self.moving = self._posed if self._modes is None else self._modes.problem
+        self.motion_problem = self._posed if self._modes is None else self._modes.problem
 
     def at_present(self) -> AbstractContextManager[None]:
         """Let the modes be those of the present state and inputs, while outputs are computed."""

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from symbody.analysis.scales import Scales
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
@@ -90,14 +89,6 @@ class StepperSettings:
     def silent(self) -> tuple[str, ...]:
         """Inputs that are 0 because nobody gives them."""
         return tuple(name for name in self.eqs.input_names if name not in self.held and name not in self.laws)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sizes:
-    """What counts as large, and what error is tolerated in each state (u, q, work): as at the start."""
-
-    scales: Scales
-    tolerances: tuple[float, ...]
 
 
 def split_inputs(

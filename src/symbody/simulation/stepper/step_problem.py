@@ -21,7 +21,7 @@ from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.stepper.numbers import StepNumbers
-from symbody.simulation.stepper.settings import WINDOW, Sizes, StepperSettings
+from symbody.simulation.stepper.settings import WINDOW, StepperSettings
 
 Floats = NDArray[np.float64]
 
@@ -51,13 +51,15 @@ class StepProblem:
     ----------
     own_laws : InputLaws
         Of the inputs that have laws; `problem` has those that are held too.
+    tolerances : tuple of float
+        The absolute error of each state (u, q, s, work) that is tolerated; as at the start.
     """
 
     settings: StepperSettings
     parameters: Mapping[str, Value]
     problem: SimulationProblem
     own_laws: InputLaws
-    sizes: Sizes
+    tolerances: tuple[float, ...]
 
     def inputs_now(self, numbers: StepNumbers, moving: SimulationProblem) -> Floats:
         """Return the inputs that functions of what moves take at present; NaN where none was given yet."""
@@ -82,7 +84,7 @@ class StepProblem:
         held.place(self.problem.laws)
         return held.active
 
-    def sampled(self, sampler: Sampler | None) -> SimulationProblem:
+    def with_samples(self, sampler: Sampler | None) -> SimulationProblem:
         """Return the equations with held values of signals that are sampled on the way."""
         if sampler is None:
             return self.problem
@@ -121,25 +123,18 @@ def step_problem(
     settings: StepperSettings,
     parameters: Mapping[str, Value],
     numbers: StepNumbers,
-    x: Floats,
-    sizes: Sizes | None = None,
+    before: StepProblem | None = None,
 ) -> StepProblem:
-    """Return the equations with values of parameters; `sizes` follow from a state x if there are none."""
+    """Return the equations with values of parameters; what counts as large stays as it was `before`."""
     parameter_set(settings.eqs, parameters).require_possible()
-    laws = own_laws(settings, numbers.t)
-    problem = SimulationProblem(
-        settings.moving,
-        dict(parameters),
-        _all_laws(settings, laws, numbers),
-        _scales(settings, parameters, x) if sizes is None else sizes.scales,
-    )
-    made = StepProblem(settings, dict(parameters), problem, laws, sizes or Sizes(problem.scales, ()))
-    if sizes is not None:
+    laws, own = own_laws(settings, numbers.t), dict(parameters)
+    scales = _scales(settings, parameters, numbers.x) if before is None else before.problem.scales
+    problem = SimulationProblem(settings.moving, own, _all_laws(settings, laws, numbers), scales)
+    made = StepProblem(settings, own, problem, laws, () if before is None else before.tolerances)
+    if before is not None:
         return made
-    t = numbers.t
-    motion = made.integration(x, (t, t + settings.dt))
-    tolerances = (*motion.tolerances.tolist(), work_tolerance(motion))
-    return StepProblem(settings, made.parameters, problem, laws, Sizes(problem.scales, tolerances))
+    motion = made.integration(numbers.x, (numbers.t, numbers.t + settings.dt))
+    return replace(made, tolerances=(*motion.tolerances.tolist(), work_tolerance(motion)))
 
 
 def first_state(

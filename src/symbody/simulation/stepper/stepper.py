@@ -23,6 +23,7 @@ from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.simulate import check_arguments
 from symbody.simulation.status import Status
+from symbody.simulation.stepper.choose_steps import broken_off, steps_of
 from symbody.simulation.stepper.closed_states import close_again, nearest_state
 from symbody.simulation.stepper.compiled_steps import Steps
 from symbody.simulation.stepper.input_values import checked_inputs, missing_values, set_inputs
@@ -37,7 +38,6 @@ from symbody.simulation.stepper.saved_stepper import (
     saved_parameters,
 )
 from symbody.simulation.stepper.settings import (
-    Sizes,
     StepperSettings,
     checked_duration,
     checked_start,
@@ -51,7 +51,6 @@ from symbody.simulation.stepper.step_problem import (
     own_laws,
     step_problem,
 )
-from symbody.simulation.stepper.ways import broken_off, steps_of
 
 Floats = NDArray[np.float64]
 
@@ -235,7 +234,7 @@ class Stepper(OwnCopies):
         place = self._state_places.get(name)
         if place is not None:
             return self._numbers.array.item(place)
-        moving = self._steps.moving
+        moving = self._steps.motion_problem
         function = moving.compile_outputs(name, quick=True)
         with self._steps.at_present():
             inputs = self._problem.inputs_now(self._numbers, moving)
@@ -258,7 +257,7 @@ class Stepper(OwnCopies):
         """
         if self._missing:
             raise missing_values(self._missing)
-        inputs_now = self._problem.inputs_now(self._numbers, self._steps.moving)
+        inputs_now = self._problem.inputs_now(self._numbers, self._steps.motion_problem)
         inputs = dict(zip(self._names, inputs_now, strict=False))
         return nearest_state(self._problem, self._numbers, self._problem.parameters, inputs)
 
@@ -284,7 +283,7 @@ class Stepper(OwnCopies):
         if chosen:
             parameters = {**self._problem.parameters, **chosen}
             moved = close_again(self._problem, self._numbers, parameters)
-            self._use(parameters, self._problem.sizes, moved)
+            self._use(parameters, self._problem, moved)
         set_inputs(self._numbers.array, self._places, inputs)
         self._missing.difference_update(inputs)
         return self
@@ -315,9 +314,7 @@ class Stepper(OwnCopies):
         other._settings, other._names, other._input_notes = self._settings, self._names, self._input_notes
         other._lay_out(self._numbers.copy())
         other._missing = set(self._missing)
-        problem = step_problem(
-            self._settings, self._problem.parameters, other._numbers, other._numbers.x, self._problem.sizes
-        )
+        problem = step_problem(self._settings, self._problem.parameters, other._numbers, self._problem)
         other._take(problem, self._steps.copy(problem, other._numbers), self._slow, self._status)
         other._steps.occurrences = self._steps.occurrences
         return other
@@ -346,7 +343,7 @@ class Stepper(OwnCopies):
         with numbers.unless_it_fails():
             numbers.take(content.numbers)
             if content.parameters != saved_parameters(problem.parameters):
-                problem = step_problem(self._settings, content.parameters, numbers, numbers.x, problem.sizes)
+                problem = step_problem(self._settings, content.parameters, numbers, problem)
                 steps, slow = steps_of(problem, numbers)
             if steps.snapshot().size != content.kept.size:
                 raise other_kind()
@@ -374,15 +371,17 @@ class Stepper(OwnCopies):
         self._missing = set(self._settings.inputs_of_steps)
         self._places = {name: first + k for k, name in enumerate(self._names) if name in self._missing}
 
-    def _use(self, parameters: Mapping[str, Value], sizes: Sizes | None, moved: Floats | None = None) -> None:
+    def _use(
+        self, parameters: Mapping[str, Value], before: StepProblem | None, moved: Floats | None = None
+    ) -> None:  # fmt: skip
         """Go on with values of parameters from the present state, or from where it moved."""
         numbers = self._numbers
         with numbers.unless_it_fails():
             if moved is not None:
                 numbers.x[:-1] = moved
-            problem = step_problem(self._settings, parameters, numbers, numbers.x, sizes)
+            problem = step_problem(self._settings, parameters, numbers, before)
             steps, slow = steps_of(problem, numbers)
-        if sizes is not None:
+        if before is not None:
             steps.follow(self._steps)
         self._take(problem, steps, slow, self._status)
 

@@ -1,17 +1,23 @@
-"""Which way a stepper takes its steps."""
+"""`steps_of`: in the compiled loop where it can take them, else each as a motion of its own."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.modal_equations import switches
+from symbody.equations.solving.modal_equations import permanent_equations, switches
 from symbody.errors import Problem, SimulationError
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.inputs.held_law import held_later
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps
 from symbody.simulation.stepper.fmu_steps import FmuSteps
 from symbody.simulation.stepper.hybrid_steps import HybridSteps
 from symbody.simulation.stepper.numbers import StepNumbers
-from symbody.simulation.stepper.separate_motions import SeparateMotions, why_separate
+from symbody.simulation.stepper.separate_motions import SeparateMotions
 from symbody.simulation.stepper.step_problem import StepProblem
 
 
@@ -30,6 +36,22 @@ def _plain_steps(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tup
     if problem.settings.events or has_instants(problem.settings.moving):
         return HybridSteps(problem, numbers), ()
     return CompiledSteps(problem, numbers), ()
+
+
+def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
+    """Return why steps have to be motions of their own, empty where the compiled loop can take them."""
+    settings = problem.settings
+    eqs = settings.moving
+    if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
+        return f"sb.{type(settings.integrator).__name__}() restarts in each step"
+    if not isinstance(settings.constraints, Projection | Baumgarte | None):
+        return f"sb.{type(settings.constraints).__name__}() restarts in each step"
+    if eqs.formed.elimination is not None:
+        return "pivots of dependent speeds are monitored"
+    always = replace(problem.problem, eqs=permanent_equations(eqs))  # ropes may be slack
+    if settings.constraints is None and is_overconstrained(always, numbers.t, numbers.x[:-1].copy()):
+        return "some constraints are redundant only where all loops are closed"
+    return ""
 
 
 def has_instants(eqs: EquationSet) -> bool:
