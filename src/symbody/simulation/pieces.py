@@ -87,6 +87,8 @@ class Pieces:
         span = t, end.before
         self._width = max(self._width, end.width, abs(end.behind - end.before))
         part = whole.part(x, span, self._times(span, end), self._steps, problem)
+        if end.happens == "start":  # nothing happens in one state
+            return replace(part, problem=replace(problem, sampler=None), events=())
         return replace(part, sides=self.sides)
 
     def _times(self, span: tuple[float, float], end: MotionInstant) -> Floats | None:

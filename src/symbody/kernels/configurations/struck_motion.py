@@ -76,8 +76,8 @@ def pass_watched_jump(
     values_before(e, run, monitor)
     code = pass_jump_of_rates(f, s, run, jumps, times, t, x, breaks)
     if code == FINISHED:
-        end_with_state(run, breaks, pieces)
         code = RUNNING
     if code == RUNNING:
+        end_with_state(run, breaks, pieces)  # events that happen at once find their state there
         watch_behind(e, run, monitor, abs(run.time - before))
     return code

@@ -16,6 +16,7 @@ from symbody.kernels.block import (
     Run,
 )
 from symbody.kernels.dense_output import interpolate
+from symbody.kernels.events.event_interruptions import end_with_state, watch_again
 from symbody.kernels.events.event_monitor import (
     CHATTERS,
     ENDS,
@@ -91,6 +92,16 @@ def go_on(
     return code
 
 
+def look_behind(
+    e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor, breaks: Reals, pieces: Reals,
+    H: Reals,
+) -> int:  # fmt: skip
+    """Let events happen whose values have jumped through zero where a motion goes on, before all else there."""
+    watch_again(e, run, monitor)
+    end_with_state(run, breaks, pieces)
+    return look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, 1)
+
+
 def advance_watched(
     f: Function, g: Function, e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor,
     times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, trials: int,
@@ -109,7 +120,10 @@ def advance_watched(
         is_over = 1
         if code == RUNNING or code == FULL or code == CHART_ENDS:
             is_over = 0
-        happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
+        if code == FINISHED and run.counts.steps == 0:
+            happened = look_behind(e, a, c, run, monitor, breaks, pieces, H)
+        else:
+            happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
         if happened == NO_ROOM:
             monitor.resumed = code + 1
             return NO_EVENT_ROOM

@@ -17,7 +17,7 @@ from symbody.kernels.block import (
 from symbody.kernels.events.event_interruptions import end_with_state, values_before, watch_behind
 from symbody.kernels.events.event_monitor import GOES_ON, NO_ROOM, NOTHING_YET, EventMonitor
 from symbody.kernels.events.event_watch import look
-from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on
+from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on, look_behind
 from symbody.kernels.language import Function, Reals
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import evaluate
@@ -109,10 +109,11 @@ def sample_watched(
     H: Reals, Y: Reals,
 ) -> int:  # fmt: skip
     """Let all happen that comes before the samples that are due, and take these; return a code of `block`."""
-    happened = NOTHING_YET
     if run.time == run.t_end and run.counts.steps == run.room.steps:
         return FULL
-    if run.counts.steps != 0:
+    if run.counts.steps == 0:
+        happened = look_behind(e, a, c, run, monitor, breaks, pieces, H)
+    else:
         happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, 1)
     if happened == NO_ROOM:
         return NO_EVENT_ROOM
@@ -141,12 +142,16 @@ def step_watched(
         code = FULL
         if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
             code = advance_to_sample(f, g, run, held, times, t, x, breaks, pieces)
-    if run.counts.steps == 0 or (code == RUNNING and is_due(held, run.time) != 0):
+    if code == RUNNING and is_due(held, run.time) != 0:
         return code
     is_over = 1
     if code == RUNNING or code == FULL or code == CHART_ENDS:
         is_over = 0
-    happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
+    happened = NOTHING_YET
+    if run.counts.steps != 0:
+        happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
+    elif code == FINISHED:
+        happened = look_behind(e, a, c, run, monitor, breaks, pieces, H)
     if happened == NO_ROOM:
         monitor.resumed = code + 1
         return NO_EVENT_ROOM

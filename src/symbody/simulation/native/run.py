@@ -142,7 +142,10 @@ class NativeRun(NamedTuple):
         if self.held is not None:
             self.held.begin(self.block)
         places = (record.wanted, record.t, record.x, record.breaks)
-        return step_machine().begin(self.rhs, address(self.block), *map(address, places))
+        code = step_machine().begin(self.rhs, address(self.block), *map(address, places))
+        if code == at.FINISHED and self.held is not None:  # a sample may still be due
+            return at.RUNNING
+        return int(code)
 
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
@@ -235,6 +238,8 @@ def drive(run: CompiledRun, record: Record, progress: Progress | None, watch: Wa
     code = at.RUNNING
     try:
         code = run.begin(record)
+        if code == at.FINISHED and watch is not None:  # events and samples may still be due there
+            code = at.RUNNING
         while code in (at.RUNNING, at.FULL):
             if code == at.FULL:
                 record = _grow(record, run.block)

@@ -1,0 +1,57 @@
+"""The order at one instant: rates jump, events act, samples are taken; also where the motion ends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symbody as sb
+
+# Until t = 1 a block on a carriage swings freely; there the carriage's speed jumps by -1.2.
+START, RATE = 0.1, 1.0
+BEFORE = -START * np.sin(1.0)
+BEHIND = BEFORE + 1.2  # momentum of the block is kept
+KICK = 10.0
+
+
+def carried() -> sb.EquationSet:
+    """A block on a spring whose carriage is driven, with a sampled speed."""
+    carriage, block = sb.Body("Carriage", mass=1), sb.Body("Block", mass=2)
+    rail = sb.Prismatic(
+        "rail", "ground", carriage, axis="x", motion="if(t < 1, 0.5*t, 0.5 - 0.7*(t - 1))"
+    )
+    slide = sb.Prismatic(
+        "slide", carriage, block, axis="x", coordinate="x", force=sb.Drive(applied="-2*x")
+    )
+    return sb.form_equations(
+        sb.Model("carried", [rail, slide, sb.Signal("seen", "x_dot", sample=0.5)], initial={"x": START})
+    )
+
+
+KICKED = sb.Event("if(t < 1, -1, 1)", name="kick", action={"x_dot": f"x_dot + {KICK}"})
+
+
+@pytest.mark.parametrize("end", [1.0, 1.25])
+@pytest.mark.parametrize("is_kicked", [False, True])
+def test_a_jump_then_an_event_then_a_sample(end: float, is_kicked: bool) -> None:
+    run = sb.simulate(carried(), end, events=[KICKED] if is_kicked else [], rtol=1e-11, atol=1e-13)
+    speed = BEHIND + (KICK if is_kicked else 0.0)
+    assert run.held_values is not None
+    np.testing.assert_allclose(run.held_values.t, [0.0, 0.5, 1.0], rtol=0, atol=1e-9)
+    assert run.held_values.values[0, -1] == pytest.approx(speed, abs=1e-8)
+    assert [event.t for event in run.events] == pytest.approx([1.0] * is_kicked)
+    if is_kicked:
+        assert run.events[0].state["x_dot"] == pytest.approx(BEHIND, abs=1e-8)
+    if end == 1.0:
+        assert run["x_dot"][-1] == pytest.approx(speed, abs=1e-8)
+        assert run["seen"][-1] == pytest.approx(speed, abs=1e-8)
+
+
+@pytest.mark.parametrize("step", [0.5, 0.4])
+def test_steps_keep_the_order(step: float) -> None:
+    stepper = sb.Stepper(carried(), step, events=[KICKED], rtol=1e-11, atol=1e-13)
+    happened = []
+    while stepper.t < 1.0 - 1e-9:
+        happened += [event.name for event in stepper.step().events]
+    assert happened == ["kick"]
+    assert stepper["seen"] == pytest.approx(BEHIND + KICK, abs=1e-8)
