@@ -1,8 +1,9 @@
-"""`drive`: a motion piece by piece, from one instant at which more than smooth motion happens to the next.
+"""`drive`: a motion piece by piece, from one jump of prescribed rates or step of an FMU to the next.
 
 At one instant, in this order: prescribed rates jump; events act; signals are sampled; FMUs take their
-steps; ropes strike; and modes are decided: which joints stick and which ropes are taut. Events and samples
-that leave the equations as they are happen inside of a piece, in the compiled loop.
+steps; ropes strike; and modes are decided: which joints stick and which ropes are taut. Explicit methods do
+all but jumps and FMUs in the compiled loop, see `symbody.kernels.modes.switching_motion`; others end a piece
+at each action, sample and end of a mode.
 """
 
 from __future__ import annotations

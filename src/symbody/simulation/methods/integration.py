@@ -1,4 +1,4 @@
-"""`Plan`: a smooth motion with the method that is to compute it, and `integrate_motion`, which does.
+"""`integrate_motion`: a smooth motion by the method that is to compute it.
 
 Without an integrator a motion starts explicitly. Where stability alone keeps the steps small, `Stiff` is
 tried: it goes on where it takes far fewer steps, and explicit steps do where what is fast is hardly damped.
@@ -87,7 +87,7 @@ def integrate_motion(motion: Motion) -> Integration:
     projection = constraints if isinstance(constraints, Projection) else _PROJECTION
     closing = None if isinstance(constraints, Baumgarte) else motion.projection(projection)
     watch = motion.event_watch(projection, hands_over=not takes_steps_compiled(motion))
-    raw, notes, watch = _run_method(motion, integrator, constraints, closing, watch)
+    raw, notes, watch = _run_method(motion, constraints, closing, watch)
     step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
     return Integration(raw, (*notes, *motion.breakpoints.notes(step)), watch)
 
@@ -116,12 +116,12 @@ def _fitting_constraints(motion: Motion) -> Constraints:
 
 def _run_method(
     motion: Motion,
-    integrator: Integrator | None,
     constraints: Constraints,
     closing: StateProjector | None,
     watch: EventWatch | None,
 ) -> tuple[RawRun, Notes, EventWatch | None]:
     """Return the run by a method that can hold the constraints, what to note, and what looked for events."""
+    integrator = motion.integrator
     if isinstance(constraints, GGL):
         stiff = integrator if isinstance(integrator, Stiff) else Stiff()
         return *run_ggl(motion, stiff, watch), watch

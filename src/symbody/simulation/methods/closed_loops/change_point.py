@@ -233,12 +233,6 @@ def _breaks_off_dependent(problem: SimulationProblem, raw: RawRun) -> bool:
     return loops.depends(raw.reached, dense(raw.reached)[loops.places])
 
 
-def change_point(problem: SimulationProblem, raw: RawRun) -> float | None:
-    """Return the time of the first change point of a motion, or None."""
-    passages = find_passages(problem, raw)
-    return None if passages is None else _first_change_point(passages, raw)
-
-
 def _first_change_point(passages: Passages, raw: RawRun) -> float | None:
     at = next(passages.times(), None)
     if at is None and _is_collapse(raw.status, passages.dense.breaks) and passages.ends_at_crossing():
