@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -17,12 +19,8 @@ KICK = 10.0
 def carried() -> sb.EquationSet:
     """A block on a spring whose carriage is driven, with a sampled speed."""
     carriage, block = sb.Body("Carriage", mass=1), sb.Body("Block", mass=2)
-    rail = sb.Prismatic(
-        "rail", "ground", carriage, axis="x", motion="if(t < 1, 0.5*t, 0.5 - 0.7*(t - 1))"
-    )
-    slide = sb.Prismatic(
-        "slide", carriage, block, axis="x", coordinate="x", force=sb.Drive(applied="-2*x")
-    )
+    rail = sb.Prismatic("rail", "ground", carriage, axis="x", motion="if(t < 1, 0.5*t, 0.5 - 0.7*(t - 1))")
+    slide = sb.Prismatic("slide", carriage, block, axis="x", coordinate="x", force=sb.Drive(applied="-2*x"))
     return sb.form_equations(
         sb.Model("carried", [rail, slide, sb.Signal("seen", "x_dot", sample=0.5)], initial={"x": START})
     )
@@ -31,20 +29,23 @@ def carried() -> sb.EquationSet:
 KICKED = sb.Event("if(t < 1, -1, 1)", name="kick", action={"x_dot": f"x_dot + {KICK}"})
 
 
+@pytest.mark.parametrize("integrator", [None, sb.Stiff(), sb.FixedStep(1e-3)], ids=str)
 @pytest.mark.parametrize("end", [1.0, 1.25])
 @pytest.mark.parametrize("is_kicked", [False, True])
-def test_a_jump_then_an_event_then_a_sample(end: float, is_kicked: bool) -> None:
-    run = sb.simulate(carried(), end, events=[KICKED] if is_kicked else [], rtol=1e-11, atol=1e-13)
+def test_a_jump_then_an_event_then_a_sample(integrator: Any, end: float, is_kicked: bool) -> None:
+    run = sb.simulate(
+        carried(), end, integrator=integrator, events=[KICKED] if is_kicked else [], rtol=1e-11, atol=1e-13
+    )
     speed = BEHIND + (KICK if is_kicked else 0.0)
     assert run.held_values is not None
     np.testing.assert_allclose(run.held_values.t, [0.0, 0.5, 1.0], rtol=0, atol=1e-9)
-    assert run.held_values.values[0, -1] == pytest.approx(speed, abs=1e-8)
+    assert run.held_values.values[0, -1] == pytest.approx(speed, abs=1e-7)
     assert [event.t for event in run.events] == pytest.approx([1.0] * is_kicked)
     if is_kicked:
-        assert run.events[0].state["x_dot"] == pytest.approx(BEHIND, abs=1e-8)
+        assert run.events[0].state["x_dot"] == pytest.approx(BEHIND, abs=1e-7)
     if end == 1.0:
-        assert run["x_dot"][-1] == pytest.approx(speed, abs=1e-8)
-        assert run["seen"][-1] == pytest.approx(speed, abs=1e-8)
+        assert run["x_dot"][-1] == pytest.approx(speed, abs=1e-7)
+        assert run["seen"][-1] == pytest.approx(speed, abs=1e-7)
 
 
 @pytest.mark.parametrize("step", [0.5, 0.4])
@@ -54,4 +55,4 @@ def test_steps_keep_the_order(step: float) -> None:
     while stepper.t < 1.0 - 1e-9:
         happened += [event.name for event in stepper.step().events]
     assert happened == ["kick"]
-    assert stepper["seen"] == pytest.approx(BEHIND + KICK, abs=1e-8)
+    assert stepper["seen"] == pytest.approx(BEHIND + KICK, abs=1e-7)

@@ -58,11 +58,14 @@ class PieceStart(NamedTuple):
     ----------
     is_changed : bool
         Whether the state was changed there, so that modes before it do not matter.
+    follows_jump : bool
+        Whether it stands behind a jump of rates, where nothing else has happened yet.
     """
 
     t: float
     x: Floats
     is_changed: bool = False
+    follows_jump: bool = False
 
 
 class Driven(NamedTuple):
@@ -151,12 +154,21 @@ class _MotionByPieces:
         stage: PieceStart | None = PieceStart(motion.span[0], motion.state, is_changed=True)
         try:
             while stage is not None:
+                if stage.follows_jump and self._held.is_due(stage.t) and motion.events:
+                    stage = self._act_behind(stage)
+                    continue
                 x = self._settle(stage)
                 until = self._next_instant(stage.t)
                 stage = self._end_piece(self._move(x, stage.t, until), until)
         except DeadEndError as end:
             return self._dead_end(end)
         return self._whole()
+
+    def _act_behind(self, stage: PieceStart) -> PieceStart | None:
+        """Let events act whose values have jumped through zero with the rates, before samples are taken."""
+        until = MotionInstant("events", stage.t, stage.t, stage.t)
+        piece = self._move(stage.x, stage.t, until)
+        return self._end_piece(piece, until)
 
     def _settle(self, stage: PieceStart) -> Floats:
         """Take the samples that are due, and decide the modes; return the state with which a piece begins."""
@@ -221,7 +233,10 @@ class _MotionByPieces:
             return None
         if until.happens == "jump":
             self._passed += 1
-            return PieceStart(until.behind, self._jump(x, until), is_changed=True)
+            return PieceStart(until.behind, self._jump(x, until), is_changed=True, follows_jump=True)
+        if until.happens == "events":
+            self._pieces.leave_out(until.at)
+            return PieceStart(until.at, x, is_changed=True)
         self._report(until.at)
         return PieceStart(until.behind, x)
 

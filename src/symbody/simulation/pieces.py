@@ -29,7 +29,8 @@ class MotionInstant(NamedTuple):
     Attributes
     ----------
     happens : str
-        "jump", "sample" or "end"; "start" where a piece is one state, which is a sample.
+        "jump", "sample" or "end"; "start" where a piece is one state, which is a sample; "events" where
+        events act on one state.
     at : float
         The time [s].
     before, behind : float
@@ -119,7 +120,7 @@ class Pieces:
         self.occurrences.extend(run.events)
         self._stored += run.t.size
         self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
-        if len(self.runs) == 1 or _length(run):  # one of no time sees nothing pass zero
+        if len(self.runs) == 1 or _length(run) or piece.happened:
             self.sides = piece.sides[: len(self._motion.events)]
 
     def leave_out(self, t: float, *, is_replaced: bool = False) -> None:

@@ -9,7 +9,7 @@ from symbody.kernels.block import NO_EVENT_ROOM, RESTARTED, RUNNING, Run
 from symbody.kernels.dense_output import interpolate
 from symbody.kernels.events.event_monitor import GOES_ON, NO_ROOM, NOTHING_YET, EventMonitor
 from symbody.kernels.events.event_watch import look
-from symbody.kernels.events.watched_motion import cut_back, end_at_event
+from symbody.kernels.events.watched_motion import cut_back, end_at_event, look_behind
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.step_machine import begin_record, store_sample, store_samples
@@ -50,9 +50,11 @@ def process_given(
 
     The last functions are those of `event_watch.look`. The motion goes on from `state_old` after `RESTARTED`.
     """
-    if run.counts.steps == 0:
-        return RUNNING
-    happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
+    happened = NOTHING_YET
+    if run.counts.steps != 0:
+        happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
+    elif is_over != 0 and run.time == run.t_end:
+        happened = look_behind(e, a, c, run, monitor, breaks, pieces, H)
     if happened == NOTHING_YET:
         return RUNNING
     if happened == NO_ROOM:

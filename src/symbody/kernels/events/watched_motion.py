@@ -96,7 +96,7 @@ def look_behind(
     e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor, breaks: Reals, pieces: Reals,
     H: Reals,
 ) -> int:  # fmt: skip
-    """Let events happen whose values have jumped through zero where a motion goes on, before all else there."""
+    """Let events happen first whose values have jumped through zero where a motion goes on."""
     watch_again(e, run, monitor)
     end_with_state(run, breaks, pieces)
     return look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, 1)
