@@ -100,6 +100,7 @@ def integrate(
     method: Explicit | FixedStep,
     inputs: ArrayLike = (),
     tables: Floats = NO_TABLES,
+    parameters: ArrayLike = (),
     constants: ArrayLike = (),
     times: ArrayLike | None = None,
     rtol: float = 1e-8,
@@ -141,8 +142,8 @@ def integrate(
     bounds = breakpoints.jumps_alone() if isinstance(method, FixedStep) else breakpoints
     goal = make_goal((start, end), check_rtol(rtol), check_atol(atol, x.size), method.max_step, bounds)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
-    r, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, constants))
-    rhs = RightHandSide(int(address), int(n_u), r, _NOTHING, c, work_size, tables)
+    r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
+    rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
     new = partial(_new_run, method, goal, x, start, held)
     run = new(rhs, projector) if make_run is None else make_run(rhs, new)
     more = 0 if watch is None else EVENT_SAMPLES
