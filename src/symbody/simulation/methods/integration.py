@@ -81,6 +81,7 @@ def integrate_motion(motion: Motion) -> Integration:
     SimulationError
         If the law of an input fails.
     """
+    motion.begin_modes()
     integrator = motion.integrator
     constraints = _fitting_constraints(motion)
     # Methods that do not project after steps, except `Baumgarte`, do so where samples are interpolated.
