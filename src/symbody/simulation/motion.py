@@ -68,6 +68,8 @@ class Motion:
         Where the values of events stood at the end of the motion that goes on here; empty where it begins.
     modes : SwitchingModes, optional
         Decides which joints stick and which ropes are taut on the way.
+    first_modes : array, optional
+        Those with which it begins, by default the present ones; see `begin_modes`.
 
     Raises
     ------
@@ -89,6 +91,7 @@ class Motion:
     before: RawRun | None = None
     sides: tuple[EventSide, ...] = ()
     modes: SwitchingModes | None = None
+    first_modes: Floats | None = None
     _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -96,6 +99,13 @@ class Motion:
         object.__setattr__(self, "times", check_times(self.times, *self.span))
         object.__setattr__(self, "rtol", check_rtol(self.rtol))
         object.__setattr__(self, "atol", check_single_atol(self.atol))
+        if self.modes is not None and self.first_modes is None:
+            object.__setattr__(self, "first_modes", self.modes.snapshot())
+
+    def begin_modes(self) -> None:
+        """Go back to the modes with which it begins: it may have been computed before, by another method."""
+        if self.modes is not None and self.first_modes is not None:
+            self.modes.resume(self.first_modes)
 
     @property
     def eqs(self) -> EquationSet:
@@ -201,8 +211,6 @@ class Motion:
         watched = self.events if modes is None else (*self.events, *modes.ends)
         if not watched:
             return None
-        if modes is not None:  # a motion may be computed again, by another method
-            modes.resume(self._kept.get("modes", modes.snapshot))
 
         def make() -> EventFunctions:
             return EventFunctions(self.problem, watched, share, hands_over=hands_over and modes is not None)

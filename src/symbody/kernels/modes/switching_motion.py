@@ -149,8 +149,11 @@ def switch_at_sample(
     f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, held: SampleHold,
     Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
 ) -> int:  # fmt: skip
-    """Go on behind a sample in the modes that are decided there; return a code of `block`."""
-    if have_ended(e, run, monitor, modes) == 0:
+    """Go on behind a sample in the modes that are decided there; return a code of `block`.
+
+    Where modes are decided outside, what jumps through zero at the sample hands over.
+    """
+    if monitor.hands_over != 0.0 or have_ended(e, run, monitor, modes) == 0:
         return RUNNING
     show_values(held, modes.numbers)
     code = settle_modes(d, w, modes, Z, run.time, run.state_old)

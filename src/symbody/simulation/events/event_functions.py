@@ -111,7 +111,8 @@ class EventFunctions:
         monitor = EventMonitor(block)
         monitor.span, monitor.hands_over = span, float(self._hands_over)
         inputs = self._problem.laws.held_now()
-        for numbers in (monitor.numbers, monitor.actions):
+        closing = (monitor.closing.numbers,) if exists(monitor.closing) else ()
+        for numbers in (monitor.numbers, monitor.actions, *closing):
             if exists(numbers):
                 np.asarray(numbers.inputs)[:] = inputs
         return block

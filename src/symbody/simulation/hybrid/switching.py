@@ -135,9 +135,14 @@ class SwitchingModes:
         self.problem = replace(problem, eqs=self.modal.eqs, laws=laws, permanent=self._permanent(problem))
         function, self._callback, self._decides = self._deciding_function(problem)
         self._functions = function, self.problem.compile_outputs(PROJECTED)
+        self._show_inputs()
         numbers, tables = self.switch.numbers, problem.laws.table_numbers()
         if tables.size:
             np.asarray(numbers.tables)[: tables.size] = tables
+
+    def _show_inputs(self) -> None:
+        """Write the values that inputs have at present, held ones among them, where modes are decided."""
+        np.asarray(self.switch.numbers.inputs)[:] = self._source.laws.held_now()
 
     def _permanent(self, problem: SimulationProblem) -> SimulationProblem:
         """Return the problem without what holds in some modes only."""
@@ -181,6 +186,14 @@ class SwitchingModes:
         self._block[:] = kept
         self.switch.room = len(self.record.rows)
 
+    def save(self) -> tuple[Floats, Floats]:
+        """Return all modes, present and past."""
+        return self._block.copy(), self.record.rows.copy()
+
+    def put_back(self, saved: tuple[Floats, Floats]) -> None:
+        """Return to what was saved."""
+        self._block[:], self.record.rows = saved
+
     def forget(self) -> None:
         """Let the modes so far not matter any more: the state has been changed."""
         for element in self.switch.elements:
@@ -203,7 +216,7 @@ class SwitchingModes:
         """
         state = np.append(x, 0.0)
         self._make_room()
-        np.asarray(self.switch.numbers.inputs)[:] = self._source.laws.held_now()
+        self._show_inputs()  # the loop may have taken samples
         first = self.switch.recorded
         code = _kernel("settle_modes")(
             self._decides, self._functions[1].address, address(self._block), address(self.record.rows), t,

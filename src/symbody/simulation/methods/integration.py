@@ -81,6 +81,7 @@ def integrate_motion(motion: Motion) -> Integration:
     SimulationError
         If the law of an input fails.
     """
+    motion.begin_modes()
     integrator = motion.integrator
     constraints = _fitting_constraints(motion)
     # Methods that do not project after steps, except `Baumgarte`, do so where samples are interpolated.
@@ -168,6 +169,7 @@ def _choose_method(
                 return run, (note,), watch
     except KeyboardInterrupt:  # while it compiled: what came before is kept
         return replace(raw, status=Status.INTERRUPTED), (), watch
+    motion.begin_modes()
     again = motion.event_watch(constraints if isinstance(constraints, Projection) else _PROJECTION)
     return run_explicit(motion, DEFAULT, closing, again), (_VIBRATES.format(length),), again
 

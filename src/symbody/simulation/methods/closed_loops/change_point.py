@@ -156,12 +156,13 @@ def integrate_on_branch(motion: Motion) -> Integration:
 
 
 def _integrate_again(motion: Motion) -> Integration:
-    """Return another run of a motion; held values stay those of the first where it does not succeed."""
-    sampler = motion.problem.sampler
-    samples = None if sampler is None else sampler.save()
+    """Return another run of a motion; where it does not succeed, held values and modes stay those of the first."""
+    held = [each for each in (motion.problem.sampler, motion.modes) if each is not None]
+    saved = [each.save() for each in held]
     run = integrate_motion(motion)
-    if sampler is not None and samples is not None and not run.raw.status.success:
-        sampler.put_back(samples)
+    if not run.raw.status.success:
+        for each, values in zip(held, saved, strict=True):
+            each.put_back(values)
     return run
 
 

@@ -160,7 +160,7 @@ class ChartRun:
         loops, count = self._states.loops, self._states.positions.rows.size
         n_u, n_q = loops.speed_sizes.size, loops.sizes.size
         projector = Projector(
-            1, n_u, _NOTHING, np.zeros(2), _NOTHING, 0, n_q, np.full(count, EXACT), _LIMIT,
+            1, n_u, rhs.inputs.copy(), np.zeros(2), _NOTHING, 0, n_q, np.full(count, EXACT), _LIMIT,
             loops.sizes, ROUNDED_PER_COORDINATE * n_q * EPSILON / EXACT, count + n_q + n_u,
         )  # fmt: skip
         plain = rhs._replace(parameters=np.zeros(3), constants=_NOTHING, work_size=0)
