@@ -24,6 +24,7 @@ from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, s
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.description import RightHandSide
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.single_flight import SingleFlight
 
@@ -142,6 +143,13 @@ class SimulationProblem:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
         r = self.laws.values(t, q, u)
         return function(t, q.T, u.T, r, self.p) if self.free else function.at_states(t, q.T, u.T, r)
+
+    def numbers(self, function: CompiledFunction) -> RightHandSide:
+        """Return what compiled loops call a function with; of several motions the numbers of the first."""
+        p = self.p.reshape(-1, len(self.free))[0] if self.free else NOTHING
+        inputs, constants = self.laws.held_now(), function.constants(p)
+        tables, n_u = self.laws.table_numbers(), len(function.signature.u)
+        return RightHandSide(function.address, n_u, inputs, p, constants, function.work_size, tables)
 
     def values_at(self, names: Sequence[OutputName], t: float, x: Floats) -> tuple[Any, ...]:
         """Return outputs at one time and state x = (u, q); those of a tuple of names as one array."""

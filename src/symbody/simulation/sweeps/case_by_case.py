@@ -99,9 +99,12 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     }
     records.counts[row] = [counts.get(name, 0) for name in Counts.fields]
     records.reached[row] = run.t[-1] if samples else np.nan
+    names = tuple(dict.fromkeys(event.name for event in run.events))
+    happened = [(names.index(event.name), event.t, *event.state.values()) for event in run.events]
     records.details[case] = CaseDetails(
         "; ".join(run.notes),
-        run.events,
+        names,
+        np.array(happened, dtype=np.float64),
         run.stored["work"][:samples],
         held_modes(modal.modes, modal.names, run.modes),
         _held_values(job, run),

@@ -183,7 +183,7 @@ class Sweep(Displayed):
             notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
             name=self.name,
             provenance=self.evaluation.provenance(case),
-            events=() if details is None else details.events,
+            events=() if details is None else details.events(self.state_names),
             s=self.x[case, n:, :samples],
             signal_state_names=self.evaluation.eqs.signal_state_names,
             stored={} if details is None or details.work is None else {"work": details.work},

@@ -17,12 +17,12 @@ import numpy as np
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.native.run import Progress
 from symbody.simulation.sweeps.compute import compute_chunk, compute_in_loop
+from symbody.simulation.sweeps.loop_job import LoopJob
 from symbody.simulation.sweeps.records import (
     NOT_ENDED,
     WORKER_LOST,
     CaseDetails,
     Chunk,
-    LoopJob,
     Records,
     blocks,
 )
@@ -136,7 +136,7 @@ def compute_here(
     ended = [np.zeros(1, dtype=np.int64) for _ in chunks]
     interrupted = False
     if job.lanes:
-        job.function.in_lanes()  # compiled once, not by each thread
+        job.derivative.in_lanes()  # compiled once, not by each thread
     with ThreadPoolExecutor(threads) as pool:
         waiting: dict[Future[None], Records] = {}
         try:
