@@ -131,10 +131,10 @@ class Scales:
         sizes: Floats = eqs.plans.get(key, find)
         return sizes
 
-    def of_motion(self, k: int) -> Scales:
-        """Return the scales of one of N motions, without the values of its parameters."""
-        length, time, mass = (float(np.asarray(size)[k]) for size in (self.length, self.time, self.mass))
-        one = {name: float(np.asarray(sizes)[k]) for name, sizes in self.equations.items()}
+    def of_motion(self, k: int | NDArray[np.intp]) -> Scales:
+        """Return the scales of one of N motions, or of some, without the values of their parameters."""
+        length, time, mass = (np.asarray(size)[k] for size in (self.length, self.time, self.mass))
+        one = {name: np.asarray(sizes)[k] for name, sizes in self.equations.items()}
         return replace(self, length=length, time=time, mass=mass, equations=one, numbers={})
 
     def fit_span(self, start: float, end: float) -> Scales:

@@ -5,10 +5,10 @@ side; then, of what there is, the numbers of what projects: p, c, scales and siz
 p and c of the functions of values and of actions, sizes of what is closed, p and c of the function that
 closes it; of the modes: p and c of the functions that decide and that project, and what counts as large.
 
-`verdicts` holds a row for each, `samples` the samples (cases, times, n); rows of samples that were not reached
-stay as they were. `looks` holds a row for each that is searched for events: what had happened when it ended,
-all cases before it included, and how many rows the record of modes had; which event chattered; and of each
-event where its value was not a number or had a pole.
+`verdicts` holds a row for each, `samples` the samples (cases, times, n); rows of samples that were not
+reached stay as they were. `looks` holds a row for each that is searched for events: what had happened when it
+ended, all cases before it included, and how many rows the record of modes had; which event chattered; and of
+each event where its value was not a number or had a pole.
 """
 
 from __future__ import annotations
@@ -175,6 +175,37 @@ def note_looks(monitor: EventMonitor, modes: ModeSwitch, look: Reals) -> None:
         seen[5] = event.waits_time
 
 
+def begin_case(
+    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, watch_size: int,
+    fresh: Reals, held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, modes_size: int,
+    fresh_modes: Reals, row: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals, H: Reals, Z: Reals,
+) -> int:  # fmt: skip
+    """Set everything to the beginning of a case, and begin it; return a code of `block`."""
+    place = prepare(run, row)
+    if monitor.event_count > 0:
+        place = place + prepare_watch(run, monitor, watch_size, fresh, part(row, place, 1))
+    run.cases.begun = 1.0
+    if modes.count > 0:
+        prepare_modes(modes, modes_size, fresh_modes, part(row, place, 1))
+        return begin_switching(f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, H, Z)
+    return begin(f, run, times, t, x, breaks)
+
+
+def advance_case(
+    f: Function, g: Function, e: Function, a: Function, c: Function, d: Function, w: Function, run: Run,
+    monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals,
+    x: Reals, breaks: Reals, pieces: Reals, H: Reals, Z: Reals, trials: int,
+) -> int:  # fmt: skip
+    """Try up to so many steps of a case, with what may happen along it; return a code of `block`."""
+    if modes.count > 0:
+        return advance_switching(
+            f, g, e, a, c, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, pieces, H, H, Z, trials
+        )
+    if monitor.event_count > 0:
+        return advance_watched(f, g, e, a, c, run, monitor, times, t, x, breaks, pieces, H, trials)
+    return advance(f, g, run, times, t, x, breaks, pieces, trials)
+
+
 def run_cases(
     f: Function, g: Function, e: Function, a: Function, c: Function, d: Function, w: Function, run: Run,
     monitor: EventMonitor, watch_size: int, fresh: Reals, held: SampleHold, Q: FunctionNumbers,
@@ -184,8 +215,8 @@ def run_cases(
 ) -> int:  # fmt: skip
     """Try up to so many steps of the cases without a verdict; return a code of `block`.
 
-    `FULL`, `NO_EVENT_ROOM` and `NO_MODE_ROOM` want more room for steps, for what happens, in Z. `size` is that
-    of a row of `cases`. A monitor without events and a switch without modes stand for none; `fresh` and
+    `FULL`, `NO_EVENT_ROOM` and `NO_MODE_ROOM` want more room for steps, for what happens, in Z; `size` is
+    that of a row of `cases`. A monitor without events and a switch without modes stand for none; `fresh` and
     `fresh_modes` are those of motions that have not begun. `t` and `x` are room for the samples of one case
     and two more, `samples` holds those of all.
     """
@@ -199,28 +230,15 @@ def run_cases(
             if run.cases.begun == 0.0:
                 if modes.count > 0 and modes.recorded + MOST_ROWS > modes.room:
                     return NO_MODE_ROOM
-                row = part(cases, k * size, size)
-                place = prepare(run, row)
-                if monitor.event_count > 0:
-                    place = place + prepare_watch(run, monitor, watch_size, fresh, part(row, place, 1))
-                run.cases.begun = 1.0
-                if modes.count > 0:
-                    prepare_modes(modes, modes_size, fresh_modes, part(row, place, 1))
-                    code = begin_switching(
-                        f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, H, Z
-                    )
-                else:
-                    code = begin(f, run, times, t, x, breaks)
-            before = run.counts.accepted + run.counts.rejected
-            if code == RUNNING and modes.count > 0:
-                code = advance_switching(
-                    f, g, e, a, c, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, pieces, H, H,
-                    Z, left,
+                code = begin_case(
+                    f, e, d, w, run, monitor, watch_size, fresh, held, Q, modes, modes_size, fresh_modes,
+                    part(cases, k * size, size), times, t, x, breaks, H, Z,
                 )  # fmt: skip
-            elif code == RUNNING and monitor.event_count > 0:
-                code = advance_watched(f, g, e, a, c, run, monitor, times, t, x, breaks, pieces, H, left)
-            elif code == RUNNING:
-                code = advance(f, g, run, times, t, x, breaks, pieces, left)
+            before = run.counts.accepted + run.counts.rejected
+            if code == RUNNING:
+                code = advance_case(
+                    f, g, e, a, c, d, w, run, monitor, held, Q, modes, times, t, x, breaks, pieces, H, Z, left
+                )
             left = left - int(run.counts.accepted + run.counts.rejected - before)
             if code == FULL or code == NO_EVENT_ROOM or code == NO_MODE_ROOM:
                 return code

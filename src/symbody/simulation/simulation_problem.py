@@ -220,7 +220,7 @@ class Evaluator:
         if name == VIOLATIONS[0]:
             return self._violation("constraints", t, q, u)
         if name == VIOLATIONS[1]:
-            sizes = self.problem.scales.displacements(self.problem.eqs)[:, np.newaxis]
+            sizes = np.atleast_2d(self.problem.scales.displacements(self.problem.eqs)).T
             fastest = np.abs(u / sizes).max(axis=0, initial=0.0)
             violation = self._violation("velocity_constraints", t, q, u)
             moving = fastest > 0.0
@@ -233,6 +233,6 @@ class Evaluator:
         if not problem.eqs.multiplier_names:
             return np.zeros_like(t)
         values = problem.evaluate(problem.compile_outputs(name, quick=True), t, q, u)
-        scales = problem.scales.constraints(problem.eqs)[: values.shape[-1]]
+        scales = problem.scales.constraints(problem.eqs)[..., : values.shape[-1]]
         largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest

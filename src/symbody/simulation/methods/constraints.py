@@ -169,9 +169,9 @@ def make_projector(
     atol: float | None,
     p: Floats = _EMPTY,
 ) -> Projector:
-    """Return what the compiled loop calls to project; `function` computes `PROJECTED`, with free parameters p.
+    """Return what the compiled loop calls to project; `function` computes `PROJECTED` from its parameters p.
 
-    Of `sizes` of N motions the scales and sizes there are arrays (N, n).
+    Where `sizes` are those of N motions, its scales and sizes are arrays (N, n).
     """
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
     tolerance = residual_share(method, atol)

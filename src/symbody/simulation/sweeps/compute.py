@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from functools import cached_property, partial
 from typing import Final
 
 import numpy as np
@@ -100,8 +100,9 @@ class _CaseLoop:
         Run(self._block).room.samples = room
         monitor, switch = EventMonitor(self._watch), ModeSwitch(self._modes)
         self._breaks, self._pieces = np.zeros(steps + 1), np.zeros((steps, monitor.piece_rows, n))
-        self._happened = np.zeros((_HAPPENED + ZEROS_PER_EVENT * monitor.event_count, n + 2))
-        self._decisions = np.zeros((_ROWS, 3 + switch.count + n))
+        happened = _HAPPENED + ZEROS_PER_EVENT * monitor.event_count if self._is_watched else 0
+        self._happened = np.zeros((happened, n + 2))
+        self._decisions = np.zeros((_ROWS if switch.count else 0, 3 + switch.count + n))
         self._looks = np.zeros((count, loop_at.LOOK_EVENTS + loop_at.LOOK_SIZE * monitor.event_count))
         known = [records.codes, records.reached, records.counts]
         self._verdicts = np.column_stack(known).astype(np.float64)
@@ -116,29 +117,37 @@ class _CaseLoop:
         """How many cases have ended."""
         return LaneGroup(self._block).cases_ended if self._in_lanes else Run(self._block).cases.ended
 
-    def advance(self) -> int:
-        """Try some steps; return a code of `kernels.block`."""
+    @cached_property
+    def _call(self) -> Callable[[int], int]:
+        """The loop with all its arguments but the number of steps, for the room there is."""
+        job, places = self._job, [self._rows, self._job.times, self._t]
         if self._wide is not None:
-            first, projector = self._addresses[:2]
-            places = map(address, (self._rows, self._job.times, self._t, self._samples, self._verdicts))
-            functions = first, self._wide.address, projector, address(self._block)
-            return lane_motions()(*functions, *self._rows.shape, *places, _SLICE)
+            functions = self._addresses[0], self._wide.address, self._addresses[1], address(self._block)
+            places += [self._samples, self._verdicts]
+            return partial(lane_motions(), *functions, *self._rows.shape, *map(address, places))
         Run(self._block).room.steps = len(self._pieces)
         EventMonitor(self._watch).happened_room = len(self._happened)
         ModeSwitch(self._modes).room = len(self._decisions)
-        happens, places = self._job.happens, [self._rows, self._job.times, self._t, self._x, self._samples]
-        places += [self._verdicts, self._breaks, self._pieces, self._happened, self._looks, self._decisions]
-        code = many_motions()(
-            *self._addresses, address(self._block), address(self._watch), happens.watch.size,
-            address(happens.watch), address(self._held), address(NO_NUMBERS), address(self._modes),
-            happens.modes.size, address(happens.modes), *self._rows.shape, *map(address, places), _SLICE,
+        watch, modes = job.happens.watch, job.happens.modes
+        places += [self._x, self._samples, self._verdicts, self._breaks, self._pieces, self._happened]
+        places += [self._looks, self._decisions]
+        return partial(
+            many_motions(), *self._addresses, address(self._block), address(self._watch), watch.size,
+            address(watch), address(self._held), address(NO_NUMBERS), address(self._modes), modes.size,
+            address(modes), *self._rows.shape, *map(address, places),
         )  # fmt: skip
+
+    def advance(self) -> int:
+        """Try some steps; return a code of `kernels.block`."""
+        code = self._call(_SLICE)
         if code == at.FULL:
             self._make_room_for_steps()
         elif code == at.NO_EVENT_ROOM:
             self._happened = _double(self._happened)
         elif code == at.NO_MODE_ROOM:
             self._decisions = _double(self._decisions)
+        if code in (at.FULL, at.NO_EVENT_ROOM, at.NO_MODE_ROOM):
+            del self._call
         return code
 
     def _make_room_for_steps(self) -> None:
@@ -179,7 +188,8 @@ class _CaseLoop:
 
     def _ends(self, cases: Integers, place: int) -> Integers:
         """Return how many rows of a record there were when each case ended."""
-        return self._looks[cases, place].astype(np.int64)
+        ends: Integers = self._looks[cases, place].astype(np.int64)
+        return ends
 
     def _occurrences(self, cases: Integers) -> list[Floats]:
         """Return the occurrences of each case in order, changes of modes behind events at one time."""

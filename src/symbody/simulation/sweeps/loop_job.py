@@ -6,7 +6,7 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -181,7 +181,7 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     if watch is not None and watch.functions[-1] is not None:
         sizes = (*sizes[:3], watch.metric, nothing)
     if modes is not None:  # lengths, times, displacements that count as large
-        large = [first.scales.length, first.scales.time, first.scales.displacements(sweep.eqs)]
+        large: Any = first.scales.length, first.scales.time, first.scales.displacements(sweep.eqs)
         sizes = (*sizes[:4], np.column_stack(large))
     job = LoopJob(
         (derivative, projecting, *_functions(watch, modes)),
