@@ -5,7 +5,9 @@ from __future__ import annotations
 import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import cached_property, partial
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -31,12 +33,14 @@ from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import Floats
 from symbody.simulation.native.lane_blocks import make_lane_block
 from symbody.simulation.native.machine import lane_motions, many_motions
-from symbody.simulation.native.run import EVENT_SAMPLES, memory_limit
+from symbody.simulation.native.run import EVENT_SAMPLES, VERDICTS, memory_limit, stop_words
+from symbody.simulation.status import Status
 from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.loop_job import LoopJob
 from symbody.simulation.sweeps.records import (
+    CODES,
     NOT_ENDED,
-    NOT_STARTED,
+    STATUSES,
     CaseDetails,
     Chunk,
     Records,
@@ -54,10 +58,15 @@ _SLICE: Final = 1000
 _STEPS: Final = 256
 _HAPPENED: Final = 1024
 _ROWS: Final = 1024
-# Codes of cases of which `simulate` says what is wrong.
+# Of such cases `simulate` says what is wrong, as of those that are stiff.
 _FAULTS: Final = (
     at.EVENT_FAULT, at.SPOILED, at.UNMET, at.UNDECIDED, at.UNMOVABLE, at.TOO_LONG, at.MODE_FAULT,
 )  # fmt: skip
+# From codes of the loop to those of records; where there is none of the loop it stays.
+_CODES: Final = MappingProxyType(
+    {code: CODES[status] for code, status in VERDICTS.items()} | dict.fromkeys(_FAULTS, CODES[Status.STIFF])
+)
+_EARLY: Final = (Status.STEP_COLLAPSE, Status.NOT_FINITE, Status.SINGULAR, Status.TOO_MANY_STEPS)
 
 
 def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers, done: Integers) -> None:
@@ -68,7 +77,7 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     stop, done : arrays of one int
         Anything but 0 ends the loop; how many cases have ended.
     """
-    records.codes[~np.isfinite(chunk.states).all(axis=1)] = NOT_STARTED
+    records.codes[~np.isfinite(chunk.states).all(axis=1)] = CODES[Status.NOT_STARTED]
     before = records.codes.copy()
     loop = _CaseLoop(job, chunk, records)
     code = at.RUNNING
@@ -165,15 +174,27 @@ class _CaseLoop:
     def write_down(self, own: Flags) -> None:
         """Write what is known of the cases into the records; `own` are those that had not ended before."""
         records, places = self._records, Verdict.layout
-        codes = self._verdicts[:, places["code"]]
-        if self._is_watched:
-            codes[np.isin(codes, _FAULTS)] = at.STIFF  # `simulate` says what is wrong
-        records.codes[:], records.reached[:] = codes, self._verdicts[:, places["reached"]]
+        codes = self._verdicts[:, places["code"]].astype(np.int64).tolist()
+        records.codes[:] = [_CODES.get(code, code) for code in codes]
+        records.reached[:] = self._verdicts[:, places["reached"]]
         records.counts[:] = self._verdicts[:, Verdict.fields["counts"].place :]
         records.x[own] = self._samples[own][..., : self._job.state_size]
         ended = np.flatnonzero(own & (records.codes != NOT_ENDED))
         if self._is_watched and ended.size:
             self._write_details(ended)
+        early = own & np.isin(records.codes, [CODES[status] for status in _EARLY])
+        for k in np.flatnonzero(early).tolist():
+            self._note_early_end(k)
+
+    def _note_early_end(self, k: int) -> None:
+        """Note up to when a case is known, and which state is to blame."""
+        records, status = self._records, STATUSES[int(self._records.codes[k])]
+        names, blamed = self._job.state_names, int(records.counts[k, Counts.layout["blamed_state"]])
+        has_culprit = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
+        why = stop_words(status, float(records.reached[k]), (*names, "work")[blamed] if has_culprit else "")
+        known = records.details.get(records.first + k, CaseDetails(""))
+        notes = "; ".join(filter(None, (known.notes, why)))
+        records.details[records.first + k] = replace(known, notes=notes)
 
     def _write_details(self, cases: Integers) -> None:
         """Write down what happened in cases that have ended, the work, and their modes."""
@@ -231,16 +252,17 @@ class _CaseLoop:
         stops = self._ends(cases, loop_at.LOOK_MODES)
         are_shocks = self._decisions[: stops[-1], 0] == SHOCK
         struck = {*np.searchsorted(stops, np.flatnonzero(are_shocks), side="right").tolist()}
-        is_seen = looks[:, loop_at.LOOK_EVENTS :].any(axis=1) | (records.codes == at.CHATTERING)
+        is_seen = looks[:, loop_at.LOOK_EVENTS :].any(axis=1) | (records.codes == CODES[Status.CHATTERING])
         found = {}
         for place in sorted({*np.flatnonzero(is_seen[cases]).tolist(), *struck}):
             k = int(cases[place])
             seen = looks[k, loop_at.LOOK_EVENTS :].reshape(-1, loop_at.LOOK_SIZE)
             notes = [*value_notes(happens.labels, seen)]
-            if records.codes[k] == at.CHATTERING:
+            if records.codes[k] == CODES[Status.CHATTERING]:
                 culprit = happens.labels[int(looks[k, loop_at.LOOK_CULPRIT]) - 1]
                 ending = chattering_note(culprit, looks[k, loop_at.LOOK_UNTURNED] != 0.0)
-                notes.append(f"the motion is known up to t = {records.reached[k]:.9g} s; there {ending}")
+                reach = stop_words(Status.CHATTERING, float(records.reached[k]))
+                notes.append(f"{reach}; there {ending}")
             if place in struck:
                 rows = self._decisions[stops[place - 1] if place else 0 : stops[place]]
                 notes += shock_notes(rows, len(happens.joints), happens.ropes)

@@ -100,6 +100,8 @@ class LoopJob:
         The inputs r of the derivative that are tables: all of them, but for modes behind them.
     happens : Happenings
         Events and modes.
+    state_names : tuple of str
+        Speeds, coordinates, states of signals.
     breakpoints : tuple of Breakpoints or None
         Of all cases the same, or to be found for each from its parameters.
     """
@@ -116,8 +118,13 @@ class LoopJob:
     lanes: bool
     tables: Mapping[int, Table]
     happens: Happenings
-    state_size: int
+    state_names: tuple[str, ...]
     breakpoints: tuple[Breakpoints, ...] | None = None
+
+    @property
+    def state_size(self) -> int:
+        """Number of speeds, coordinates and states of signals."""
+        return len(self.state_names)
 
     @property
     def derivative(self) -> CompiledFunction:
@@ -196,7 +203,7 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         lanes=table.count >= CASES_THAT_PAY if sweep.lanes is None else sweep.lanes,
         tables=sweep.laws.tables,
         happens=_happenings(watch, modes, method, span),
-        state_size=sweep.state_size,
+        state_names=sweep.eqs.state_names,
     )
     job = replace(job, breakpoints=_breakpoints(job))
     return job, Chunk(0, first.states, table.parameters, sizes), dict(first.notes)

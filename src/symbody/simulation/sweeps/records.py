@@ -6,8 +6,9 @@ into parts, nor on who computes them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -16,14 +17,36 @@ from numpy.typing import NDArray
 from symbody.kernels.block import Counts
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
+from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Codes of cases besides those of the compiled loop.
+# The code of a case that has no verdict yet.
 NOT_ENDED: Final = -1
-NOT_STARTED: Final = -2
-WORKER_LOST: Final = -3
+# Codes of the others. Stores keep them: a number is never given to another status.
+CODES: Final[Mapping[Status, int]] = MappingProxyType(
+    {
+        Status.SUCCESS: 100,
+        Status.STOPPED: 101,
+        Status.STEP_COLLAPSE: 102,
+        Status.NOT_FINITE: 103,
+        Status.SINGULAR: 104,
+        Status.FRICTION: 105,
+        Status.DEPENDENT_SPEEDS: 106,
+        Status.TOO_MANY_STEPS: 107,
+        Status.STIFF: 108,
+        Status.CHATTERING: 109,
+        Status.NOT_STARTED: 110,
+        Status.WORKER_LOST: 111,
+        Status.INTERRUPTED: 112,
+        Status.OUT_OF_MEMORY: 113,
+        Status.UNMET_ACTION: 114,
+    }
+)
+STATUSES: Final[Mapping[int, Status]] = MappingProxyType(
+    {NOT_ENDED: Status.INTERRUPTED} | {code: status for status, code in CODES.items()}
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,7 +132,7 @@ class Records:
     x : (cases, N, n) array
         The samples, NaN where a motion did not get that far.
     codes : (cases,) array of int
-        How each ended.
+        How each ended, see `CODES`.
     counts : (cases, `Counts.size`) array of int
         What each cost, and what is to blame.
     reached : (cases,) array
