@@ -1,4 +1,4 @@
-"""Many motions of one mechanism, one after the other, whatever happens along them.
+"""Many motions of one mechanism, one after the other, with all that happens along them.
 
 `cases` holds a row for each: its first state, its tolerances, its breakpoints, p and c of the right-hand
 side; then, of what there is, the numbers of what projects: p, c, scales and sizes; of the search for events:

@@ -83,7 +83,7 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
     code = at.RUNNING
     while code != at.FINISHED and stop[0] == 0:
         code = loop.advance()
-        done[0] = loop.ended
+        done[0] = loop.end_count
     loop.write_down(before == NOT_ENDED)
 
 
@@ -122,7 +122,7 @@ class _CaseLoop:
             self._block = make_lane_block(self._block, job.rhs, self._wide.work_size, job.method.tableau)
 
     @property
-    def ended(self) -> int:
+    def end_count(self) -> int:
         """How many cases have ended."""
         return LaneGroup(self._block).cases_ended if self._in_lanes else Run(self._block).cases.ended
 
@@ -171,18 +171,18 @@ class _CaseLoop:
             raise MemoryError
         self._breaks, self._pieces = _double(self._breaks), _double(self._pieces)
 
-    def write_down(self, own: Flags) -> None:
-        """Write what is known of the cases into the records; `own` are those that had not ended before."""
+    def write_down(self, is_new: Flags) -> None:
+        """Write what is known of the cases into the records; the new ones had not ended before."""
         records, places = self._records, Verdict.layout
         codes = self._verdicts[:, places["code"]].astype(np.int64).tolist()
         records.codes[:] = [_CODES.get(code, code) for code in codes]
         records.reached[:] = self._verdicts[:, places["reached"]]
         records.counts[:] = self._verdicts[:, Verdict.fields["counts"].place :]
-        records.x[own] = self._samples[own][..., : self._job.state_size]
-        ended = np.flatnonzero(own & (records.codes != NOT_ENDED))
+        records.x[is_new] = self._samples[is_new][..., : self._job.state_size]
+        ended = np.flatnonzero(is_new & (records.codes != NOT_ENDED))
         if self._is_watched and ended.size:
             self._write_details(ended)
-        early = own & np.isin(records.codes, [CODES[status] for status in _EARLY])
+        early = is_new & np.isin(records.codes, [CODES[status] for status in _EARLY])
         for k in np.flatnonzero(early).tolist():
             self._note_early_end(k)
 
@@ -253,7 +253,7 @@ class _CaseLoop:
         are_shocks = self._decisions[: stops[-1], 0] == SHOCK
         struck = {*np.searchsorted(stops, np.flatnonzero(are_shocks), side="right").tolist()}
         is_seen = looks[:, loop_at.LOOK_EVENTS :].any(axis=1) | (records.codes == CODES[Status.CHATTERING])
-        found = {}
+        texts = {}
         for place in sorted({*np.flatnonzero(is_seen[cases]).tolist(), *struck}):
             k = int(cases[place])
             seen = looks[k, loop_at.LOOK_EVENTS :].reshape(-1, loop_at.LOOK_SIZE)
@@ -266,8 +266,8 @@ class _CaseLoop:
             if place in struck:
                 rows = self._decisions[stops[place - 1] if place else 0 : stops[place]]
                 notes += shock_notes(rows, len(happens.joints), happens.ropes)
-            found[k] = "; ".join(notes)
-        return found
+            texts[k] = "; ".join(notes)
+        return texts
 
 
 def _double(array: Floats) -> Floats:

@@ -53,7 +53,7 @@ _NOTHING: Final = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Happenings:
+class CaseHappenings:
     """What may happen in a case beside smooth motion.
 
     Attributes
@@ -98,7 +98,7 @@ class LoopJob:
         Whether several cases are computed side by side; results do not depend on it.
     tables : mapping of place to Table
         The inputs r of the derivative that are tables: all of them, but for modes behind them.
-    happens : Happenings
+    happens : CaseHappenings
         Events and modes.
     state_names : tuple of str
         Speeds, coordinates, states of signals.
@@ -117,7 +117,7 @@ class LoopJob:
     stop_when_stiff: bool
     lanes: bool
     tables: Mapping[int, Table]
-    happens: Happenings
+    happens: CaseHappenings
     state_names: tuple[str, ...]
     breakpoints: tuple[Breakpoints, ...] | None = None
 
@@ -167,19 +167,14 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     watch = EventFunctions(moving, events, residual_share(projection, motion.atol)) if events else None
     method = motion.integrator if isinstance(motion.integrator, Explicit | FixedStep) else DEFAULT
     derivative = moving.compile_outputs(("xdot", "power") if events else "xdot")
-    projecting, nothing = None, np.zeros((table.count, 0))
-    projector, closed = NOTHING_TO_PROJECT, (nothing, nothing)
+    nothing = np.zeros((table.count, 0))
+    projecting, projector, closed = None, NOTHING_TO_PROJECT, (nothing, nothing)
     if problem.is_closed and not isinstance(constraints, Baumgarte):
-        projecting = problem.compile_outputs(PROJECTED)
-        numbers = problem.numbers(projecting)
-        made = make_projector(
-            projecting, modal.eqs, first.scales, projection, motion.atol, numbers.parameters
-        )
+        projecting, made = _projection(problem, projection, motion.atol)
         closed = made.scales, made.sizes
-        limit = math.inf if isinstance(method, FixedStep) else projection.limit
-        projector = made._replace(
-            inputs=numbers.inputs, scales=made.scales[0], sizes=made.sizes[0], limit=limit
-        )
+        projector = made._replace(scales=made.scales[0], sizes=made.sizes[0])
+    if isinstance(method, FixedStep):
+        projector = projector._replace(limit=math.inf)
     states = np.nan_to_num(first.states)
     tolerances = first.scales.tolerances(modal.eqs, states, motion.atol)
     if events:
@@ -209,6 +204,16 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     return job, Chunk(0, first.states, table.parameters, sizes), dict(first.notes)
 
 
+def _projection(
+    problem: SimulationProblem, method: Projection, atol: float | None
+) -> tuple[CompiledFunction, Projector]:
+    """Return what projects, with the scales and sizes of all cases."""
+    function = problem.compile_outputs(PROJECTED)
+    numbers = problem.numbers(function)
+    made = make_projector(function, problem.eqs, problem.scales, method, atol, numbers.constants)
+    return function, made._replace(inputs=numbers.inputs, parameters=numbers.parameters)
+
+
 def _functions(
     watch: EventFunctions | None, modes: SwitchingModes | None
 ) -> tuple[CompiledFunction | None, ...]:
@@ -220,10 +225,10 @@ def _functions(
 def _happenings(
     watch: EventFunctions | None, modes: SwitchingModes | None, method: Explicit | FixedStep,
     span: tuple[float, float],
-) -> Happenings:  # fmt: skip
+) -> CaseHappenings:  # fmt: skip
     """Return what may happen, as numbers and in words."""
     if watch is None:
-        return Happenings()
+        return CaseHappenings()
     rows = 4 + len(method.tableau.dense)
     block = with_cut_fit(watch.make_block(abs(span[1] - span[0])), rows)
     monitor = EventMonitor(block)
@@ -232,11 +237,11 @@ def _happenings(
     labels, own = tuple(event.label for event in watch.events), watch.events
     events = sum(not isinstance(event, ModeEnd) for event in own)
     if modes is None:
-        return Happenings(block, labels=labels, events=events)
+        return CaseHappenings(block, labels=labels, events=events)
     modes.prepare(block)
     joints, ropes = modes.modal.joints, modes.modal.ropes
     words = mode_words(joints, ropes)
-    return Happenings(block, modes.snapshot(), labels, events, joints, ropes, modes.modal.modes, words)
+    return CaseHappenings(block, modes.snapshot(), labels, events, joints, ropes, modes.modal.modes, words)
 
 
 def _work_tolerances(problem: SimulationProblem, sweep: SweepJob, x: Floats) -> Floats:
