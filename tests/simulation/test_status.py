@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import CODES
+from symbody.simulation.sweeps.records import CODES
 
 
 @pytest.mark.parametrize("status", Status)

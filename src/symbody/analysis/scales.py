@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,11 +131,12 @@ class Scales:
         sizes: Floats = eqs.plans.get(key, find)
         return sizes
 
-    def of_motion(self, k: int) -> Scales:
-        """Return the scales of one of N motions, without the values of its parameters."""
-        length, time, mass = (float(np.asarray(size)[k]) for size in (self.length, self.time, self.mass))
-        one = {name: float(np.asarray(sizes)[k]) for name, sizes in self.equations.items()}
-        return replace(self, length=length, time=time, mass=mass, equations=one, numbers={})
+    def of_motion(self, k: int | NDArray[np.intp]) -> Scales:
+        """Return the scales of one of N motions, or of some, without the values of their parameters."""
+        names = "length", "time", "mass"
+        sizes: dict[str, Any] = {name: np.asarray(getattr(self, name))[k] for name in names}
+        sizes["equations"] = {name: np.asarray(size)[k] for name, size in self.equations.items()}
+        return replace(self, **sizes, numbers={})
 
     def fit_span(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""

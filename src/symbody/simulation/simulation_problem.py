@@ -24,6 +24,7 @@ from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, s
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.description import RightHandSide
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.single_flight import SingleFlight
 
@@ -143,6 +144,13 @@ class SimulationProblem:
         r = self.laws.values(t, q, u)
         return function(t, q.T, u.T, r, self.p) if self.free else function.at_states(t, q.T, u.T, r)
 
+    def numbers(self, function: CompiledFunction) -> RightHandSide:
+        """Return what compiled loops call a function with; of several motions the numbers of the first."""
+        p = self.p.reshape(-1, len(self.free))[0] if self.free else NOTHING
+        inputs, constants = self.laws.held_now(), function.constants(p)
+        tables, n_u = self.laws.table_numbers(), len(function.signature.u)
+        return RightHandSide(function.address, n_u, inputs, p, constants, function.work_size, tables)
+
     def values_at(self, names: Sequence[OutputName], t: float, x: Floats) -> tuple[Any, ...]:
         """Return outputs at one time and state x = (u, q); those of a tuple of names as one array."""
         n_u = len(self.eqs.speed_names)
@@ -212,7 +220,7 @@ class Evaluator:
         if name == VIOLATIONS[0]:
             return self._violation("constraints", t, q, u)
         if name == VIOLATIONS[1]:
-            sizes = self.problem.scales.displacements(self.problem.eqs)[:, np.newaxis]
+            sizes = np.atleast_2d(self.problem.scales.displacements(self.problem.eqs)).T
             fastest = np.abs(u / sizes).max(axis=0, initial=0.0)
             violation = self._violation("velocity_constraints", t, q, u)
             moving = fastest > 0.0
@@ -225,6 +233,6 @@ class Evaluator:
         if not problem.eqs.multiplier_names:
             return np.zeros_like(t)
         values = problem.evaluate(problem.compile_outputs(name, quick=True), t, q, u)
-        scales = problem.scales.constraints(problem.eqs)[: values.shape[-1]]
+        scales = problem.scales.constraints(problem.eqs)[..., : values.shape[-1]]
         largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest

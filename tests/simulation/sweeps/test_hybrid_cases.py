@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.simulation.sweeps import sweep_job, switching_cases, watched_cases
+from symbody.simulation.sweeps import compute, sweep_job
 from tests.simulation.test_events import EXAMPLES, slider_crank
 from tests.simulation.test_friction import dragged
 from tests.simulation.test_impulses import cart_with_pendulum
@@ -210,7 +210,7 @@ def test_workers_compute_the_same(part: int | None, kind: str) -> None:
 @pytest.mark.parametrize("kind", ["ropes", "struck"])
 def test_a_case_does_not_depend_on_room(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     usual = swept(kind)
-    for where, name in ((watched_cases, "_STEPS"), (watched_cases, "_HAPPENED"), (switching_cases, "_ROWS")):
+    for where, name in ((compute, "_STEPS"), (compute, "_HAPPENED"), (compute, "_ROWS")):
         monkeypatch.setattr(where, name, 4)
     assert same(usual, swept(kind))
 

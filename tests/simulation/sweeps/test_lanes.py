@@ -132,7 +132,7 @@ class Sending(concurrent.futures.Executor):
     """Gives each part in arrays that cannot be written to, as they come out of a message."""
 
     def submit(self, function, /, payload, part, threads):  # type: ignore[no-untyped-def]
-        for array in (part.states, part.parameters, part.scales, part.sizes):
+        for array in (part.states, part.parameters, *part.sizes):
             array.flags.writeable = False
         task: concurrent.futures.Future[object] = concurrent.futures.Future()
         task.set_result(function(payload, part, threads))

@@ -25,8 +25,7 @@ from symbody.simulation.events.events import Event, LevelEvent, ModeEnd
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.closing import closing_block, closing_of, metric
-from symbody.simulation.native.description import RightHandSide
+from symbody.simulation.native.closing import Closing, closing_block, closing_of, metric
 from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 
 Floats = NDArray[np.float64]
@@ -57,8 +56,10 @@ class EventFunctions:
 
     Attributes
     ----------
+    functions : tuple of CompiledFunction or None
+        Those of `kernels.event_watch.look`: values, actions, what closes; None for none.
     addresses : tuple of int
-        Where the functions of `kernels.event_watch.look` lie: values, actions, what closes; 0 for none.
+        Where they lie; 0 for none.
 
     Raises
     ------
@@ -89,6 +90,7 @@ class EventFunctions:
         self._closing = None
         if close is not None and close.is_needed:
             self._closing = replace(problem, eqs=close.eqs).compile_outputs(close.outputs)
+        self.functions = self._values, self._actions, self._closing
         functions = [function for function in (self._values, self._actions) if function is not None]
         self._callbacks = [
             CallbackFunction(function, problem.laws) for function in functions if problem.laws.need_python
@@ -129,12 +131,20 @@ class EventFunctions:
         )
         return make_watch_block(numbers_of_events(eqs, self.events, self._values), numbers)
 
+    @property
+    def _close(self) -> Closing:
+        return closing_of(self._problem.eqs, holds=self._actions is not None)
+
+    @property
+    def metric(self) -> Floats:
+        """What counts as large where states are closed, see `native.closing.metric`; of N motions (N, n)."""
+        return metric(self._close.eqs, self._problem.scales)
+
     def _close_by(self, function: CompiledFunction) -> Floats:
         """Return the block of what closes states with a function."""
         sizes = [len(output.values) for output in function.outputs]
-        close = closing_of(self._problem.eqs, holds=self._actions is not None)
-        own = metric(close.eqs, self._problem.scales)
-        return closing_block(close.shape, own, sizes, self._numbers(function), self._share)
+        sizes_of_states = self.metric.reshape(-1, self.metric.shape[-1])[0]
+        return closing_block(self._close.shape, sizes_of_states, sizes, self._numbers(function), self._share)
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
@@ -150,13 +160,7 @@ class EventFunctions:
         check_status(status)
 
     def _numbers(self, function: CompiledFunction) -> Floats:
-        laws, none = self._problem.laws, np.zeros(0)
-        inputs, n_u = laws.held_now(), len(function.signature.u)
-        return function_numbers(
-            RightHandSide(
-                0, n_u, inputs, none, function.constants(), function.work_size, laws.table_numbers()
-            )
-        )
+        return function_numbers(self._problem.numbers(function))
 
 
 def watched_outputs(events: Sequence[Event]) -> tuple[OutputName, ...]:

@@ -15,9 +15,11 @@ from symbody.simulation.events.events import ModeChange, Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 
 Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
 
 _FIRST_ROOM: Final = 16
 _MOST_NOTES: Final = 20  # of shocks
+_MODES: Final = (-1, 0, 1)
 JOINT_WORDS: Final = MappingProxyType({HOLDS: "sticks", 1: "slips forward", -1: "slips backward"})
 ROPE_WORDS: Final = MappingProxyType({HOLDS: "taut", 1: "slack"})
 
@@ -112,37 +114,70 @@ class ModeRecord:
 
     def _changes(self, *, has_first: bool) -> Iterator[tuple[float, str, str, Floats]]:
         """Yield when which element changes its mode, to which, and the state before."""
-        last_modes: dict[str, float] = {}
-        count = len(self._places)
-        for row in self._rows_so_far:
-            t, state = float(row[1]), row[3 + count :]
-            for k, name in enumerate((*self._joints, *self._ropes)):
-                mode = float(row[3 + k])
-                if row[0] == SHOCK and (mode == 0.0 or name not in self._ropes):
-                    continue
-                mode = HOLDS if row[0] == SHOCK else mode
-                if last_modes.get(name) != mode and (has_first or name in last_modes or row[0] == SHOCK):
-                    yield t, name, self._word(name, int(mode)), state
-                last_modes[name] = mode
-
-    def _word(self, name: str, mode: int) -> str:
-        return ROPE_WORDS[mode] if name in self._ropes else JOINT_WORDS[mode]
+        rows, names = self._rows_so_far, (*self._joints, *self._ropes)
+        words, count = mode_words(self._joints, self._ropes), len(names)
+        found = mode_changes(rows, len(self._joints), count)
+        for place, element, word, is_first in zip(*(part.tolist() for part in found), strict=True):
+            if has_first or not is_first:
+                mode = words[word].removeprefix(f"{names[element]} ")
+                yield float(rows[place, 1]), names[element], mode, rows[place, 3 + count :]
 
     @property
     def notes(self) -> Iterator[str]:
         """The shocks of ropes in words."""
-        rows = self._rows_so_far
-        shocks = rows[rows[:, 0] == SHOCK]
-        for row in shocks[:_MOST_NOTES]:
-            pairs = zip(self._ropes, row[3 + len(self._joints) :].tolist(), strict=False)
-            pulls = " and ".join(f"{name} by {impulse:.6g} N s" for name, impulse in pairs if impulse)
-            yield f"at t = {row[1]:.9g} s ropes go taut with an impact: {pulls}; {row[2]:.6g} J are lost"
-        others = shocks[_MOST_NOTES:]
-        if len(others):
-            yield (
-                f"{len(others)} more impacts of ropes until t = {others[-1, 1]:.9g} s; "
-                f"{others[:, 2].sum():.6g} J are lost"
-            )
+        return shock_notes(self._rows_so_far, len(self._joints), self._ropes)
+
+
+def mode_words(joints: Sequence[str], ropes: Sequence[str]) -> tuple[str, ...]:
+    """Return what happens when each element goes over to each of the modes -1, 0, 1; ropes have no -1."""
+    own = [(name, JOINT_WORDS) for name in joints] + [(name, ROPE_WORDS) for name in ropes]
+    return tuple(f"{name} {words.get(mode, '')}" for name, words in own for mode in _MODES)
+
+
+def mode_changes(
+    rows: Floats, joints: int, count: int, first: Sequence[int] = (0,)
+) -> tuple[Places, Places, Places, NDArray[np.bool_]]:
+    """Return which rows of a record change which of the elements: rows, elements, places in `mode_words`.
+
+    Parameters
+    ----------
+    joints, count : int
+        How many of the elements are joints, which come first, and how many there are.
+    first : sequence of int
+        Where the rows of each of several motions begin.
+
+    Returns
+    -------
+    rows, elements, words, are_first : arrays
+        The last says whether it is the first mode of the element, which no change led to.
+    """
+    modes, shocks = rows[:, 3 : 3 + count].copy(), rows[:, 0] == SHOCK
+    is_struck = shocks[:, np.newaxis] & (modes != 0.0) & (np.arange(count) >= joints)
+    starts = np.zeros(len(rows), dtype=np.bool_)
+    starts[[k for k in first if k < len(rows)]] = True
+    for k in np.flatnonzero(shocks).tolist():  # what a shock does not pull stays in its mode
+        modes[k] = np.where(is_struck[k], float(HOLDS), np.nan if starts[k] else modes[k - 1])
+    before = np.full_like(modes, np.nan)
+    before[1:] = modes[:-1]
+    before[starts] = np.nan
+    place, element = np.nonzero((modes != before) & ~np.isnan(modes))
+    words = len(_MODES) * element + modes[place, element].astype(np.intp) - _MODES[0]
+    return place, element, words, np.isnan(before[place, element]) & ~shocks[place]
+
+
+def shock_notes(rows: Floats, joints: int, ropes: Sequence[str]) -> Iterator[str]:
+    """Yield the shocks of ropes in a record in words."""
+    shocks = rows[rows[:, 0] == SHOCK]
+    for row in shocks[:_MOST_NOTES]:
+        pairs = zip(ropes, row[3 + joints :].tolist(), strict=False)
+        pulls = " and ".join(f"{name} by {impulse:.6g} N s" for name, impulse in pairs if impulse)
+        yield f"at t = {row[1]:.9g} s ropes go taut with an impact: {pulls}; {row[2]:.6g} J are lost"
+    others = shocks[_MOST_NOTES:]
+    if len(others):
+        yield (
+            f"{len(others)} more impacts of ropes until t = {others[-1, 1]:.9g} s; "
+            f"{others[:, 2].sum():.6g} J are lost"
+        )
 
 
 def held_modes(

@@ -43,7 +43,7 @@ from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.description import LoopCall, RightHandSide
+from symbody.simulation.native.description import NO_TABLES, LoopCall, RightHandSide
 from symbody.simulation.native.segments import HeldValues
 from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 from symbody.simulation.status import Status
@@ -159,16 +159,21 @@ class SwitchingModes:
         return function, callback, callback.address
 
     def _make_block(self, problem: SimulationProblem) -> Floats:
-        first, tables = len(problem.laws.callbacks), problem.laws.table_numbers()
+        moving = replace(problem, eqs=self.modal.eqs, laws=problem.laws.with_held(loose_modes(self.modal)))
         deciding, projecting = (
-            problem.compile_outputs(deciding_outputs(self.modal)),
-            _projecting_function(problem, self.modal),
-        )
-        return mode_block(
-            self.modal, problem.eqs, problem.scales, first,
-            (_numbers(deciding, first, tables), _size(deciding)),
-            (_numbers(projecting, first + len(self.modal.names), np.zeros(0)), _size(projecting)),
+            problem.compile_outputs(deciding_outputs(self.modal)), moving.compile_outputs(PROJECTED)
         )  # fmt: skip
+        numbers = problem.numbers(deciding), moving.numbers(projecting)._replace(tables=NO_TABLES)
+        return mode_block(
+            self.modal, problem.eqs, problem.scales, len(problem.laws.callbacks),
+            (function_numbers(numbers[0]), _size(deciding)),
+            (function_numbers(numbers[1]), _size(projecting)),
+        )  # fmt: skip
+
+    @property
+    def functions(self) -> tuple[CompiledFunction, CompiledFunction]:
+        """What decides about modes, and what projects speeds."""
+        return self._functions
 
     @property
     def idle_rows(self) -> frozenset[str]:
@@ -411,12 +416,6 @@ class _Sampling:
             self._held.make_room(code)
 
 
-def _projecting_function(problem: SimulationProblem, modal: ModalEquations) -> CompiledFunction:
-    """Return what projects states, with the modes as inputs."""
-    laws = problem.laws.with_held(loose_modes(modal))
-    return replace(problem, eqs=modal.eqs, laws=laws).compile_outputs(PROJECTED)
-
-
 def loose_modes(modal: ModalEquations) -> dict[str, HeldLaw]:
     """Return laws of the modes by which nothing holds."""
     return {name: HeldLaw(_Loose(), name) for name in modal.modes}
@@ -432,15 +431,6 @@ class _Loose:
     def values_at(self, name: str, t: Floats) -> Floats:
         """Return the mode at times (N,)."""
         return np.full(np.shape(t), float(LOOSE))
-
-
-def _numbers(function: CompiledFunction, inputs: int, tables: Floats) -> Floats:
-    return function_numbers(
-        RightHandSide(
-            0, len(function.signature.u), np.zeros(inputs), np.zeros(0), function.constants(),
-            function.work_size, tables,
-        )
-    )  # fmt: skip
 
 
 def switching_modes(problem: SimulationProblem) -> SwitchingModes | None:

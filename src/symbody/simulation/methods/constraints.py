@@ -167,15 +167,20 @@ def make_projector(
     sizes: Scales,
     method: Projection,
     atol: float | None,
+    constants: Floats | None = None,
 ) -> Projector:
-    """Return what the compiled loop calls to project; `function` computes `PROJECTED`."""
+    """Return what the compiled loop calls to project; `function` computes `PROJECTED`.
+
+    Where `sizes` are those of N motions, the scales and sizes of what is returned are arrays (N, n).
+    """
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
     tolerance = residual_share(method, atol)
-    scales = sizes.constraints(eqs)[: len(eqs.formed.holonomic)]
-    ones = np.ones(function.outputs[0].shape[0])
-    ones[: scales.size] = scales
+    scales = sizes.constraints(eqs)[..., : len(eqs.formed.holonomic)]
+    ones = np.ones((*scales.shape[:-1], function.outputs[0].shape[0]))  # norms of quaternions come last
+    ones[..., : scales.shape[-1]] = scales
     return Projector(
-        function.address, n_u, _EMPTY, _EMPTY, function.constants(), function.work_size, n_q,
+        function.address, n_u, _EMPTY, _EMPTY,
+        function.constants() if constants is None else constants, function.work_size, n_q,
         tolerance * ones, method.limit, sizes.coordinates(eqs),
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
         sum(len(output.values) for output in function.outputs),

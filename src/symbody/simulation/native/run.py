@@ -103,19 +103,24 @@ class RawRun:
     @property
     def reach(self) -> str:
         """How far the motion is known, in words."""
-        return f"the motion is known up to t = {self.reached:.9g} s"
+        return stop_words(self.status, self.reached)
 
     def stop_note(self, state_names: Sequence[str]) -> str:
         """Return where and on whose account the run ended early, empty if it did not."""
         if self.status.success:
             return ""
-        note = self.reach
-        if self.state is not None:
-            verb = "changes too fast" if self.status is Status.STEP_COLLAPSE else "has no finite derivative"
-            note += f"; there {state_names[self.state]} {verb}"
+        blamed = "" if self.state is None else state_names[self.state]
+        note = stop_words(self.status, self.reached, blamed)
         if self.kernel is not None:
             note += f"; there linear system {self.kernel + 1} of the accelerations is singular"
         return note
+
+
+def stop_words(status: Status, reached: float, blamed: str = "") -> str:
+    """Return up to when a motion is known, and which state is to blame if one is."""
+    words = f"the motion is known up to t = {reached:.9g} s"
+    verb = "changes too fast" if status is Status.STEP_COLLAPSE else "has no finite derivative"
+    return f"{words}; there {blamed} {verb}" if blamed else words
 
 
 class NativeRun(NamedTuple):

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Final
-
 import numpy as np
 
 from symbody.equations.equation_set import EquationSet
@@ -22,30 +18,8 @@ from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.records import NOT_STARTED, CaseDetails, Records
+from symbody.simulation.sweeps.records import CODES, CaseDetails, Records
 from symbody.simulation.sweeps.sweep_job import SweepJob
-
-# Codes of cases that were computed one by one. Stores keep them: a number is never given to another status.
-CODES: Final[Mapping[Status, int]] = MappingProxyType(
-    {
-        Status.SUCCESS: 100,
-        Status.STOPPED: 101,
-        Status.STEP_COLLAPSE: 102,
-        Status.NOT_FINITE: 103,
-        Status.SINGULAR: 104,
-        Status.FRICTION: 105,
-        Status.DEPENDENT_SPEEDS: 106,
-        Status.TOO_MANY_STEPS: 107,
-        Status.STIFF: 108,
-        Status.CHATTERING: 109,
-        Status.NOT_STARTED: 110,
-        Status.WORKER_LOST: 111,
-        Status.INTERRUPTED: 112,
-        Status.OUT_OF_MEMORY: 113,
-        Status.UNMET_ACTION: 114,
-    }
-)
-STATUSES: Final[Mapping[int, Status]] = MappingProxyType({code: status for status, code in CODES.items()})
 
 
 def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
@@ -82,7 +56,7 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     try:
         run = job.simulate_case(case)
     except SymbodyError as error:
-        records.codes[row] = NOT_STARTED
+        records.codes[row] = CODES[Status.NOT_STARTED]
         records.details[case] = CaseDetails(str(error))
         return
     samples = run.t.size
@@ -99,9 +73,12 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     }
     records.counts[row] = [counts.get(name, 0) for name in Counts.fields]
     records.reached[row] = run.t[-1] if samples else np.nan
+    names = tuple(dict.fromkeys(event.name for event in run.events))
+    happened = [(names.index(event.name), event.t, *event.state.values()) for event in run.events]
     records.details[case] = CaseDetails(
         "; ".join(run.notes),
-        run.events,
+        names,
+        np.array(happened, dtype=np.float64),
         run.stored["work"][:samples],
         held_modes(modal.modes, modal.names, run.modes),
         _held_values(job, run),

@@ -12,7 +12,6 @@ from symbody.analysis.scales import Scales
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import modal_equations, switches
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord
-from symbody.simulation.results.evaluate import EvaluateTogether
 from symbody.simulation.results.measured_angles import count_turns
 from symbody.simulation.results.provenance import Provenance, provenance_of
 from symbody.simulation.simulation_problem import VIOLATIONS, Evaluator
@@ -23,6 +22,22 @@ from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Places = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _HeldAlong:
+    """Held values at samples of several cases: the record of each, and which samples are its own."""
+
+    records: tuple[tuple[HeldRecord, slice], ...]
+
+    def current(self, name: str) -> float:
+        """Return the last value."""
+        return self.records[-1][0].current(name)
+
+    def values_at(self, name: str, t: Floats) -> Floats:
+        """Return a value at the times of the samples."""
+        return np.concatenate([record.values_at(name, t[own]) for record, own in self.records])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,45 +68,59 @@ class CaseOutputs:
         job = self.job
         return scales_of_cases(self.eqs, job.table, near, job.motion.span, job.scales)
 
-    def of_case(self, case: int) -> EvaluateTogether:
-        """Return what computes the outputs of one case."""
-        job, details = self.job, self.details.get(case)
-        problem, scales = job.motion.problem, self._scales.get(None, self._find_scales).of_motion(case)
-        laws, p = job.laws, job.table.parameters[case]
-        if details is not None and details.held is not None:
-            held = {name: HeldLaw(details.held, name) for name in details.held.names}
-            laws = replace(
-                laws, callbacks={name: held.get(name, law) for name, law in laws.callbacks.items()}
-            )
-        eqs = self.eqs
-        if details is not None and details.modes is not None:
-            laws = laws.with_held({name: HeldLaw(details.modes, name) for name in details.modes.names})
-            eqs = modal_equations(eqs).eqs
-        return Evaluator(replace(problem, eqs=eqs, laws=laws, scales=scales, p=p), None)
+    def of_case(self, case: int) -> Evaluator:
+        """Return what computes the outputs of one case at any times."""
+        return self._evaluator(case, has_scales=True)
+
+    def _evaluator(self, case: int | Places, *, has_scales: bool) -> Evaluator:
+        """Return what computes the outputs of one case, or of one for each of some samples, in order.
+
+        Along all of them modes change or none, and values are held or none; see `_kind`.
+        """
+        numbers, starts = np.unique(np.atleast_1d(case), return_index=True)
+        eqs, laws, own = self.eqs, self.job.laws, list[CaseDetails]()
+        if any(self._kind(int(numbers[0])) if numbers.size else ()):
+            own = [self.details[k] for k in numbers.tolist()]
+        places = [slice(*ends) for ends in zip(starts, [*starts[1:], None], strict=True)]
+        for kind in ("held", "modes"):
+            records = [record for each in own if (record := getattr(each, kind)) is not None]
+            if records:
+                source = _HeldAlong(tuple(zip(records, places, strict=True)))
+                names = [n for n in records[0].names if kind == "modes" or n in laws.callbacks]
+                laws = laws.with_held({name: HeldLaw(source, name) for name in names})
+                eqs = modal_equations(eqs).eqs if kind == "modes" else eqs
+        problem = replace(self.job.motion.problem, eqs=eqs, laws=laws, p=self.job.table.parameters[case])
+        if has_scales:
+            problem = replace(problem, scales=self._scales.get(None, self._find_scales).of_motion(case))
+        return Evaluator(problem, None)
+
+    def _kind(self, case: int) -> tuple[bool, bool]:
+        """Return whether modes changed along a case, and whether values were held."""
+        details = self.details.get(case)
+        return details is not None and details.modes is not None, bool(details and details.held)
 
     def evaluate(self, name: str) -> Floats:
         """Return an output with cases first and time last."""
-        x, t = self.x, self.job.times
+        x, t, n_u = self.x, self.job.times, len(self.eqs.speed_names)
         is_known: Flags = np.asarray(np.isfinite(x).all(axis=1))
         if name == "work" and {*np.nonzero(is_known)[0].tolist()} <= {*self.details}:
             return self._work(is_known)
-        is_serial = np.full(len(x), name in (*VIOLATIONS, *self.eqs.wrapped_angles))
-        is_serial[[case for case, details in self.details.items() if details.modes or details.held]] = True
-        case, sample = np.nonzero(is_known & ~is_serial[:, np.newaxis])
-        n_u, p = len(self.eqs.speed_names), self.job.table.parameters[case]
-        problem = replace(self.job.motion.problem, p=p)
-        rows = x[case, :, sample].T
-        parts = []
-        if case.size or not (is_known.any(axis=1) & is_serial).any():
-            parts.append((case, sample, Evaluator(problem, None)(name, t[sample], rows[n_u:], rows[:n_u])))
-        for k in np.flatnonzero(is_known.any(axis=1) & is_serial).tolist():
-            at, states = t[is_known[k]], x[k][:, is_known[k]]
-            q, u, evaluate = states[n_u:], states[:n_u], self.of_case(k)
-            values = count_turns(evaluate, name, evaluate(name, at, q, u), at, q, u)
-            parts.append((np.full(at.size, k), np.flatnonzero(is_known[k]), values))
-        whole = np.full((len(x), *parts[0][2].shape[:-1], t.size), np.nan)
-        for case, sample, values in parts:
-            np.moveaxis(whole, -1, 1)[case, sample] = np.moveaxis(values, -1, 0)
+        groups: dict[tuple[bool, bool, int], list[int]] = {}
+        is_counted = name in self.eqs.wrapped_angles  # from sample to sample of each case
+        for case in np.flatnonzero(is_known.any(axis=1)).tolist():
+            groups.setdefault((*self._kind(case), case if is_counted else -1), []).append(case)
+        whole: Floats | None = None
+        for cases in groups.values() or [[]]:
+            own, sample = np.nonzero(is_known[cases])
+            every = np.array(cases, dtype=np.intp)[own]
+            rows, at = x[every, :, sample].T, t[sample]
+            evaluate = self._evaluator(every, has_scales=name in VIOLATIONS)
+            values = evaluate(name, at, rows[n_u:], rows[:n_u])
+            if is_counted:
+                values = count_turns(evaluate, name, values, at, rows[n_u:], rows[:n_u])
+            whole = np.full((len(x), *values.shape[:-1], t.size), np.nan) if whole is None else whole
+            np.moveaxis(whole, -1, 1)[every, sample] = np.moveaxis(values, -1, 0)
+        assert whole is not None
         return whole
 
     def provenance(self, case: int) -> Provenance | None:

@@ -2,67 +2,146 @@
 
 from __future__ import annotations
 
+import math
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Final
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.scales import Scales
-from symbody.codegen.formation.bound_function import bound_function
-from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.rounding_rows import RoundingRows
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.modal_equations import ModalEquations, modal_equations
+from symbody.equations.solving.modal_equations import modal_equations
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
+from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.kernels.step_bounds import EPSILON
-from symbody.simulation.events.event_functions import (
-    action_outputs,
-    check_action_shapes,
-    check_value_shapes,
-    numbers_of_events,
-)
-from symbody.simulation.events.events import Event
-from symbody.simulation.hybrid.switching import (
-    check_backwards,
-    deciding_outputs,
-    mode_block,
-    mode_ends,
-)
+from symbody.simulation.events.event_functions import EventFunctions
+from symbody.simulation.events.events import ModeEnd
+from symbody.simulation.events.watch_arrays import with_cut_fit
+from symbody.simulation.hybrid.mode_record import mode_words
+from symbody.simulation.hybrid.switching import SwitchingModes, check_backwards, loose_modes
 from symbody.simulation.inputs.breakpoints import Breakpoints, search_ahead
+from symbody.simulation.inputs.tables import Table
+from symbody.simulation.inputs.time_functions import TimeFunctions, time_functions
 from symbody.simulation.methods.constraints import (
     PROJECTED,
-    ROUNDED_PER_COORDINATE,
     Baumgarte,
     Projection,
+    make_projector,
     residual_share,
 )
-from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
-from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.closing import closing_of, metric
-from symbody.simulation.simulation_problem import OutputName
+from symbody.simulation.native.description import Projector, RightHandSide
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.simulation.sweeps.first_states import first_states
-from symbody.simulation.sweeps.records import CaseModes, CaseWatch, Chunk, LoopJob
+from symbody.simulation.sweeps.records import Chunk
 from symbody.simulation.sweeps.sweep_job import SweepJob
-from symbody.simulation.sweeps.watched_cases import case_function, case_numbers
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
 
 # Cases from which on several are computed side by side.
 CASES_THAT_PAY: Final = 256
+_NOTHING: Final = np.zeros(0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseHappenings:
+    """What may happen in a case beside smooth motion.
+
+    Attributes
+    ----------
+    watch, modes : arrays
+        The `EventMonitor` and the `ModeSwitch` of a motion that has not begun; zeros where there is none.
+    labels : tuple of str
+        Names of the events, those that end modes last.
+    events : int
+        How many are the caller's.
+    joints, ropes, inputs : tuples of str
+        What has modes, in the order of the switch, and the inputs that are modes.
+    words : tuple of str
+        What a change of a mode is called, as `mode_words` lists them.
+    """
+
+    watch: Floats = field(default_factory=lambda: np.zeros(EventMonitor.size))
+    modes: Floats = field(default_factory=lambda: np.zeros(ModeSwitch.size))
+    labels: tuple[str, ...] = ()
+    events: int = 0
+    joints: tuple[str, ...] = ()
+    ropes: tuple[str, ...] = ()
+    inputs: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoopJob:
+    """A sweep for the compiled loop over many cases.
+
+    Attributes
+    ----------
+    functions : tuple of CompiledFunction or None
+        With what varies as their arguments p: the derivative, with the power behind it where anything may
+        happen; what projects; the values of events, their actions and what closes states; what decides about
+        modes, and what projects speeds there.
+    rhs, projector : RightHandSide and Projector
+        The first two with the numbers of the first case.
+    times : (N,) array
+        The samples to store.
+    lanes : bool
+        Whether several cases are computed side by side; results do not depend on it.
+    tables : mapping of place to Table
+        The inputs r of the derivative that are tables: all of them, but for modes behind them.
+    happens : CaseHappenings
+        Events and modes.
+    state_names : tuple of str
+        Speeds, coordinates, states of signals.
+    breakpoints : tuple of Breakpoints or None
+        Of all cases the same, or to be found for each from its parameters.
+    """
+
+    functions: tuple[CompiledFunction | None, ...]
+    rhs: RightHandSide
+    projector: Projector
+    span: tuple[float, float]
+    times: Floats
+    method: Explicit | FixedStep
+    rtol: float
+    max_steps: int
+    stop_when_stiff: bool
+    lanes: bool
+    tables: Mapping[int, Table]
+    happens: CaseHappenings
+    state_names: tuple[str, ...]
+    breakpoints: tuple[Breakpoints, ...] | None = None
+
+    @property
+    def state_size(self) -> int:
+        """Number of speeds, coordinates and states of signals."""
+        return len(self.state_names)
+
+    @property
+    def derivative(self) -> CompiledFunction:
+        """The first of the functions."""
+        assert self.functions[0] is not None
+        return self.functions[0]
+
+    def functions_of_time(self, *, with_parameters: bool) -> list[TimeFunctions | None]:
+        """Return what the derivative and the values of events compute from time, and perhaps what varies."""
+        read = [function.sequence for function in self.functions[:3:2] if function is not None]
+        return [time_functions(each, self.tables, with_parameters=with_parameters) for each in read]
 
 
 def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     """Return code and numbers for the loop over many cases, and why some cannot start.
+
+    All of it is that of one motion whose numbers are those of many: `simulate` makes the same.
 
     Raises
     ------
@@ -71,33 +150,45 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     UsageError
         If an event does not watch a number.
     """
-    table, laws, motion, modal = sweep.table, sweep.laws, sweep.motion, modal_equations(sweep.eqs)
-    constraints, span, eqs = motion.constraints, motion.span, modal.eqs
-    first = first_states(sweep.eqs, table, sweep.guess, laws.formulas, span, sweep.scales)
-    stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
-    values = table.fixed_parameters, table.parameter_names, laws.formulas
-    events = (*motion.events, *mode_ends(modal))
-    function = bound_function(stabilized, ("xdot", "power") if events else "xdot", *values)
-    projection = constraints if isinstance(constraints, Projection) else Projection()
-    tolerance = residual_share(projection, motion.atol)
-    watch = case_watch(stabilized, events, tolerance, *values) if events else None
-    method = motion.integrator if isinstance(motion.integrator, Explicit | FixedStep) else DEFAULT
-    closing, scales, sizes = None, np.zeros((table.count, 0)), np.zeros((table.count, 0))
-    rounding, limit = 0.0, np.inf
-    if (eqs.multiplier_names or eqs.quaternions) and not isinstance(constraints, Baumgarte):
-        closing = bound_function(eqs, PROJECTED, *values)
-        scales = np.ones((table.count, closing.outputs[0].shape[0]))  # norms of quaternions come last
-        scales[:, : len(eqs.formed.holonomic)] = first.scales.constraints(eqs)[:, : len(eqs.formed.holonomic)]
-        scales, sizes = tolerance * scales, first.scales.coordinates(eqs)
-        rounding = ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance
-        limit = np.inf if isinstance(method, FixedStep) else projection.limit
-    modes, mode_sizes = None, np.zeros((table.count, 0))
+    table, motion, modal = sweep.table, sweep.motion, modal_equations(sweep.eqs)
+    constraints, span = motion.constraints, motion.span
+    first = first_states(sweep.eqs, table, sweep.guess, sweep.laws.formulas, span, sweep.scales)
+    source = replace(motion.problem, scales=first.scales, p=table.parameters)
+    laws = sweep.laws.with_held(loose_modes(modal))
+    problem = moving = replace(source, eqs=modal.eqs, laws=laws)
+    if isinstance(constraints, Baumgarte):
+        moving = replace(problem, eqs=constraints.applied(modal.eqs))
+    modes, events = None, motion.events
     if modal.modes:
         check_backwards(span)
-        modes, mode_sizes = _case_modes(sweep, modal, first.scales), _mode_sizes(sweep.eqs, first.scales)
+        modes = SwitchingModes(replace(source, scales=first.scales.of_motion(0)))
+        events = (*events, *modes.ends)
+    projection = constraints if isinstance(constraints, Projection) else Projection()
+    watch = EventFunctions(moving, events, residual_share(projection, motion.atol)) if events else None
+    method = motion.integrator if isinstance(motion.integrator, Explicit | FixedStep) else DEFAULT
+    derivative = moving.compile_outputs(("xdot", "power") if events else "xdot")
+    nothing = np.zeros((table.count, 0))
+    projecting, projector, closed = None, NOTHING_TO_PROJECT, (nothing, nothing)
+    if problem.is_closed and not isinstance(constraints, Baumgarte):
+        projecting, made = _projection(problem, projection, motion.atol)
+        closed = made.scales, made.sizes
+        projector = made._replace(scales=made.scales[0], sizes=made.sizes[0])
+    if isinstance(method, FixedStep):
+        projector = projector._replace(limit=math.inf)
+    states = np.nan_to_num(first.states)
+    tolerances = first.scales.tolerances(modal.eqs, states, motion.atol)
+    if events:
+        tolerances = np.column_stack([tolerances, _work_tolerances(source, sweep, states)])
+    sizes = (tolerances, *closed, nothing, nothing)
+    if watch is not None and watch.functions[-1] is not None:
+        sizes = (*sizes[:3], watch.metric, nothing)
+    if modes is not None:  # lengths, times, displacements that count as large
+        large: Any = first.scales.length, first.scales.time, first.scales.displacements(sweep.eqs)
+        sizes = (*sizes[:4], np.column_stack(large))
     job = LoopJob(
-        function,
-        closing,
+        (derivative, projecting, *_functions(watch, modes)),
+        moving.numbers(derivative),
+        projector,
         span,
         sweep.times,
         method,
@@ -105,92 +196,62 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         motion.max_steps,
         stop_when_stiff=motion.integrator is None and modes is None,
         lanes=table.count >= CASES_THAT_PAY if sweep.lanes is None else sweep.lanes,
-        rounding=rounding,
-        limit=limit,
-        tables=laws.tables,
-        watch=watch,
-        modes=modes,
+        tables=sweep.laws.tables,
+        happens=_happenings(watch, modes, method, span),
+        state_names=sweep.eqs.state_names,
     )
     job = replace(job, breakpoints=_breakpoints(job))
-    states = np.nan_to_num(first.states)
-    tolerances, own_metric = first.scales.tolerances(eqs, states, motion.atol), np.zeros((table.count, 0))
-    if watch is not None:
-        energies = bound_function(sweep.eqs, "kinetic_energy", *values, quick=True)
-        tolerances = np.column_stack([tolerances, _work_tolerances(energies, sweep, states, first.scales)])
-    if watch is not None and watch.closing is not None:
-        own_metric = metric(closing_of(stabilized, holds=watch.actions is not None).eqs, first.scales)
-    chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances, own_metric, mode_sizes)
-    return job, chunk, dict(first.notes)
+    return job, Chunk(0, first.states, table.parameters, sizes), dict(first.notes)
 
 
-def case_watch(
-    eqs: EquationSet,
-    events: Sequence[Event],
-    share: float,
-    parameters: Mapping[str, Value],
-    free: Sequence[str],
-    inputs: Mapping[str, Value],
-) -> CaseWatch:
-    """Return what is watched in all cases; constraints that are open by a share are closed after actions.
-
-    Raises
-    ------
-    UsageError
-        If a value is not a number.
-    """
-    values = bound_function(eqs, [str(event.expression) for event in events], parameters, free, inputs)
-    outputs = action_outputs(events)
-    actions = bound_function(eqs, outputs, parameters, free, inputs) if outputs else None
-    check_value_shapes(events, values.outputs)
-    check_action_shapes(events, actions.outputs[1:-1] if actions else ())
-    labels = tuple(event.label for event in events)
-    closing, close = None, closing_of(eqs, holds=bool(outputs))
-    if close.is_needed and any(event.action != "record" for event in events):
-        closing = bound_function(close.eqs, close.outputs, parameters, free, inputs)
-    return CaseWatch(
-        values, actions, labels, numbers_of_events(eqs, events, values), eqs.state_names,
-        closing, close.shape, share,
-    )  # fmt: skip
+def _projection(
+    problem: SimulationProblem, method: Projection, atol: float | None
+) -> tuple[CompiledFunction, Projector]:
+    """Return what projects, with the scales and sizes of all cases."""
+    function = problem.compile_outputs(PROJECTED)
+    numbers = problem.numbers(function)
+    made = make_projector(function, problem.eqs, problem.scales, method, atol, numbers.constants)
+    return function, made._replace(inputs=numbers.inputs, parameters=numbers.parameters)
 
 
-def _case_modes(sweep: SweepJob, modal: ModalEquations, scales: Scales) -> CaseModes:
-    """Return what decides about modes; sizes in its block are those of the first case."""
-    table, laws = sweep.table, sweep.laws
-    values = table.fixed_parameters, table.parameter_names, laws.formulas
-    deciding = bound_function(sweep.eqs, _flat(deciding_outputs(modal)), *values)
-    projecting = bound_function(modal.eqs, PROJECTED, *values)
-    sized = [
-        (case_numbers(function, table.parameters[:1]), sum(len(output.values) for output in function.outputs))
-        for function in (deciding, projecting)
-    ]
-    count = len(laws.tables)
-    block = mode_block(
-        modal, sweep.eqs, scales.of_motion(0), count,
-        (function_numbers(case_function(deciding, sized[0][0], count, laws.tables)), sized[0][1]),
-        (function_numbers(case_function(projecting, sized[1][0], count + len(modal.modes))), sized[1][1]),
-    )  # fmt: skip
-    ModeSwitch(block).first_event = len(sweep.motion.events)
-    return CaseModes(deciding, projecting, block, modal.modes, modal.joints, modal.ropes)
+def _functions(
+    watch: EventFunctions | None, modes: SwitchingModes | None
+) -> tuple[CompiledFunction | None, ...]:
+    """Return the functions of events and those of modes."""
+    watched = (None, None, None) if watch is None else watch.functions
+    return (*watched, *((None, None) if modes is None else modes.functions))
 
 
-def _flat(outputs: Sequence[OutputName]) -> list[str]:
-    """Return all names of outputs: one function computes them, in this order, combined or not."""
-    return [name for each in outputs for name in ((each,) if isinstance(each, str) else each)]
+def _happenings(
+    watch: EventFunctions | None, modes: SwitchingModes | None, method: Explicit | FixedStep,
+    span: tuple[float, float],
+) -> CaseHappenings:  # fmt: skip
+    """Return what may happen, as numbers and in words."""
+    if watch is None:
+        return CaseHappenings()
+    rows = 4 + len(method.tableau.dense)
+    block = with_cut_fit(watch.make_block(abs(span[1] - span[0])), rows)
+    monitor = EventMonitor(block)
+    monitor.piece_rows, monitor.direction = rows, 1.0 if span[1] >= span[0] else -1.0
+    monitor.first_length = float(method.first_step or 0.0)
+    labels, own = tuple(event.label for event in watch.events), watch.events
+    events = sum(not isinstance(event, ModeEnd) for event in own)
+    if modes is None:
+        return CaseHappenings(block, labels=labels, events=events)
+    modes.prepare(block)
+    joints, ropes = modes.modal.joints, modes.modal.ropes
+    words = mode_words(joints, ropes)
+    return CaseHappenings(block, modes.snapshot(), labels, events, joints, ropes, modes.modal.modes, words)
 
 
-def _mode_sizes(eqs: EquationSet, scales: Scales) -> Floats:
-    """Return what counts as large where modes are decided: lengths, times, displacements of all cases."""
-    return np.column_stack([scales.length, scales.time, scales.displacements(eqs)])
-
-
-def _work_tolerances(energies: CompiledFunction, sweep: SweepJob, x: Floats, scales: Scales) -> Floats:
+def _work_tolerances(problem: SimulationProblem, sweep: SweepJob, x: Floats) -> Floats:
     """Return how large a local error of the work may be in each case, as `integration.work_tolerance`."""
     n_u, start = len(sweep.eqs.speed_names), np.full(len(x), sweep.motion.span[0])
-    q, u = x[:, n_u:], x[:, :n_u]
-    inputs = sweep.laws.values(start, q.T, u.T)
-    kinetic = np.broadcast_to(energies(start, q, u, inputs, sweep.table.parameters), start.shape)
-    usual = CLOSED * scales.energy if sweep.motion.atol is None else sweep.motion.atol
-    return np.minimum(np.maximum(usual, sweep.motion.rtol * kinetic), sys.float_info.max)
+    energies = problem.compile_outputs("kinetic_energy", quick=True)
+    kinetic = problem.evaluate(energies, start, x[:, n_u:].T, x[:, :n_u].T)
+    usual = CLOSED * problem.scales.energy if sweep.motion.atol is None else sweep.motion.atol
+    largest = np.maximum(usual, sweep.motion.rtol * np.broadcast_to(kinetic, start.shape))
+    return np.minimum(largest, sys.float_info.max)
 
 
 def _breakpoints(job: LoopJob) -> tuple[Breakpoints, ...] | None:

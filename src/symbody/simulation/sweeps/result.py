@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -11,16 +11,14 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
-from symbody.kernels import block as at
 from symbody.kernels.block import Counts
 from symbody.notebook import Displayed
-from symbody.simulation.native.run import VERDICTS, Statistics
+from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import STATUSES
 from symbody.simulation.sweeps.evaluation import CaseOutputs
-from symbody.simulation.sweeps.records import NOT_ENDED, NOT_STARTED, WORKER_LOST, Records
+from symbody.simulation.sweeps.records import STATUSES, Records
 from symbody.simulation.sweeps.sweep_job import SweepJob
 
 if TYPE_CHECKING:
@@ -30,7 +28,6 @@ Floats = NDArray[np.float64]
 
 # Columns of `Records.counts`.
 _COLUMNS = [Counts.layout[name] for name in ("accepted", "rejected", "evaluations", "samples")]
-_BLAMED = Counts.layout["blamed_state"]
 # Columns of `Sweep.counts`.
 _ACCEPTED, _REJECTED, _EVALUATIONS, _SAMPLES = range(4)
 
@@ -183,7 +180,7 @@ class Sweep(Displayed):
             notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
             name=self.name,
             provenance=self.evaluation.provenance(case),
-            events=() if details is None else details.events,
+            events=() if details is None else details.events(self.state_names),
             s=self.x[case, n:, :samples],
             signal_state_names=self.evaluation.eqs.signal_state_names,
             stored={} if details is None or details.work is None else {"work": details.work},
@@ -234,15 +231,12 @@ class Sweep(Displayed):
 def sweep_result(job: SweepJob, records: Records, notes: tuple[str, ...]) -> Sweep:
     """Return the motions of a sweep from the records of its cases."""
     eqs, x = job.eqs, np.moveaxis(records.x, 1, 2)
-    codes = records.codes.tolist()
-    verdicts = {code: _status(code) for code in {*codes}}
     case_notes = {case: details.notes for case, details in records.details.items() if details.notes}
-    case_notes = {**_stop_notes(records, eqs.state_names), **case_notes}
     return Sweep(
         job.times,
         x,
         job.table.columns(),
-        tuple(verdicts[code] for code in codes),
+        tuple(STATUSES[code] for code in records.codes.tolist()),
         records.counts[:, _COLUMNS],
         records.reached,
         CaseOutputs(job, records.details, x),
@@ -253,29 +247,3 @@ def sweep_result(job: SweepJob, records: Records, notes: tuple[str, ...]) -> Swe
         eqs.units,
         eqs.model.name,
     )
-
-
-def _status(code: int) -> Status:
-    """Return the verdict that a code stands for."""
-    if code in STATUSES:
-        return STATUSES[code]
-    others = {
-        NOT_ENDED: Status.INTERRUPTED,
-        NOT_STARTED: Status.NOT_STARTED,
-        WORKER_LOST: Status.WORKER_LOST,
-    }
-    return others[code] if code in others else VERDICTS[code]
-
-
-def _stop_notes(records: Records, names: Sequence[str]) -> dict[int, str]:
-    """Return when, and on whose account, motions in the compiled loop ended early."""
-    notes = {}
-    codes = (at.COLLAPSED, at.NOT_FINITE, at.SINGULAR, at.TOO_MANY)
-    for case in np.flatnonzero(np.isin(records.codes, codes)).tolist():
-        code = int(records.codes[case])
-        note = f"the motion is known up to t = {records.reached[case]:.9g} s"
-        if code in (at.COLLAPSED, at.NOT_FINITE):
-            verb = "changes too fast" if code == at.COLLAPSED else "has no finite derivative"
-            note += f"; there {names[records.counts[case, _BLAMED]]} {verb}"
-        notes[case] = note
-    return notes

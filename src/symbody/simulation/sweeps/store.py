@@ -13,13 +13,12 @@ from typing import Any, Final
 import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
-from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.results.archive import read_arrays
 from symbody.simulation.sweeps.records import CaseDetails, Records
 from symbody.storage import move_into_place
 
-_FORMAT: Final = "symbody sweep 5"
+_FORMAT: Final = "symbody sweep 6"
 _ABOUT: Final = "sweep.json"
 _NAME: Final = re.compile(r"cases_(\d+)_(\d+)\.npz")
 
@@ -126,7 +125,8 @@ def _read_details(text: str) -> dict[int, CaseDetails]:
     return {
         int(case): CaseDetails(
             str(about["notes"]),
-            tuple(Occurrence(str(name), float(t), dict(state)) for name, t, state in about["events"]),
+            tuple(about["names"]),
+            np.array(about["happened"], dtype=np.float64),
             None if about["work"] is None else np.array(about["work"], dtype=np.float64),
             _held_record(about["modes"]),
             _held_record(about.get("held")),

@@ -18,7 +18,6 @@ from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import modal_equations, permanent_equations
 from symbody.errors import SymbodyError
-from symbody.kernels import block as at
 from symbody.model.first_values import FirstValue, Initial, PlainValue, by_priority
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs
@@ -32,11 +31,11 @@ from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import CODES, compute_case, reason_for_simulate
+from symbody.simulation.sweeps.case_by_case import compute_case, reason_for_simulate
 from symbody.simulation.sweeps.case_table import Combine, Varied, case_table
 from symbody.simulation.sweeps.first_states import check_names
-from symbody.simulation.sweeps.loop_job import prepare_loop, serial_cases
-from symbody.simulation.sweeps.records import NOT_ENDED, CaseDetails, Chunk, LoopJob, Records
+from symbody.simulation.sweeps.loop_job import LoopJob, prepare_loop, serial_cases
+from symbody.simulation.sweeps.records import CODES, NOT_ENDED, CaseDetails, Chunk, Records
 from symbody.simulation.sweeps.result import Sweep, sweep_result
 from symbody.simulation.sweeps.store import Store
 from symbody.simulation.sweeps.sweep_job import SweepJob, check_lanes, check_memory, sample_times
@@ -301,10 +300,10 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
 
 def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
     """Return cases that `simulate` integrates by another method than the loop over many cases."""
-    codes = [at.STIFF]
+    failed = [Status.STIFF]
     if modal_equations(job.eqs).eqs.multiplier_names and job.motion.constraints is None:
-        codes += [at.COLLAPSED, at.SINGULAR, at.NOT_FINITE]
-    return np.flatnonzero(np.isin(records.codes, codes)).tolist()
+        failed += [Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE]
+    return np.flatnonzero(np.isin(records.codes, [CODES[status] for status in failed])).tolist()
 
 
 def _notes(job: SweepJob, serial: Sequence[int]) -> tuple[str, ...]:

@@ -16,23 +16,17 @@ import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.native.run import Progress
+from symbody.simulation.status import Status
 from symbody.simulation.sweeps.compute import compute_chunk, compute_in_loop
-from symbody.simulation.sweeps.records import (
-    NOT_ENDED,
-    WORKER_LOST,
-    CaseDetails,
-    Chunk,
-    LoopJob,
-    Records,
-    blocks,
-)
+from symbody.simulation.sweeps.loop_job import LoopJob
+from symbody.simulation.sweeps.records import CODES, NOT_ENDED, CaseDetails, Chunk, Records, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
 
 # Time between two calls of progress, and two looks for Ctrl-C [s].
 _TICK: Final = 0.1
 # Chunks that wait with an executor at one time.
 _WINDOW: Final = 64
-# A chunk that was lost so often is tried alone, and then given up.
+# A chunk that was lost so often is tried alone, and then case by case, each given up if it is lost.
 _SUSPECT: Final = 2
 _GIVEN_UP: Final = 4
 # Many cases: lanes are full, and what is lost or repeated is little. Few: all workers work.
@@ -136,7 +130,7 @@ def compute_here(
     ended = [np.zeros(1, dtype=np.int64) for _ in chunks]
     interrupted = False
     if job.lanes:
-        job.function.in_lanes()  # compiled once, not by each thread
+        job.derivative.in_lanes()  # compiled once, not by each thread
     with ThreadPoolExecutor(threads) as pool:
         waiting: dict[Future[None], Records] = {}
         try:
@@ -294,19 +288,18 @@ class _Dispatch:
         elif not self.has_results:
             raise _no_worker(records)
         elif chunk.count > 1:  # whose fault it is
-            for low, high in blocks(chunk.count, -(-chunk.count // 2)):
-                half = chunk.cut(low, high)
-                self._queue.insert(0, half)
-                self._failures[half.first] = _GIVEN_UP - 1
+            for low, high in blocks(chunk.count, 1):
+                self._queue.insert(0, chunk.cut(low, high))
+                self._failures[chunk.first + low] = _GIVEN_UP - 1
         else:
             self._give_up(chunk, records)
 
     def _give_up(self, chunk: Chunk, why: str) -> None:
         cases = range(chunk.first, chunk.first + chunk.count)
         self._records.details.update(dict.fromkeys(cases, CaseDetails(f"lost: {why}")))
-        self._records.codes[cases.start - self._records.first : cases.stop - self._records.first] = (
-            WORKER_LOST
-        )
+        self._records.codes[cases.start - self._records.first : cases.stop - self._records.first] = CODES[
+            Status.WORKER_LOST
+        ]
 
     def _end(self) -> NoReturn:
         """End the work of an executor that broke: whoever gave it chose where to compute.
