@@ -23,6 +23,11 @@ from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram, Method
 from symbody.fmu.samples import FmuSamples, fmu_samples
 from symbody.kernels.modes.mode_problem import LOOSE
+from symbody.simulation.events.event_functions import (
+    action_outputs,
+    check_action_shapes,
+    check_value_shapes,
+)
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.switching import deciding_outputs, mode_ends
 from symbody.simulation.inputs.input_laws import input_laws
@@ -73,7 +78,7 @@ def make_program(
     sides = with_outputs(whole, [condition_output(conditions)])
     branches = functions.branches(motion, sides, conditions, len(modal.modes))
     made = {
-        "motion": functions.make(whole, "motion", ["xdot"]),
+        "motion": functions.make(whole, "motion", ["xdot", "power"]),
         "slope": functions.make(stabilized, "slope", ["xdot"], branches),
         "output": functions.make(whole, "output", ["constraints", "energy", *outputs], branches),
     }
@@ -89,7 +94,7 @@ def make_program(
         made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
     if jumps.times and eqs.speed_names:
         made["strike"] = functions.make(strike_equations(whole), "strike", strike_outputs(whole))
-    made |= _functions_of_modes(functions, eqs, modal) | _functions_of_events(functions, whole, events)
+    made |= _functions_of_modes(functions, eqs, modal) | _functions_of_events(functions, modal, events)
     if samples.values:
         made |= _functions_of_samples(functions, whole, samples)
         parameters = parameters.with_fixed(made["periods"].sequence)
@@ -133,28 +138,27 @@ def _functions_of_closing(
 def _functions_of_modes(
     functions: _Functions, eqs: EquationSet, modal: ModalEquations
 ) -> dict[str, ModelFunction]:
-    """Return what decides about modes, and the values that end them."""
+    """Return what decides about modes."""
     if not modal.modes:
         return {}
     outputs: list[str] = []
     for output in deciding_outputs(modal):
         outputs += [output] if isinstance(output, str) else output
-    ends = [str(end.expression) for end in mode_ends(modal)]
-    return {
-        "deciding": functions.make(eqs, "deciding", outputs),
-        "ends": functions.make(modal.eqs, "ends", ends),
-    }
+    return {"deciding": functions.make(eqs, "deciding", outputs)}
 
 
 def _functions_of_events(
-    functions: _Functions, eqs: EquationSet, events: tuple[Event, ...]
+    functions: _Functions, modal: ModalEquations, events: tuple[Event, ...]
 ) -> dict[str, ModelFunction]:
-    made = {}
-    if events:
-        made["indicators"] = functions.make(eqs, "indicators", [str(event.expression) for event in events])
-    actions = [str(value) for event in events for value in event.mapping.values()]
-    if actions:
-        made["action"] = functions.make(eqs, "action", actions)
+    """Return the values of events and of what ends modes, and what events set."""
+    made, watched = {}, (*events, *mode_ends(modal))
+    if watched:
+        values = [str(event.expression) for event in watched]
+        made["indicators"] = functions.make(modal.eqs, "indicators", values)
+        check_value_shapes(watched, made["indicators"].sequence.outputs)
+    if outputs := action_outputs(events):
+        made["action"] = functions.make(modal.eqs, "action", outputs)
+        check_action_shapes(events, made["action"].sequence.outputs[1:-1])
     return made
 
 

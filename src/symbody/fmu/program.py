@@ -19,15 +19,17 @@ from symbody.fmu.jumps import FmuJumps
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
 from symbody.kernels.block import Run
-from symbody.kernels.events.event_monitor import EventMonitor
+from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
+from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.simulation.events.event_functions import numbers_of_events
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
-from symbody.simulation.hybrid.switching import mode_block
+from symbody.simulation.hybrid.switching import mode_block, mode_ends
 from symbody.simulation.methods.constraints import make_projector, residual_share
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
+from symbody.simulation.methods.integration import work_tolerance
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
 from symbody.simulation.native.description import Projector
@@ -36,6 +38,7 @@ from symbody.simulation.native.strikes import strike_block
 from symbody.simulation.programs.motion_request import PosedMotion
 
 MOST_TRIALS: Final = 2**52
+STEPS: Final = 24  # of co-simulation that are kept where something is watched
 FUNCTION: Final = "mechanism_"  # begins the names of functions in C
 SPAN: Final = 10.0  # seconds of the default experiment
 Method = Explicit | FixedStep | GeneralizedAlpha
@@ -147,26 +150,36 @@ class FmuProgram:
         return residual_share(self.motion.projection, None)
 
     @property
-    def actions(self) -> tuple[tuple[int, int], ...]:
-        """Event and state of each new value that an event sets."""
-        places = {name: k for k, name in enumerate(self.eqs.state_names)}
-        return tuple((k, places[name]) for k, event in enumerate(self.events) for name in event.mapping)
+    def watched(self) -> tuple[Event, ...]:
+        """Events, and the ends of modes behind them."""
+        return (*self.events, *mode_ends(self.modal))
 
     def watch(self) -> Floats:
-        """Return the block of a watch that judges events at starts; empty where none sets values.
+        """Return the array of an `EventMonitor`; empty where nothing is watched.
 
-        Its functions take their numbers from elsewhere in the pool.
+        Its functions, and what closes states, take their numbers from elsewhere in the pool.
         """
-        if not self.actions:
-            return np.zeros(0)
-        eqs, nothing, n = self.eqs, np.zeros(0), len(self.eqs.state_names)
-        events = numbers_of_events(eqs, self.events, self.functions["indicators"])
-        room_for_work = n + 1  # which the rules of events leave out
-        sizes = WatchNumbers(room_for_work, len(eqs.speed_names), nothing, np.zeros(1), nothing)
-        made = make_watch_block(events, sizes)
+        watched, eqs, nothing = self.watched, self.modal.eqs, np.zeros(0)
+        if not watched:
+            return nothing
+        n, modes = len(eqs.state_names) + 1, len(self.modal.modes)
+        numbers = WatchNumbers(n, len(eqs.speed_names), nothing, nothing, nothing)
+        made = make_watch_block(numbers_of_events(eqs, watched, self.functions["indicators"]), numbers)
         monitor = EventMonitor(made)
-        monitor.direction, monitor.action_values = 1.0, n
+        monitor.direction, monitor.span, monitor.happened_room = 1.0, SPAN, self.happened_room
+        monitor.piece_rows = Run(self.block()).method.dense_rows
+        monitor.mode_count, monitor.first_mode = modes, len(self.eqs.input_names)
         return made
+
+    @property
+    def happened_room(self) -> int:
+        """Room for so many events that are not logged yet."""
+        return (ZEROS_PER_EVENT + 1) * len(self.watched) + 1
+
+    @property
+    def steps(self) -> int:
+        """So many steps of co-simulation are at hand: zeros lie in the last ones."""
+        return STEPS if self.watched else 1
 
     def block(self) -> Floats:
         """Return the block of the integrator at the first state."""
@@ -178,12 +191,13 @@ class FmuProgram:
             first, longest = method.step, method.step or method.max_step
         else:
             tableau, first, longest = method.tableau, method.first_step, method.max_step
-        goal = make_goal((0.0, SPAN), integration.rtol, integration.tolerances, longest, bounds)
+        atol = np.array([*integration.tolerances, work_tolerance(integration)])
+        goal = make_goal((0.0, SPAN), integration.rtol, atol, longest, bounds)
         goal = goal._replace(max_trials=MOST_TRIALS, stop_when_stiff=False)
         motion = self.functions["motion"].arguments
-        made = make_block(motion, self._projector(), tableau, goal, self.x0, 0.0, first or 0.0)
+        made = make_block(motion, self._projector(), tableau, goal, self.motion.x0, 0.0, first or 0.0)
         room = Run(made).room
-        room.keep_dense, room.steps = 1.0, 1
+        room.keep_dense, room.steps = 1.0, self.steps
         return made
 
     def implicit(self) -> Floats:
@@ -193,7 +207,7 @@ class FmuProgram:
         functions = ImplicitFunctions(
             *(self.functions[name].arguments for name in ("motion", "turn", "jacobian"))
         )
-        size, n_q = self.x0.size + 1, len(self.eqs.coordinate_names)  # room for work, which is not integrated
+        size, n_q = self.motion.x0.size, len(self.eqs.coordinate_names)
         return make_array(functions, size, n_q, float(self.method.rho), one_length=self.has_one_length)
 
     def _projector(self) -> Projector:
@@ -229,10 +243,12 @@ class FmuProgram:
         if not self.modal.modes:
             return np.zeros(0)
         deciding, projecting = self.functions["deciding"], self.functions["projection"]
-        return mode_block(
+        made = mode_block(
             self.modal, self.eqs, self.motion.integration.problem.scales, len(self.eqs.input_names),
             (deciding.numbers, deciding.size), (np.zeros(0), projecting.size),
         )  # fmt: skip
+        ModeSwitch(made).first_event = len(self.events)
+        return made
 
     @property
     def closing_parameters(self) -> tuple[bool, ...]:
