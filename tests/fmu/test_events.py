@@ -43,12 +43,19 @@ def test_all_zeros_of_a_step_are_found_and_touches_too(
     steps: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A value that oscillates within a step, one that touches zero at 2 pi, one that comes to zero at pi/2."""
-    events = [sb.Event("sin(40*t - 1)", name="fast"), sb.Event("x - 1", name="top"), sb.Event("x", -1, "stop", "end")]
+    events = [
+        sb.Event("sin(40*t - 1)", name="fast"),
+        sb.Event("x - 1", name="top"),
+        sb.Event("x", -1, "stop", "end"),
+    ]
     run = sb.simulate(oscillator(), 9.0, inputs={"F": 0.0}, events=events[:2], rtol=1e-10)
     assert len(run.events) > 100
     assert [event.t for event in run.events if event.name == "top"][-1] == pytest.approx(2 * np.pi, abs=1e-4)
     path = sb.save_fmu(oscillator(), tmp_path / "zeros.fmu", events=events[:2], sources=False).path
-    logged = [re.fullmatch(r"event\.(\w+) at t = (\S+)", line) for line in told(path, "CoSimulation", 9.0, steps, capsys)]
+    logged = [
+        re.fullmatch(r"event\.(\w+) at t = (\S+)", line)
+        for line in told(path, "CoSimulation", 9.0, steps, capsys)
+    ]
     seen = [(match[1], float(match[2])) for match in logged if match]
     assert [name for name, _ in seen] == [event.name for event in run.events]
     fast = np.array([t for name, t in seen if name == "fast"])

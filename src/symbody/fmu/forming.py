@@ -20,7 +20,7 @@ from symbody.fmu.freezing import Branches
 from symbody.fmu.functions import ModelFunction, make_function
 from symbody.fmu.jumps import find_jumps
 from symbody.fmu.parameters import FmuParameters
-from symbody.fmu.program import FUNCTION, SPAN, FmuProgram, Method
+from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.samples import FmuSamples, fmu_samples
 from symbody.kernels.modes.mode_problem import LOOSE
 from symbody.simulation.events.event_functions import (
@@ -32,12 +32,11 @@ from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.switching import deciding_outputs, mode_ends
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
-from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.native.closing import closing_of
 from symbody.simulation.native.strikes import strike_equations, strike_outputs
-from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
+from symbody.simulation.programs.motion_request import Method, MotionRequest, PosedMotion, pose_motion
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
 RTOL: Final = 1e-8
@@ -101,9 +100,8 @@ def make_program(
     if parameters.calculated:
         made["parameters"] = functions.make(whole, "parameters", [f"({x})" for x in parameters.calculated])
     return FmuProgram(
-        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps,
-        integrator or Explicit(),
-    )  # fmt: skip
+        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps
+    )
 
 
 def _functions_of_slopes(

@@ -90,7 +90,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
     """Return the header of a mechanism."""
     kernels: dict[str, KernelTree] = {}
     rare = [
-        *(_EVENT_KERNELS if program.watched else ()),
+        *(_EVENT_KERNELS if program.watched_events else ()),
         *(_IMPLICIT_KERNELS if program.is_implicit else ()),
         *(_STRIKE_KERNELS if "strike" in program.functions else ()),
         *(_MODE_KERNELS if program.modal.modes else ()),
@@ -177,7 +177,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": places["closing"],
         "SB_HELD": AssemblyProblem.fields["asked"].place, "SB_IS_CLOSED": int("assembly" in functions),
-        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
+        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.motion.has_one_length),
         "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
         "SB_WATCH": places["watch"], "SB_STRIKE": places["struck"],
         "SB_IS_STRUCK": int("strike" in functions),
@@ -203,7 +203,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_CLOSED": repr(program.closing_share),
         "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
-        "SB_WATCHED_FUNCTION": f"{FUNCTION}{'indicators' if program.watched else 'motion'}",
+        "SB_WATCHED_FUNCTION": f"{FUNCTION}{'indicators' if program.watched_events else 'motion'}",
         "SB_ACTION_FUNCTION": f"{FUNCTION}{'action' if 'action' in functions else 'motion'}",
         "SB_SAMPLE_FUNCTION": f"{FUNCTION}{'samples' if program.samples.values else 'motion'}",
         "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",

@@ -26,22 +26,21 @@ from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
 from symbody.simulation.hybrid.switching import mode_block, mode_ends
 from symbody.simulation.methods.constraints import make_projector, residual_share
-from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
-from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.integration import work_tolerance
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
 from symbody.simulation.native.description import Projector
-from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
+from symbody.simulation.native.implicit import ImplicitFunctions, make_array
 from symbody.simulation.native.strikes import strike_block
 from symbody.simulation.programs.motion_request import PosedMotion
+from symbody.simulation.programs.prepared_motion import method_bounds
 
 MOST_TRIALS: Final = 2**52
 STEPS: Final = 24  # of co-simulation that are kept where something is watched
 FUNCTION: Final = "mechanism_"  # begins the names of functions in C
 SPAN: Final = 10.0  # seconds of the default experiment
-Method = Explicit | FixedStep | GeneralizedAlpha
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,8 +70,6 @@ class FmuProgram:
         What is held between samples.
     jumps : FmuJumps
         Of prescribed rates.
-    method : Explicit, FixedStep or GeneralizedAlpha
-        The integrator of co-simulation.
     """
 
     eqs: EquationSet
@@ -85,7 +82,6 @@ class FmuProgram:
     modal: ModalEquations
     samples: FmuSamples
     jumps: FmuJumps
-    method: Method
 
     @property
     def rtol(self) -> float:
@@ -95,15 +91,7 @@ class FmuProgram:
     @property
     def is_implicit(self) -> bool:
         """Whether co-simulation solves for its steps."""
-        return isinstance(self.method, GeneralizedAlpha)
-
-    @property
-    def has_one_length(self) -> bool:
-        """Whether all steps of co-simulation have one length, but those that end at jumps."""
-        method = self.method
-        return (
-            method.step is not None if isinstance(method, GeneralizedAlpha) else isinstance(method, FixedStep)
-        )
+        return isinstance(self.motion.method, GeneralizedAlpha)
 
     @property
     def input_names(self) -> tuple[str, ...]:
@@ -150,7 +138,7 @@ class FmuProgram:
         return residual_share(self.motion.projection, None)
 
     @property
-    def watched(self) -> tuple[Event, ...]:
+    def watched_events(self) -> tuple[Event, ...]:
         """Events, and the ends of modes behind them."""
         return (*self.events, *mode_ends(self.modal))
 
@@ -159,7 +147,7 @@ class FmuProgram:
 
         Its functions, and what closes states, take their numbers from elsewhere in the pool.
         """
-        watched, eqs, nothing = self.watched, self.modal.eqs, np.zeros(0)
+        watched, eqs, nothing = self.watched_events, self.modal.eqs, np.zeros(0)
         if not watched:
             return nothing
         n, modes = len(eqs.state_names) + 1, len(self.modal.modes)
@@ -174,23 +162,19 @@ class FmuProgram:
     @property
     def happened_room(self) -> int:
         """Room for so many events that are not logged yet."""
-        return (ZEROS_PER_EVENT + 1) * len(self.watched) + 1
+        return (ZEROS_PER_EVENT + 1) * len(self.watched_events) + 1
 
     @property
     def steps(self) -> int:
         """So many steps of co-simulation are at hand: zeros lie in the last ones."""
-        return STEPS if self.watched else 1
+        return STEPS if self.watched_events else 1
 
     def block(self) -> Floats:
         """Return the block of the integrator at the first state."""
-        integration, method, bounds = self.motion.integration, self.method, self.motion.breakpoints
+        integration, bounds = self.motion.integration, self.motion.breakpoints
         if self.jumps.are_more:
             bounds = bounds.truncate(self.jumps.times[-1][0])
-        if isinstance(method, GeneralizedAlpha):
-            tableau, bounds = METHOD, bounds_of_steps(bounds, method)
-            first, longest = method.step, method.step or method.max_step
-        else:
-            tableau, first, longest = method.tableau, method.first_step, method.max_step
+        tableau, first, longest, bounds = method_bounds(self.motion.method, bounds)
         atol = np.array([*integration.tolerances, work_tolerance(integration)])
         goal = make_goal((0.0, SPAN), integration.rtol, atol, longest, bounds)
         goal = goal._replace(max_trials=MOST_TRIALS, stop_when_stiff=False)
@@ -202,13 +186,14 @@ class FmuProgram:
 
     def implicit(self) -> Floats:
         """Return the array of an `ImplicitStep`; empty for explicit methods."""
-        if not isinstance(self.method, GeneralizedAlpha):
+        method = self.motion.method
+        if not isinstance(method, GeneralizedAlpha):
             return np.zeros(0)
         functions = ImplicitFunctions(
             *(self.functions[name].arguments for name in ("motion", "turn", "jacobian"))
         )
         size, n_q = self.motion.x0.size, len(self.eqs.coordinate_names)
-        return make_array(functions, size, n_q, float(self.method.rho), one_length=self.has_one_length)
+        return make_array(functions, size, n_q, float(method.rho), one_length=self.motion.has_one_length)
 
     def _projector(self) -> Projector:
         if not self.is_projected:
@@ -217,7 +202,7 @@ class FmuProgram:
         scales = self.motion.integration.problem.scales
         made = make_projector(_Projecting(function), self.modal.eqs, scales, self.motion.projection, None)
         ours = function.arguments
-        limit = math.inf if self.has_one_length else made.limit
+        limit = math.inf if self.motion.has_one_length else made.limit
         return made._replace(
             address=1, inputs=ours.inputs, parameters=ours.parameters, constants=ours.constants,
             work_size=ours.work_size, limit=limit,

@@ -89,4 +89,3 @@ def is_zero(monitor: EventMonitor, place: int) -> int:
     if abs(event.here) <= event.blur:
         return 1
     return 0
-

@@ -1,7 +1,7 @@
-"""Events of a motion whose steps another program takes: what has passed zero since values were looked at last.
+"""Events of a motion whose steps another program takes: what has passed zero since the last look.
 
-An importer of an FMU locates zeros of the values itself. All else is the search along steps: what it would have
-found is noted, and happens in the same order by the same rules.
+An importer of an FMU locates zeros of the values itself. All else is as in the search along steps: what that
+would have found is noted, and happens in the same order by the same rules.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from symbody.kernels.events.event_location import add_zero, compute_values, sign
 from symbody.kernels.events.event_monitor import GOES_ON, NOTHING_YET, SWITCHES, EventMonitor, MonitoredEvent
 from symbody.kernels.events.event_starts import AWAY
 from symbody.kernels.events.zeros_in_order import settle
-from symbody.kernels.language import Function, Reals, part
+from symbody.kernels.language import Function, Reals
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 
@@ -68,7 +68,7 @@ def note_events(e: Function, monitor: EventMonitor, t: float, x: Reals) -> int:
 
 
 def note_start(e: Function, a: Function, monitor: EventMonitor, t: float, x: Reals, longest: float) -> int:
-    """Note an event that sets values and happens because of how its value leaves zero; return if there is one."""
+    """Note an event that happens at once because of how its value leaves zero; return 0 if none does."""
     monitor.pending_count = 0
     if not exists(monitor.actions):
         return 0
@@ -79,7 +79,7 @@ def process_noted(
     e: Function, a: Function, c: Function, monitor: EventMonitor, t: float, x: Reals, longest: float,
     breaks: Reals, pieces: Reals, H: Reals,
 ) -> int:  # fmt: skip
-    """Let the events noted happen at a state, which becomes the one behind; return one of the codes of `look`.
+    """Let what is noted happen at a state, which becomes the one behind; return one of the codes of `look`.
 
     `breaks` and `pieces` have room for a step; rates decide where values go within the time `longest`.
     """
@@ -100,4 +100,3 @@ def process_noted(
         copy(n, monitor.after, x)
     monitor.pending_count = 0
     return code
-
