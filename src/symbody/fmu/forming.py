@@ -36,7 +36,13 @@ from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlp
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.native.closing import closing_of
 from symbody.simulation.native.strikes import strike_equations, strike_outputs
-from symbody.simulation.programs.motion_request import Method, MotionRequest, PosedMotion, pose_motion
+from symbody.simulation.programs.motion_request import (
+    Method,
+    MotionRequest,
+    PosedMotion,
+    pose_motion,
+    reason_for_program,
+)
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
 RTOL: Final = 1e-8
@@ -57,7 +63,7 @@ def make_program(
         If the motion needs Python.
     """
     samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
-    _check_motion(eqs, integrator, constraints, samples)
+    _check_motion(eqs, integrator, constraints)
     request = MotionRequest(
         initial={name: value for name, value in initial.items() if name not in samples.names},
         parameters=parameters.given, tunable=parameters.arguments, free_inputs=eqs.input_names,
@@ -204,23 +210,12 @@ class _Functions:
         return Branches(tuple(points), values, are_floors, len(p))
 
 
-def _check_motion(eqs: EquationSet, integrator: object, constraints: object, samples: FmuSamples) -> None:
-    reasons = {
-        f"{type(integrator).__name__} runs in Python": not isinstance(integrator, Method | None),
-        f"{type(integrator).__name__} does not sample {', '.join(samples.names)}": bool(samples.values)
-        and isinstance(integrator, GeneralizedAlpha),
-        f"{type(constraints).__name__} runs in Python": not isinstance(
-            constraints, Projection | Baumgarte | None
-        ),
-        "pivots of dependent speeds are monitored": bool(
-            eqs.formed.elimination is not None and eqs.formed.elimination.pivots
-        ),
-    }
-    reason = "; ".join(reason for reason, holds in reasons.items() if holds)
+def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:
+    reason = reason_for_program(eqs, input_laws(eqs.input_names, {}, (0.0, SPAN)), integrator, constraints)
     if reason:
         raise UsageError(
             Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
                     "an FMU computes without Python",
-                    "use sb.Explicit(), sb.FixedStep(..), or without "
-                    "sampled signals sb.GeneralizedAlpha(..); and sb.Projection() or sb.Baumgarte()")
+                    "use sb.Explicit(), sb.FixedStep(..) or sb.GeneralizedAlpha(..); "
+                    "and sb.Projection() or sb.Baumgarte()")
         )  # fmt: skip

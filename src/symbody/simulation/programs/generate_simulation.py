@@ -18,9 +18,13 @@ from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.programs.main_texts import LANGUAGES, program_text
-from symbody.simulation.programs.motion_request import MotionRequest, pose_motion, with_modes
+from symbody.simulation.programs.motion_request import (
+    MotionRequest,
+    pose_motion,
+    reason_for_program,
+    with_modes,
+)
 from symbody.simulation.programs.prepared_motion import prepare_motion
-from symbody.simulation.sweeps.case_by_case import reason_for_python
 
 _SAMPLES = 101
 
@@ -98,8 +102,7 @@ def generate_simulation(
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched = check_events(events, eqs)
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **(inputs or {})}, span)
-    explicit = None if isinstance(integrator, GeneralizedAlpha) else integrator
-    reason = reason_for_python(eqs, laws, explicit, constraints)
+    reason = reason_for_program(eqs, laws, integrator, constraints)
     if reason:
         fix = "give inputs as formulas, or use simulate"
         raise UsageError(

@@ -34,6 +34,7 @@ from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.sweeps.case_by_case import reason_for_python
 
 Floats = NDArray[np.float64]
 Method = Explicit | FixedStep | GeneralizedAlpha
@@ -289,6 +290,12 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
     if problems:
         raise UsageError(*problems)
     return laws
+
+
+def reason_for_program(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
+    """Return why no program computes a motion, empty if one does."""
+    explicit = None if isinstance(integrator, GeneralizedAlpha) else integrator
+    return reason_for_python(eqs, laws, explicit, constraints)
 
 
 def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
