@@ -146,8 +146,8 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
             places[name] = places[block] + int(blocks[block][place])
         else:
             places[name] = size
-            parts.append(function.numbers)
-            size += function.numbers.size
+            parts.append(function.array)
+            size += function.array.size
     if watch.size:  # numbers of functions lie before and behind it, as does what closes states
         for field, name in (("numbers", "indicators"), ("actions", "action"), ("closing", "closing")):
             if name in program.functions or (name in blocks and blocks[name].size):

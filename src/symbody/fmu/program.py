@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -12,7 +11,6 @@ import numpy as np
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.expr.sequences.dependencies import dependencies
-from symbody.expr.sequences.sequence import Output
 from symbody.fmu.conditions import Condition
 from symbody.fmu.functions import Floats, ModelFunction
 from symbody.fmu.jumps import FmuJumps
@@ -25,19 +23,14 @@ from symbody.simulation.events.event_functions import numbers_of_events
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
 from symbody.simulation.hybrid.switching import mode_block, mode_ends
-from symbody.simulation.methods.constraints import make_projector, residual_share
-from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
+from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
-from symbody.simulation.methods.integration import work_tolerance
-from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
-from symbody.simulation.native.description import Projector
-from symbody.simulation.native.implicit import ImplicitFunctions, make_array
 from symbody.simulation.native.strikes import strike_block
 from symbody.simulation.programs.motion_request import PosedMotion
-from symbody.simulation.programs.prepared_motion import method_bounds
+from symbody.simulation.programs.prepared_motion import implicit_array, motion_block
+from symbody.simulation.programs.program_function import DERIVATIVES, PROJECTION, RIGHT_HAND_SIDE, TURN
 
-MOST_TRIALS: Final = 2**52
 STEPS: Final = 24  # of co-simulation that are kept where something is watched
 FUNCTION: Final = "mechanism_"  # begins the names of functions in C
 SPAN: Final = 10.0  # seconds of the default experiment
@@ -169,44 +162,25 @@ class FmuProgram:
         """So many steps of co-simulation are at hand: zeros lie in the last ones."""
         return STEPS if self.watched_events else 1
 
+    @property
+    def _step_functions(self) -> Mapping[str, ModelFunction]:
+        """The functions that the integrator calls, as programs name them."""
+        names = {RIGHT_HAND_SIDE: "motion", PROJECTION: "projection", TURN: "turn", DERIVATIVES: "jacobian"}
+        return {name: self.functions[own] for name, own in names.items() if own in self.functions}
+
     def block(self) -> Floats:
         """Return the block of the integrator at the first state."""
-        integration, bounds = self.motion.integration, self.motion.breakpoints
+        motion = self.motion
         if self.jumps.are_more:
-            bounds = bounds.truncate(self.jumps.times[-1][0])
-        tableau, first, longest, bounds = method_bounds(self.motion.method, bounds)
-        atol = np.array([*integration.tolerances, work_tolerance(integration)])
-        goal = make_goal((0.0, SPAN), integration.rtol, atol, longest, bounds)
-        goal = goal._replace(max_trials=MOST_TRIALS, stop_when_stiff=False)
-        motion = self.functions["motion"].arguments
-        made = make_block(motion, self._projector(), tableau, goal, self.motion.x0, 0.0, first or 0.0)
+            motion = replace(motion, breakpoints=motion.breakpoints.truncate(self.jumps.times[-1][0]))
+        made = motion_block(motion, self._step_functions, self.modal.eqs)
         room = Run(made).room
         room.keep_dense, room.steps = 1.0, self.steps
         return made
 
     def implicit(self) -> Floats:
         """Return the array of an `ImplicitStep`; empty for explicit methods."""
-        method = self.motion.method
-        if not isinstance(method, GeneralizedAlpha):
-            return np.zeros(0)
-        functions = ImplicitFunctions(
-            *(self.functions[name].arguments for name in ("motion", "turn", "jacobian"))
-        )
-        size, n_q = self.motion.x0.size, len(self.eqs.coordinate_names)
-        return make_array(functions, size, n_q, float(method.rho), one_length=self.motion.has_one_length)
-
-    def _projector(self) -> Projector:
-        if not self.is_projected:
-            return NOTHING_TO_PROJECT
-        function = self.functions["projection"]
-        scales = self.motion.integration.problem.scales
-        made = make_projector(_Projecting(function), self.modal.eqs, scales, self.motion.projection, None)
-        ours = function.arguments
-        limit = math.inf if self.motion.has_one_length else made.limit
-        return made._replace(
-            address=1, inputs=ours.inputs, parameters=ours.parameters, constants=ours.constants,
-            work_size=ours.work_size, limit=limit,
-        )  # fmt: skip
+        return implicit_array(self.motion, self._step_functions)
 
     def assembly(self) -> Floats:
         """Return the block of `symbody.kernels.configurations.closing`; empty for open mechanisms."""
@@ -214,14 +188,14 @@ class FmuProgram:
             return np.zeros(0)
         close, function = closing_of(self.motion.eqs, holds=True), self.functions["assembly"]
         own = metric(close.eqs, self.motion.integration.problem.scales)
-        return closing_block(close.shape, own, function.sizes, function.numbers, self.closing_share)
+        return closing_block(close.shape, own, function.sizes, function.array, self.closing_share)
 
     def strike(self) -> Floats:
         """Return the array of a `StrikeProblem`; empty where no rates jump."""
         if "strike" not in self.functions:
             return np.zeros(0)
         function, scales = self.functions["strike"], self.motion.integration.problem.scales
-        return strike_block(self.modal.eqs, scales, function.sizes, function.numbers)
+        return strike_block(self.modal.eqs, scales, function.sizes, function.array)
 
     def switch(self) -> Floats:
         """Return the array of a `ModeSwitch`; empty where nothing switches."""
@@ -230,7 +204,7 @@ class FmuProgram:
         deciding, projecting = self.functions["deciding"], self.functions["projection"]
         made = mode_block(
             self.modal, self.eqs, self.motion.integration.problem.scales, len(self.eqs.input_names),
-            (deciding.numbers, deciding.size), (np.zeros(0), projecting.size),
+            (deciding.array, deciding.size), (np.zeros(0), projecting.size),
         )  # fmt: skip
         ModeSwitch(made).first_event = len(self.events)
         return made
@@ -245,25 +219,3 @@ class FmuProgram:
         results = dependencies(function.sequence)[: sum(function.sizes[: len(POSED)])]
         read = frozenset().union(*results)
         return tuple(("p", k) in read for k in range(len(names)))
-
-
-@dataclass(frozen=True, slots=True)
-class _Projecting:
-    """The sizes of a function that projects."""
-
-    function: ModelFunction
-    address: int = 1
-
-    @property
-    def work_size(self) -> int:
-        """Doubles of scratch that it needs."""
-        return self.function.arguments.work_size
-
-    @property
-    def outputs(self) -> tuple[Output, ...]:
-        """What it computes."""
-        return self.function.sequence.outputs
-
-    def constants(self) -> Floats:
-        """Return the numbers c that it takes."""
-        return self.function.arguments.constants

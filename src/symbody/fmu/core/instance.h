@@ -485,11 +485,68 @@ static int directional_derivative(
     return STATUS_OK;
 }
 
+/* States in continuous time. */
+
+static int get_states(Instance *instance, const char *function, double *x)
+{
+    int status = prepare(instance, function);
+    memcpy(x, instance->motion.x, SB_X * sizeof(double));
+    return status;
+}
+
+static int get_slope(Instance *instance, const char *function, double *slope)
+{
+    int status = prepare(instance, function);
+    if (status != STATUS_OK) return status;
+    if (need(&instance->motion, HAS_SLOPE) != SOLVED)
+        return fail(instance, STATUS_DISCARD, function, "the accelerations have no solution in this state");
+    memcpy(slope, instance->motion.slope, SB_X * sizeof(double));
+    return STATUS_OK;
+}
+
+static void set_states(Instance *instance, const double *x)
+{
+    memcpy(instance->motion.x, x, SB_X * sizeof(double));
+    instance->motion.valid = 0;
+}
+
 /* Copies of the motion are copies of the instance. */
 
-static Motion *copy_motion(const Instance *instance, Motion *old)
+static int keep_motion(Instance *instance, const char *function, void **state)
 {
-    if (old == NULL) old = (Motion *)malloc(sizeof(Motion));
-    if (old != NULL) memcpy(old, &instance->motion, sizeof(Motion));
-    return old;
+    if (*state == NULL) *state = malloc(sizeof(Motion));
+    if (*state == NULL) return fail(instance, STATUS_ERROR, function, "memory is exhausted");
+    memcpy(*state, &instance->motion, sizeof(Motion));
+    return STATUS_OK;
+}
+
+static int restore_motion(Instance *instance, const char *function, const void *state)
+{
+    if (state == NULL) return fail(instance, STATUS_ERROR, function, "no state was given");
+    memcpy(&instance->motion, state, sizeof(Motion));
+    return STATUS_OK;
+}
+
+static void forget_motion(void **state)
+{
+    if (state == NULL) return;
+    free(*state);
+    *state = NULL;
+}
+
+static int write_motion(Instance *instance, const char *function, const void *state, void *bytes, size_t size)
+{
+    if (size < sizeof(Motion) || state == NULL)
+        return fail(instance, STATUS_ERROR, function, "the buffer is too small, or no state was given");
+    memcpy(bytes, state, sizeof(Motion));
+    return STATUS_OK;
+}
+
+static int read_motion(Instance *instance, const char *function, const void *bytes, size_t size, void **state)
+{
+    int status;
+    if (size != sizeof(Motion)) return fail(instance, STATUS_ERROR, function, "the size is not that of a state");
+    status = keep_motion(instance, function, state);
+    if (status == STATUS_OK) memcpy(*state, bytes, sizeof(Motion));
+    return status;
 }

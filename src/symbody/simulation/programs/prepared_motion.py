@@ -5,21 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.tree import KernelTree
+from symbody.equations.equation_set import EquationSet
 from symbody.kernels.block import Run
 from symbody.kernels.record_layout import exists
 from symbody.simulation.inputs.breakpoints import Breakpoints
-from symbody.simulation.methods.constraints import PROJECTED, make_projector
+from symbody.simulation.methods.constraints import PROJECTED, ProjectingFunction, make_projector
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, check_atol, make_goal
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.methods.integration import work_tolerance
 from symbody.simulation.native.blocks import make_block
-from symbody.simulation.native.description import Floats, Projector
+from symbody.simulation.native.description import Floats, Projector, RightHandSide
 from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
 from symbody.simulation.native.runge_kutta import Tableau
 from symbody.simulation.programs.happenings import Happenings, make_happenings
@@ -46,14 +48,33 @@ def motion_functions(motion: PosedMotion) -> dict[str, ProgramFunction]:
     return functions
 
 
-def motion_block(motion: PosedMotion, functions: Mapping[str, ProgramFunction]) -> Floats:
-    """Return the block of a motion at its first state, see `symbody.kernels.block`."""
+class StepFunction(ProjectingFunction, Protocol):
+    """A function that the integrator calls, with its numbers."""
+
+    @property
+    def numbers(self) -> RightHandSide:
+        """What it takes beside time and state."""
+        ...
+
+
+def motion_block(
+    motion: PosedMotion, functions: Mapping[str, StepFunction], eqs: EquationSet | None = None
+) -> Floats:
+    """Return the block of a motion at its first state, see `symbody.kernels.block`.
+
+    Parameters
+    ----------
+    eqs : EquationSet, optional
+        In which states are projected; by default those that are integrated.
+    """
     integration, method, start = motion.integration, motion.method, motion.span[0]
     atol = check_atol([*integration.tolerances, work_tolerance(integration)], motion.x0.size)
     tableau, first, longest, bounds = method_bounds(method, motion.breakpoints)
     goal = make_goal((start, motion.last), integration.rtol, atol, longest, bounds)
     goal = goal._replace(max_trials=int(integration.max_steps))
-    projector = _projector(motion, functions[PROJECTION]) if motion.is_projected else NOTHING_TO_PROJECT
+    projector = NOTHING_TO_PROJECT
+    if PROJECTION in functions:
+        projector = _projector(motion, functions[PROJECTION], eqs or motion.eqs)
     return make_block(
         functions[RIGHT_HAND_SIDE].numbers, projector, tableau, goal, motion.x0, start, first or 0.0
     )
@@ -68,7 +89,7 @@ def method_bounds(
     return method.tableau, method.first_step, method.max_step, bounds
 
 
-def implicit_array(motion: PosedMotion, functions: Mapping[str, ProgramFunction]) -> Floats:
+def implicit_array(motion: PosedMotion, functions: Mapping[str, StepFunction]) -> Floats:
     """Return the array of an `ImplicitStep`; empty for explicit methods."""
     method = motion.method
     if not isinstance(method, GeneralizedAlpha):
@@ -78,9 +99,9 @@ def implicit_array(motion: PosedMotion, functions: Mapping[str, ProgramFunction]
     return make_array(numbers, size, n_q, float(method.rho), one_length=motion.has_one_length)
 
 
-def _projector(motion: PosedMotion, function: ProgramFunction) -> Projector:
+def _projector(motion: PosedMotion, function: StepFunction, eqs: EquationSet) -> Projector:
     scales = motion.integration.problem.scales
-    projector = make_projector(function, motion.eqs, scales, motion.projection, motion.request.atol)
+    projector = make_projector(function, eqs, scales, motion.projection, motion.request.atol)
     limit = math.inf if motion.has_one_length else projector.limit
     numbers = function.numbers
     return projector._replace(inputs=numbers.inputs, parameters=numbers.parameters, limit=limit)
