@@ -248,9 +248,11 @@ def test_ball_bounces_to_the_nanosecond(tmp_path: Path, capsys: pytest.CaptureFi
 
 def test_each_mode_has_an_indicator(tmp_path: Path) -> None:
     eqs = example("rr_robot")
-    assert not [v for v in sb.save_fmu(eqs, tmp_path / "a.fmu", platforms=()).variables if "mode." in v.name]
+    assert not [
+        v for v in sb.save_fmu(eqs, tmp_path / "a.fmu", platforms=()).variables if "mode_end." in v.name
+    ]
     made = sb.save_fmu(stack(), tmp_path / "b.fmu", platforms=())
-    assert [v.name for v in made.variables[-2:]] == ["mode.below", "mode.above"]
+    assert [v.name for v in made.variables[-2:]] == ["mode_end.below", "mode_end.above"]
 
 
 @pytest.mark.parametrize(

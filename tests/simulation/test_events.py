@@ -293,3 +293,17 @@ def test_an_action_without_a_value_is_named(integrator: object, formula: str, va
         cases = sb.sweep(ball(), 2.0, initial={"y": [1.0, 30.0]}, times=[0.0, 2.0], events=hit)
         assert [status.name for status in cases.status] == ["NOT_FINITE", "SUCCESS"]
         assert any("sets y_dot" in note for note in cases.trajectory(0).notes)
+
+
+def test_a_change_of_modes_repeats_no_event_since_the_last_sample() -> None:
+    """A joint breaks away between two samples, behind an event that has taken its value to the other side."""
+    body = sb.Body("Block", mass=2)
+    pull = sb.Drive(applied="pull + 12*sin(3*t) - 5*x")
+    slide = sb.Prismatic("slide", "ground", body, axis="x", coordinate="x",
+                         friction=sb.Friction(0.3, mu_static=0.4), force=pull)  # fmt: skip
+    held = sb.Signal("pull", "0.01*x", sample=0.9)
+    start = {"x": 1.0, "x_dot": 2.0}
+    eqs = sb.form_equations(sb.Model("block", [body, slide, held], (0, 0, -9.81), initial=start))
+    run = sb.simulate(eqs, 1.5, events=sb.Event("t - 1", name="once"))
+    assert [change.mode for change in run.modes if change.t > 1.0] == ["slips backward"]
+    assert [event.t for event in run.events if event.name == "once"] == [1.0]

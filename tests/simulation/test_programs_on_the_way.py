@@ -144,7 +144,50 @@ def test_rates_that_jump_strike_as_in_simulate(
         np.testing.assert_allclose(found, [event.t for event in run.events], rtol=1e-9)
 
 
+def stiff_ball(*parts: sb.Element) -> sb.EquationSet:
+    """A ball that hops on a floor, with a mass on a stiff damped spring."""
+    ball = sb.Prismatic("slide", "ground", sb.Body("Ball", mass=1), axis="z", coordinate="z")
+    spring = sb.Drive(applied="-4e6*y - 4e3*y_dot")
+    mass = sb.Prismatic("shake", "Ball", sb.Body("Mass", mass=0.1), axis="y", coordinate="y", force=spring)
+    model = sb.Model("stiff", [ball, mass, *parts], gravity=(0, -20, -9.81), initial={"z": 1.0, "y": 1e-3})
+    return sb.form_equations(model)
+
+
+def test_stiff_motions_by_generalized_alpha_in_every_language(tmp_path: Path) -> None:
+    """The same bits in all, and the motion of `simulate` by this method, to the tolerance of each."""
+    options = {"times": TIMES, "events": FLOOR, "rtol": 1e-6, "integrator": sb.GeneralizedAlpha()}
+    run = sb.simulate(stiff_ball(), 2.0, **options)  # type: ignore[arg-type]
+    assert len(run.events) > 1
+    printed = []
+    for language in COMMANDS:
+        text = sb.generate_simulation(stiff_ball(), 2.0, language, **options)  # type: ignore[arg-type]
+        samples, lines, status = run_program(tmp_path, language, text)
+        assert status == 0 and len(lines) == len(run.events)
+        printed.append(samples)
+    np.testing.assert_array_equal(printed[0], printed[1])
+    np.testing.assert_array_equal(printed[0], printed[2])
+    np.testing.assert_allclose(printed[0][:, 1:-1].T, np.vstack([run.u, run.q]), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("step", [None, 1e-3])
+def test_rates_jump_in_programs_by_generalized_alpha(step: float | None, tmp_path: Path) -> None:
+    eqs, times = carried(as_constraint=True), np.linspace(0.25, 1.5, 6)
+    method = sb.GeneralizedAlpha(step=step)
+    text = sb.generate_simulation(
+        eqs, (0.25, 1.5), "c", {"th": 0.4}, times=times, integrator=method, rtol=1e-7
+    )
+    samples, _, status = run_program(tmp_path, "c", text)
+    exact = sb.simulate(eqs, (0.25, 1.5), {"th": 0.4}, times=times, rtol=1e-10)
+    own = sb.simulate(eqs, (0.25, 1.5), {"th": 0.4}, times=times, integrator=method, rtol=1e-7)
+    assert status == 0
+    error = np.abs(samples[:, 1:-1].T - np.vstack([exact.u, exact.q])).max()
+    assert error < 2 * np.abs(np.vstack([own.u - exact.u, own.q - exact.q])).max() < 1e-3
+
+
 def test_what_programs_do_not_take_is_refused() -> None:
+    method = sb.GeneralizedAlpha()
+    with pytest.raises(sb.UsageError, match=r"GeneralizedAlpha\(\.\.\) does not compute this.*s is sampled"):
+        sb.generate_simulation(ball(sb.Signal("s", "z", sample=0.1)), 1.0, integrator=method)
     with pytest.raises(sb.UsageError, match="is not an event"):
         sb.generate_simulation(ball(), 1.0, events=["z"])  # type: ignore[list-item]
     with pytest.raises(sb.UsageError, match="another event has this name"):

@@ -20,19 +20,29 @@ from symbody.fmu.freezing import Branches
 from symbody.fmu.functions import ModelFunction, make_function
 from symbody.fmu.jumps import find_jumps
 from symbody.fmu.parameters import FmuParameters
-from symbody.fmu.program import FUNCTION, SPAN, FmuProgram, Method
+from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.samples import FmuSamples, fmu_samples
 from symbody.kernels.modes.mode_problem import LOOSE
+from symbody.simulation.events.event_functions import (
+    action_outputs,
+    check_action_shapes,
+    check_value_shapes,
+)
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.switching import deciding_outputs, mode_ends
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
-from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.native.closing import closing_of
 from symbody.simulation.native.strikes import strike_equations, strike_outputs
-from symbody.simulation.programs.motion_request import MotionRequest, PosedMotion, pose_motion
+from symbody.simulation.programs.motion_request import (
+    Method,
+    MotionRequest,
+    PosedMotion,
+    pose_motion,
+    reason_for_program,
+)
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
 RTOL: Final = 1e-8
@@ -53,7 +63,7 @@ def make_program(
         If the motion needs Python.
     """
     samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
-    _check_motion(eqs, integrator, constraints, samples)
+    _check_motion(eqs, integrator, constraints)
     request = MotionRequest(
         initial={name: value for name, value in initial.items() if name not in samples.names},
         parameters=parameters.given, tunable=parameters.arguments, free_inputs=eqs.input_names,
@@ -73,7 +83,7 @@ def make_program(
     sides = with_outputs(whole, [condition_output(conditions)])
     branches = functions.branches(motion, sides, conditions, len(modal.modes))
     made = {
-        "motion": functions.make(whole, "motion", ["xdot"]),
+        "motion": functions.make(whole, "motion", ["xdot", "power"]),
         "slope": functions.make(stabilized, "slope", ["xdot"], branches),
         "output": functions.make(whole, "output", ["constraints", "energy", *outputs], branches),
     }
@@ -89,16 +99,15 @@ def make_program(
         made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
     if jumps.times and eqs.speed_names:
         made["strike"] = functions.make(strike_equations(whole), "strike", strike_outputs(whole))
-    made |= _functions_of_modes(functions, eqs, modal) | _functions_of_events(functions, whole, events)
+    made |= _functions_of_modes(functions, eqs, modal) | _functions_of_events(functions, modal, events)
     if samples.values:
         made |= _functions_of_samples(functions, whole, samples)
         parameters = parameters.with_fixed(made["periods"].sequence)
     if parameters.calculated:
         made["parameters"] = functions.make(whole, "parameters", [f"({x})" for x in parameters.calculated])
     return FmuProgram(
-        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps,
-        integrator or Explicit(),
-    )  # fmt: skip
+        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps
+    )
 
 
 def _functions_of_slopes(
@@ -133,28 +142,27 @@ def _functions_of_closing(
 def _functions_of_modes(
     functions: _Functions, eqs: EquationSet, modal: ModalEquations
 ) -> dict[str, ModelFunction]:
-    """Return what decides about modes, and the values that end them."""
+    """Return what decides about modes."""
     if not modal.modes:
         return {}
     outputs: list[str] = []
     for output in deciding_outputs(modal):
         outputs += [output] if isinstance(output, str) else output
-    ends = [str(end.expression) for end in mode_ends(modal)]
-    return {
-        "deciding": functions.make(eqs, "deciding", outputs),
-        "ends": functions.make(modal.eqs, "ends", ends),
-    }
+    return {"deciding": functions.make(eqs, "deciding", outputs)}
 
 
 def _functions_of_events(
-    functions: _Functions, eqs: EquationSet, events: tuple[Event, ...]
+    functions: _Functions, modal: ModalEquations, events: tuple[Event, ...]
 ) -> dict[str, ModelFunction]:
-    made = {}
-    if events:
-        made["indicators"] = functions.make(eqs, "indicators", [str(event.expression) for event in events])
-    actions = [str(value) for event in events for value in event.mapping.values()]
-    if actions:
-        made["action"] = functions.make(eqs, "action", actions)
+    """Return the values of events and of what ends modes, and what events set."""
+    made, watched = {}, (*events, *mode_ends(modal))
+    if watched:
+        values = [str(event.expression) for event in watched]
+        made["indicators"] = functions.make(modal.eqs, "indicators", values)
+        check_value_shapes(watched, made["indicators"].sequence.outputs)
+    if outputs := action_outputs(events):
+        made["action"] = functions.make(modal.eqs, "action", outputs)
+        check_action_shapes(events, made["action"].sequence.outputs[1:-1])
     return made
 
 
@@ -202,23 +210,12 @@ class _Functions:
         return Branches(tuple(points), values, are_floors, len(p))
 
 
-def _check_motion(eqs: EquationSet, integrator: object, constraints: object, samples: FmuSamples) -> None:
-    reasons = {
-        f"{type(integrator).__name__} runs in Python": not isinstance(integrator, Method | None),
-        f"{type(integrator).__name__} does not sample {', '.join(samples.names)}": bool(samples.values)
-        and isinstance(integrator, GeneralizedAlpha),
-        f"{type(constraints).__name__} runs in Python": not isinstance(
-            constraints, Projection | Baumgarte | None
-        ),
-        "pivots of dependent speeds are monitored": bool(
-            eqs.formed.elimination is not None and eqs.formed.elimination.pivots
-        ),
-    }
-    reason = "; ".join(reason for reason, holds in reasons.items() if holds)
+def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:
+    reason = reason_for_program(eqs, input_laws(eqs.input_names, {}, (0.0, SPAN)), integrator, constraints)
     if reason:
         raise UsageError(
             Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
                     "an FMU computes without Python",
-                    "use sb.Explicit(), sb.FixedStep(..), or without "
-                    "sampled signals sb.GeneralizedAlpha(..); and sb.Projection() or sb.Baumgarte()")
+                    "use sb.Explicit(), sb.FixedStep(..) or sb.GeneralizedAlpha(..); "
+                    "and sb.Projection() or sb.Baumgarte()")
         )  # fmt: skip

@@ -15,7 +15,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.expr import opcodes as op
 from symbody.expr.sequences.folding import fold_constants
 from symbody.expr.sequences.program import written_out
-from symbody.expr.sequences.sequence import Sequence
+from symbody.expr.sequences.sequence import Output, Sequence
 from symbody.fmu.freezing import Branches
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import RightHandSide
@@ -35,7 +35,7 @@ class ModelFunction:
         It, and ``<name>_values``, which computes what depends on parameters alone.
     sequence : Sequence
         What is computed, with the branches that are taken live.
-    arguments : RightHandSide
+    numbers : RightHandSide
         Sizes and first values of its numbers.
     values_work : int
         Doubles of scratch of ``<name>_values``; 0 where nothing depends on parameters alone.
@@ -46,14 +46,33 @@ class ModelFunction:
     name: str
     text: str
     sequence: Sequence
-    arguments: RightHandSide
+    numbers: RightHandSide
     values_work: int
     sizes: tuple[int, ...]
 
     @property
-    def numbers(self) -> Floats:
+    def array(self) -> Floats:
         """The numbers of a call, as a block holds them."""
-        return function_numbers(self.arguments)
+        return function_numbers(self.numbers)
+
+    @property
+    def address(self) -> int:
+        """A place that is not 0."""
+        return self.numbers.address
+
+    @property
+    def work_size(self) -> int:
+        """Doubles of scratch that it needs."""
+        return self.numbers.work_size
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """What it computes."""
+        return self.sequence.outputs
+
+    def constants(self) -> Floats:
+        """Return the numbers c that it takes."""
+        return self.numbers.constants
 
     @property
     def size(self) -> int:

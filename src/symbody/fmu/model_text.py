@@ -20,17 +20,17 @@ from symbody.kernels.block import Breakpoint, FunctionNumbers, Run, StateProject
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.strike import STRUCK, TORN
 from symbody.kernels.configurations.strike_problem import StrikeProblem
+from symbody.kernels.events import event_monitor
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
 from symbody.kernels.implicit.implicit_block import ImplicitStep
-from symbody.kernels.modes.mode_switch import ModeSwitch, SwitchingElement
+from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElement
 from symbody.kernels.modes.switch_modes import SETTLED
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
 OPEN: Final = 2e-7
-_LOOKS: Final = 8  # places in a step of co-simulation where events are looked for
-_MOST_EVENTS: Final = 10_000  # in one communication step
+_LAST_STEPS: Final = 8  # that stay where there is no room for more: zeros of events lie in them
 _KERNELS: Final = (
     ("step_machine", ("begin", "advance")),
     ("dense_output", ("interpolate",)),
@@ -40,16 +40,23 @@ _KERNELS: Final = (
     ("solve_saddle", ("solve_saddle",)),
     ("sampling", ("take_samples", "is_due", "is_instant", "piece_end", "find_next")),
 )
-_ACTING_KERNELS: Final = (("acting_events", ("starting_event", "end_action")),)
+_EVENT_KERNELS: Final = (
+    ("event_watch", ("look",)),
+    ("event_location", ("compute_values",)),
+    ("event_interruptions", ("values_before", "watch_behind", "rewind_events", "forget_steps")),
+    ("noted_events", ("look_at_sides", "note_events", "note_start", "process_noted")),
+)
 _MODE_KERNELS: Final = (
     (
         "switch_modes",
         ("settle_modes", "show_modes", "forget_modes", "note_rates", "find_long_rope", "slight_value"),
     ),
+    ("switching_motion", ("note_ends", "forget_ends")),
 )
 _STRIKE_KERNELS: Final = (("strike", ("strike",)),)
 _IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
 _CODES: Final = ("RUNNING", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY")
+_FOUND: Final = ("NOTHING_YET", "GOES_ON", "ENDS", "CHATTERS", "NO_ROOM", "FAILS", "SPOILS", "MISSES")
 # What the names of the places of a record begin with.
 _RECORDS: Final[Mapping[str, type[RecordLayout]]] = {
     "RUN": Run, "BREAK": Breakpoint, "NUMBERS": FunctionNumbers, "PROJECTOR": StateProjection,
@@ -67,11 +74,9 @@ _INNER_NUMBERS: Final = {
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
     "motion": "SB_MOTION", "slope": "SB_SLOPE", "output": "SB_OUTPUT", "derivatives": "SB_DERIVATIVES",
-    "sensitivities": "SB_SENSITIVITIES", "indicators": "SB_INDICATORS", "action": "SB_ACTION",
+    "sensitivities": "SB_SENSITIVITIES", 
     "parameters": "SB_PARAMETERS", "sides": "SB_SIDES",
     "samples": "SB_SAMPLING", "periods": "SB_PERIODS",
-    "deciding": "SB_DECIDING", "ends": "SB_ENDS", "strike": "SB_STRIKING", "projection": "SB_PROJECTING",
-    "assembly": "SB_ASSEMBLING",
 }  # fmt: skip
 _FUNCTION: Final = """
 typedef struct {
@@ -85,7 +90,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
     """Return the header of a mechanism."""
     kernels: dict[str, KernelTree] = {}
     rare = [
-        *(_ACTING_KERNELS if program.actions else ()),
+        *(_EVENT_KERNELS if program.watched_events else ()),
         *(_IMPLICIT_KERNELS if program.is_implicit else ()),
         *(_STRIKE_KERNELS if "strike" in program.functions else ()),
         *(_MODE_KERNELS if program.modal.modes else ()),
@@ -107,14 +112,11 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _flags("sb_is_held", held_states(program.eqs, free)),
         _flags("sb_is_fixed", [name in given.fixed for name in given.arguments]),
         _flags("sb_closes", program.closing_parameters),
-        _table("int", "sb_directions", (str(event.direction) for event in program.events)),
         _flags("sb_is_floor", [condition.is_floor for condition in program.conditions]),
         _numbers("sb_jumps", (t for t, _ in program.jumps.times)),
         _numbers("sb_jump_margins", (margin for _, margin in program.jumps.times)),
-        _flags("sb_stops", [event.action == "stop" for event in program.events]),
-        _table("int", "sb_action_events", (str(event) for event, _ in program.actions)),
-        _table("int", "sb_action_states", (str(state) for _, state in program.actions)),
         _table("char *const", "sb_names", (_string(variable.name) for variable in variables), "const "),
+        _table("char *const", "sb_elements", map(_string, program.modal.names), "const "),
         _functions(program, places),
     ]
     texts = [function.text for function in program.functions.values()]
@@ -144,11 +146,12 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
             places[name] = places[block] + int(blocks[block][place])
         else:
             places[name] = size
-            parts.append(function.numbers)
-            size += function.numbers.size
-    if watch.size:  # numbers of functions lie before and behind it
-        for field, name in (("numbers", "indicators"), ("actions", "motion")):
-            watch[EventMonitor.fields[field].place] = places[name] - places["watch"]
+            parts.append(function.array)
+            size += function.array.size
+    if watch.size:  # numbers of functions lie before and behind it, as does what closes states
+        for field, name in (("numbers", "indicators"), ("actions", "action"), ("closing", "closing")):
+            if name in program.functions or (name in blocks and blocks[name].size):
+                watch[EventMonitor.fields[field].place] = places[name] - places["watch"]
     if switch.size:  # what projects takes the same numbers as steps do
         switch[ModeSwitch.fields["projection"].place] = places["projection"] - places["switch"]
     scratch = max(function.values_work for function in program.functions.values())
@@ -169,24 +172,25 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_OUTPUTS": output.size, "SB_SHOWN": output.size - output.sizes[0] + 1,
         "SB_EVENTS": len(program.events), "SB_CONDITIONS": len(program.conditions),
         "SB_ELEMENTS": len(program.modal.modes), "SB_SWITCH": places["switch"],
-        "SB_WATCHED": program.indicator_count, "SB_ACTIONS": len(program.actions),
+        "SB_WATCHED": program.indicator_count, "SB_HAPPENED": program.happened_room,
         "SB_SLOPES": rows * (n + n_r),
         "SB_HAS_DERIVATIVES": int(rows > 0), "SB_POOL": pool.size, "SB_PLACES": np.count_nonzero(pool),
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": places["closing"],
         "SB_HELD": AssemblyProblem.fields["asked"].place, "SB_IS_CLOSED": int("assembly" in functions),
-        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.has_one_length),
+        "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.motion.has_one_length),
         "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
         "SB_WATCH": places["watch"], "SB_STRIKE": places["struck"],
         "SB_IS_STRUCK": int("strike" in functions),
         "SB_JUMPS": len(program.jumps.times), "SB_ARE_MORE_JUMPS": int(program.jumps.are_more),
-        "SB_DENSE_ROWS": dense, "SB_PIECES": dense * n, "SB_LOOKS": _LOOKS, "SB_MOST_EVENTS": _MOST_EVENTS,
+        "SB_DENSE_ROWS": dense, "SB_STEPS": program.steps, "SB_LAST_STEPS": _LAST_STEPS,
     }  # fmt: skip
     indices = {
         word: list(functions).index(name) if name in functions else 0 for name, word in _PURPOSES.items()
     }
     numbers |= {"SB_FUNCTIONS": len(functions)} | indices
     numbers |= {f"SB_{name}": getattr(block, name) for name in _CODES}
-    numbers |= {"SB_STRUCK": STRUCK, "SB_TORN": TORN}
+    numbers |= {f"SB_{name}": getattr(event_monitor, name) for name in _FOUND}
+    numbers |= {"SB_STRUCK": STRUCK, "SB_TORN": TORN, "SB_SHOCK": int(SHOCK)}
     for prefix, record in _RECORDS.items():
         numbers |= {
             f"SB_{prefix}_{name.replace('.', '_').upper()}": place for name, place in record.layout.items()
@@ -199,7 +203,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_CLOSED": repr(program.closing_share),
         "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
-        "SB_WATCHED_FUNCTION": f"{FUNCTION}{'indicators' if program.events else 'motion'}",
+        "SB_WATCHED_FUNCTION": f"{FUNCTION}{'indicators' if program.watched_events else 'motion'}",
+        "SB_ACTION_FUNCTION": f"{FUNCTION}{'action' if 'action' in functions else 'motion'}",
         "SB_SAMPLE_FUNCTION": f"{FUNCTION}{'samples' if program.samples.values else 'motion'}",
         "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -12,33 +11,29 @@ import numpy as np
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.expr.sequences.dependencies import dependencies
-from symbody.expr.sequences.sequence import Output
 from symbody.fmu.conditions import Condition
 from symbody.fmu.functions import Floats, ModelFunction
 from symbody.fmu.jumps import FmuJumps
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
 from symbody.kernels.block import Run
-from symbody.kernels.events.event_monitor import EventMonitor
+from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
+from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.simulation.events.event_functions import numbers_of_events
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
-from symbody.simulation.hybrid.switching import mode_block
-from symbody.simulation.methods.constraints import make_projector, residual_share
-from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, make_goal
-from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
-from symbody.simulation.native.blocks import make_block
+from symbody.simulation.hybrid.switching import mode_block, mode_ends
+from symbody.simulation.methods.constraints import residual_share
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
-from symbody.simulation.native.description import Projector
-from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
 from symbody.simulation.native.strikes import strike_block
 from symbody.simulation.programs.motion_request import PosedMotion
+from symbody.simulation.programs.prepared_motion import implicit_array, motion_block
+from symbody.simulation.programs.program_function import DERIVATIVES, PROJECTION, RIGHT_HAND_SIDE, TURN
 
-MOST_TRIALS: Final = 2**52
+STEPS: Final = 24  # of co-simulation that are kept where something is watched
 FUNCTION: Final = "mechanism_"  # begins the names of functions in C
 SPAN: Final = 10.0  # seconds of the default experiment
-Method = Explicit | FixedStep | GeneralizedAlpha
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,8 +63,6 @@ class FmuProgram:
         What is held between samples.
     jumps : FmuJumps
         Of prescribed rates.
-    method : Explicit, FixedStep or GeneralizedAlpha
-        The integrator of co-simulation.
     """
 
     eqs: EquationSet
@@ -82,7 +75,6 @@ class FmuProgram:
     modal: ModalEquations
     samples: FmuSamples
     jumps: FmuJumps
-    method: Method
 
     @property
     def rtol(self) -> float:
@@ -92,15 +84,7 @@ class FmuProgram:
     @property
     def is_implicit(self) -> bool:
         """Whether co-simulation solves for its steps."""
-        return isinstance(self.method, GeneralizedAlpha)
-
-    @property
-    def has_one_length(self) -> bool:
-        """Whether all steps of co-simulation have one length, but those that end at jumps."""
-        method = self.method
-        return (
-            method.step is not None if isinstance(method, GeneralizedAlpha) else isinstance(method, FixedStep)
-        )
+        return isinstance(self.motion.method, GeneralizedAlpha)
 
     @property
     def input_names(self) -> tuple[str, ...]:
@@ -147,67 +131,56 @@ class FmuProgram:
         return residual_share(self.motion.projection, None)
 
     @property
-    def actions(self) -> tuple[tuple[int, int], ...]:
-        """Event and state of each new value that an event sets."""
-        places = {name: k for k, name in enumerate(self.eqs.state_names)}
-        return tuple((k, places[name]) for k, event in enumerate(self.events) for name in event.mapping)
+    def watched_events(self) -> tuple[Event, ...]:
+        """Events, and the ends of modes behind them."""
+        return (*self.events, *mode_ends(self.modal))
 
     def watch(self) -> Floats:
-        """Return the block of a watch that judges events at starts; empty where none sets values.
+        """Return the array of an `EventMonitor`; empty where nothing is watched.
 
-        Its functions take their numbers from elsewhere in the pool.
+        Its functions, and what closes states, take their numbers from elsewhere in the pool.
         """
-        if not self.actions:
-            return np.zeros(0)
-        eqs, nothing, n = self.eqs, np.zeros(0), len(self.eqs.state_names)
-        events = numbers_of_events(eqs, self.events, self.functions["indicators"])
-        room_for_work = n + 1  # which the rules of events leave out
-        sizes = WatchNumbers(room_for_work, len(eqs.speed_names), nothing, np.zeros(1), nothing)
-        made = make_watch_block(events, sizes)
+        watched, eqs, nothing = self.watched_events, self.modal.eqs, np.zeros(0)
+        if not watched:
+            return nothing
+        n, modes = len(eqs.state_names) + 1, len(self.modal.modes)
+        numbers = WatchNumbers(n, len(eqs.speed_names), nothing, nothing, nothing)
+        made = make_watch_block(numbers_of_events(eqs, watched, self.functions["indicators"]), numbers)
         monitor = EventMonitor(made)
-        monitor.direction, monitor.action_values = 1.0, n
+        monitor.direction, monitor.span, monitor.happened_room = 1.0, SPAN, self.happened_room
+        monitor.piece_rows = Run(self.block()).method.dense_rows
+        monitor.mode_count, monitor.first_mode = modes, len(self.eqs.input_names)
         return made
+
+    @property
+    def happened_room(self) -> int:
+        """Room for so many events that are not logged yet."""
+        return (ZEROS_PER_EVENT + 1) * len(self.watched_events) + 1
+
+    @property
+    def steps(self) -> int:
+        """So many steps of co-simulation are at hand: zeros lie in the last ones."""
+        return STEPS if self.watched_events else 1
+
+    @property
+    def _step_functions(self) -> Mapping[str, ModelFunction]:
+        """The functions that the integrator calls, as programs name them."""
+        names = {RIGHT_HAND_SIDE: "motion", PROJECTION: "projection", TURN: "turn", DERIVATIVES: "jacobian"}
+        return {name: self.functions[own] for name, own in names.items() if own in self.functions}
 
     def block(self) -> Floats:
         """Return the block of the integrator at the first state."""
-        integration, method, bounds = self.motion.integration, self.method, self.motion.breakpoints
+        motion = self.motion
         if self.jumps.are_more:
-            bounds = bounds.truncate(self.jumps.times[-1][0])
-        if isinstance(method, GeneralizedAlpha):
-            tableau, bounds = METHOD, bounds_of_steps(bounds, method)
-            first, longest = method.step, method.step or method.max_step
-        else:
-            tableau, first, longest = method.tableau, method.first_step, method.max_step
-        goal = make_goal((0.0, SPAN), integration.rtol, integration.tolerances, longest, bounds)
-        goal = goal._replace(max_trials=MOST_TRIALS, stop_when_stiff=False)
-        motion = self.functions["motion"].arguments
-        made = make_block(motion, self._projector(), tableau, goal, self.x0, 0.0, first or 0.0)
+            motion = replace(motion, breakpoints=motion.breakpoints.truncate(self.jumps.times[-1][0]))
+        made = motion_block(motion, self._step_functions, self.modal.eqs)
         room = Run(made).room
-        room.keep_dense, room.steps = 1.0, 1
+        room.keep_dense, room.steps = 1.0, self.steps
         return made
 
     def implicit(self) -> Floats:
         """Return the array of an `ImplicitStep`; empty for explicit methods."""
-        if not isinstance(self.method, GeneralizedAlpha):
-            return np.zeros(0)
-        functions = ImplicitFunctions(
-            *(self.functions[name].arguments for name in ("motion", "turn", "jacobian"))
-        )
-        size, n_q = self.x0.size + 1, len(self.eqs.coordinate_names)  # room for work, which is not integrated
-        return make_array(functions, size, n_q, float(self.method.rho), one_length=self.has_one_length)
-
-    def _projector(self) -> Projector:
-        if not self.is_projected:
-            return NOTHING_TO_PROJECT
-        function = self.functions["projection"]
-        scales = self.motion.integration.problem.scales
-        made = make_projector(_Projecting(function), self.modal.eqs, scales, self.motion.projection, None)
-        ours = function.arguments
-        limit = math.inf if self.has_one_length else made.limit
-        return made._replace(
-            address=1, inputs=ours.inputs, parameters=ours.parameters, constants=ours.constants,
-            work_size=ours.work_size, limit=limit,
-        )  # fmt: skip
+        return implicit_array(self.motion, self._step_functions)
 
     def assembly(self) -> Floats:
         """Return the block of `symbody.kernels.configurations.closing`; empty for open mechanisms."""
@@ -215,24 +188,26 @@ class FmuProgram:
             return np.zeros(0)
         close, function = closing_of(self.motion.eqs, holds=True), self.functions["assembly"]
         own = metric(close.eqs, self.motion.integration.problem.scales)
-        return closing_block(close.shape, own, function.sizes, function.numbers, self.closing_share)
+        return closing_block(close.shape, own, function.sizes, function.array, self.closing_share)
 
     def strike(self) -> Floats:
         """Return the array of a `StrikeProblem`; empty where no rates jump."""
         if "strike" not in self.functions:
             return np.zeros(0)
         function, scales = self.functions["strike"], self.motion.integration.problem.scales
-        return strike_block(self.modal.eqs, scales, function.sizes, function.numbers)
+        return strike_block(self.modal.eqs, scales, function.sizes, function.array)
 
     def switch(self) -> Floats:
         """Return the array of a `ModeSwitch`; empty where nothing switches."""
         if not self.modal.modes:
             return np.zeros(0)
         deciding, projecting = self.functions["deciding"], self.functions["projection"]
-        return mode_block(
+        made = mode_block(
             self.modal, self.eqs, self.motion.integration.problem.scales, len(self.eqs.input_names),
-            (deciding.numbers, deciding.size), (np.zeros(0), projecting.size),
+            (deciding.array, deciding.size), (np.zeros(0), projecting.size),
         )  # fmt: skip
+        ModeSwitch(made).first_event = len(self.events)
+        return made
 
     @property
     def closing_parameters(self) -> tuple[bool, ...]:
@@ -244,25 +219,3 @@ class FmuProgram:
         results = dependencies(function.sequence)[: sum(function.sizes[: len(POSED)])]
         read = frozenset().union(*results)
         return tuple(("p", k) in read for k in range(len(names)))
-
-
-@dataclass(frozen=True, slots=True)
-class _Projecting:
-    """The sizes of a function that projects."""
-
-    function: ModelFunction
-    address: int = 1
-
-    @property
-    def work_size(self) -> int:
-        """Doubles of scratch that it needs."""
-        return self.function.arguments.work_size
-
-    @property
-    def outputs(self) -> tuple[Output, ...]:
-        """What it computes."""
-        return self.function.sequence.outputs
-
-    def constants(self) -> Floats:
-        """Return the numbers c that it takes."""
-        return self.function.arguments.constants

@@ -219,7 +219,7 @@ def _outputs(program: FmuProgram) -> Iterator[FmuVariable]:
 
 def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
     if program.events:
-        depends = _dependencies(program, program.functions["indicators"])
+        depends = _dependencies(program, program.functions["indicators"])[: len(program.events)]
         for event, read in zip(program.events, depends, strict=True):
             yield _indicator(
                 f"event.{variable_name(event.label)}", f"passes zero at event {event.label}", read
@@ -233,7 +233,7 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
     ends += [(f"rope {name} goes slack or taut", name) for name in program.modal.ropes]
     for words, name in ends:
         yield FmuVariable(
-            f"mode.{variable_name(name)}", "local", "continuous", description=f"passes zero where {words}"
+            f"mode_end.{variable_name(name)}", "local", "continuous", description=f"passes zero where {words}"
         )
 
 

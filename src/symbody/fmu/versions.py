@@ -12,8 +12,8 @@ MAIN: Final[Mapping[str, str]] = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 CORE: Final = (
     "motion.h",
     "conditions.h",
-    "modes.h",
     "results.h",
+    "modes.h",
     "events.h",
     "samples.h",
     "steps.h",

@@ -5,8 +5,8 @@
 #include "model.h"
 #include "motion.h"
 #include "conditions.h"
-#include "modes.h"
 #include "results.h"
+#include "modes.h"
 #include "events.h"
 #include "samples.h"
 #include "steps.h"
@@ -134,24 +134,19 @@ NO_TYPE(String)
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
     LEGAL(ANY);
-    *FMUstate = copy_motion(OURS, (Motion *)*FMUstate);
-    return *FMUstate ? fmi2OK : (fmi2Status)fail(OURS, STATUS_ERROR, __func__, "memory is exhausted");
+    return (fmi2Status)keep_motion(OURS, __func__, FMUstate);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
 {
     LEGAL(ANY);
-    if (FMUstate == NULL) return (fmi2Status)fail(OURS, STATUS_ERROR, __func__, "no state was given");
-    memcpy(MOTION, FMUstate, sizeof(Motion));
-    return fmi2OK;
+    return (fmi2Status)restore_motion(OURS, __func__, FMUstate);
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
     (void)c;
-    if (FMUstate == NULL) return fmi2OK;
-    free(*FMUstate);
-    *FMUstate = NULL;
+    forget_motion(FMUstate);
     return fmi2OK;
 }
 
@@ -166,21 +161,14 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, si
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
 {
     LEGAL(ANY);
-    if (size < sizeof(Motion) || FMUstate == NULL)
-        return (fmi2Status)fail(OURS, STATUS_ERROR, __func__, "the buffer is too small, or no state was given");
-    memcpy(serializedState, FMUstate, sizeof(Motion));
-    return fmi2OK;
+    return (fmi2Status)write_motion(OURS, __func__, FMUstate, serializedState, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(
     fmi2Component c, const fmi2Byte serializedState[], size_t size, fmi2FMUstate *FMUstate)
 {
     LEGAL(ANY);
-    if (size != sizeof(Motion)) return (fmi2Status)fail(OURS, STATUS_ERROR, __func__, "the size is not that of a state");
-    if (*FMUstate == NULL) *FMUstate = malloc(sizeof(Motion));
-    if (*FMUstate == NULL) return (fmi2Status)fail(OURS, STATUS_ERROR, __func__, "memory is exhausted");
-    memcpy(*FMUstate, serializedState, sizeof(Motion));
-    return fmi2OK;
+    return (fmi2Status)read_motion(OURS, __func__, serializedState, size, FMUstate);
 }
 
 fmi2Status fmi2GetDirectionalDerivative(
@@ -250,22 +238,15 @@ fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n
 {
     LEGAL(EVENT | CONTINUOUS);
     OF_SIZE(nx, SB_X);
-    memcpy(MOTION->x, x, SB_X * sizeof(double));
-    MOTION->valid = 0;
+    set_states(OURS, x);
     return fmi2OK;
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx)
 {
-    fmi2Status status;
     LEGAL(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     OF_SIZE(nx, SB_X);
-    status = (fmi2Status)prepare(OURS, __func__);
-    if (status != fmi2OK) return status;
-    if (need(MOTION, HAS_SLOPE) != SOLVED)
-        return (fmi2Status)fail(OURS, STATUS_DISCARD, __func__, "the accelerations have no solution in this state");
-    memcpy(derivatives, MOTION->slope, SB_X * sizeof(double));
-    return fmi2OK;
+    return (fmi2Status)get_slope(OURS, __func__, derivatives);
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni)
@@ -277,12 +258,9 @@ fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], s
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx)
 {
-    fmi2Status status;
     LEGAL(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     OF_SIZE(nx, SB_X);
-    status = (fmi2Status)prepare(OURS, __func__);
-    memcpy(x, MOTION->x, SB_X * sizeof(double));
-    return status;
+    return (fmi2Status)get_states(OURS, __func__, x);
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx)

@@ -5,8 +5,8 @@
 #include "model.h"
 #include "motion.h"
 #include "conditions.h"
-#include "modes.h"
 #include "results.h"
+#include "modes.h"
 #include "events.h"
 #include "samples.h"
 #include "steps.h"
@@ -218,24 +218,19 @@ ABSENT(fmi3Status fmi3ActivateModelPartition(
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
 {
     LEGAL(ANY);
-    *FMUState = copy_motion(OURS, (Motion *)*FMUState);
-    return *FMUState ? fmi3OK : (fmi3Status)fail(OURS, STATUS_ERROR, __func__, "memory is exhausted");
+    return (fmi3Status)keep_motion(OURS, __func__, FMUState);
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState)
 {
     LEGAL(ANY);
-    if (FMUState == NULL) return (fmi3Status)fail(OURS, STATUS_ERROR, __func__, "no state was given");
-    memcpy(MOTION, FMUState, sizeof(Motion));
-    return fmi3OK;
+    return (fmi3Status)restore_motion(OURS, __func__, FMUState);
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
 {
     (void)instance;
-    if (FMUState == NULL) return fmi3OK;
-    free(*FMUState);
-    *FMUState = NULL;
+    forget_motion(FMUState);
     return fmi3OK;
 }
 
@@ -251,21 +246,14 @@ fmi3Status fmi3SerializeFMUState(
     fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size)
 {
     LEGAL(ANY);
-    if (size < sizeof(Motion) || FMUState == NULL)
-        return (fmi3Status)fail(OURS, STATUS_ERROR, __func__, "the buffer is too small, or no state was given");
-    memcpy(serializedState, FMUState, sizeof(Motion));
-    return fmi3OK;
+    return (fmi3Status)write_motion(OURS, __func__, FMUState, serializedState, size);
 }
 
 fmi3Status fmi3DeserializeFMUState(
     fmi3Instance instance, const fmi3Byte serializedState[], size_t size, fmi3FMUState *FMUState)
 {
     LEGAL(ANY);
-    if (size != sizeof(Motion)) return (fmi3Status)fail(OURS, STATUS_ERROR, __func__, "the size is not that of a state");
-    if (*FMUState == NULL) *FMUState = malloc(sizeof(Motion));
-    if (*FMUState == NULL) return (fmi3Status)fail(OURS, STATUS_ERROR, __func__, "memory is exhausted");
-    memcpy(*FMUState, serializedState, sizeof(Motion));
-    return fmi3OK;
+    return (fmi3Status)read_motion(OURS, __func__, serializedState, size, FMUState);
 }
 
 fmi3Status fmi3GetDirectionalDerivative(
@@ -338,22 +326,15 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 cont
 {
     LEGAL(CONTINUOUS);
     OF_SIZE(nContinuousStates, SB_X);
-    memcpy(MOTION->x, continuousStates, SB_X * sizeof(double));
-    MOTION->valid = 0;
+    set_states(OURS, continuousStates);
     return fmi3OK;
 }
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[], size_t nContinuousStates)
 {
-    fmi3Status status;
     LEGAL(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     OF_SIZE(nContinuousStates, SB_X);
-    status = (fmi3Status)prepare(OURS, __func__);
-    if (status != fmi3OK) return status;
-    if (need(MOTION, HAS_SLOPE) != SOLVED)
-        return (fmi3Status)fail(OURS, STATUS_DISCARD, __func__, "the accelerations have no solution in this state");
-    memcpy(derivatives, MOTION->slope, SB_X * sizeof(double));
-    return fmi3OK;
+    return (fmi3Status)get_slope(OURS, __func__, derivatives);
 }
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators)
@@ -365,12 +346,9 @@ fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndica
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[], size_t nContinuousStates)
 {
-    fmi3Status status;
     LEGAL(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     OF_SIZE(nContinuousStates, SB_X);
-    status = (fmi3Status)prepare(OURS, __func__);
-    memcpy(continuousStates, MOTION->x, SB_X * sizeof(double));
-    return status;
+    return (fmi3Status)get_states(OURS, __func__, continuousStates);
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates)

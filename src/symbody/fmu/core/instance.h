@@ -31,6 +31,44 @@ typedef struct {
 
 static void deliver(Instance *instance, int status, const char *category, const char *text);
 
+/* Messages of motions: each is the first part of its instance. */
+
+static void log_happened(Motion *m, double until)
+{
+#if SB_WATCH_COUNT
+    Instance *instance = (Instance *)m;
+    double *count = &watch_of(m)[SB_W_HAPPENED];
+    char text[512];
+    int rest;
+    for (; m->logged < (int)*count && m->happened[m->logged * (SB_N + 2) + 1] <= until; m->logged++) {
+        const double *row = m->happened + m->logged * (SB_N + 2);
+        int k = (int)row[0];
+        snprintf(text, sizeof text, "%s at t = %.17g", sb_names[k < SB_EVENTS ? AT_INDICATORS + k : AT_ELEMENTS + k - SB_EVENTS],
+            m->is_alone ? row[1] : m->time);
+        if (instance->logs_events) deliver(instance, STATUS_OK, "logEvents", text);
+    }
+    rest = (int)*count - m->logged + 1;
+    if (m->logged <= 1) return;
+    memmove(m->happened, m->happened + (m->logged - 1) * (SB_N + 2), rest * (SB_N + 2) * sizeof(double));
+    *count = rest; /* the last one tells that something has happened */
+    m->logged = 1;
+#else
+    (void)m, (void)until;
+#endif
+}
+
+static void log_shock(Motion *m, const double *row)
+{
+    Instance *instance = (Instance *)m;
+    char text[1024];
+    int k, count = 0, size = snprintf(text, sizeof text, "at t = %.9g s ropes go taut with an impact:", row[1]);
+    for (k = 0; k < SB_ELEMENTS && size < (int)sizeof text; k++)
+        if (row[3 + k] != 0.0)
+            size += snprintf(text + size, sizeof text - size, "%s %s by %.6g N s", count++ ? " and" : "", sb_elements[k], row[3 + k]);
+    if (size < (int)sizeof text) snprintf(text + size, sizeof text - size, "; %.6g J are lost", row[2]);
+    if (instance->logs_events) deliver(instance, STATUS_OK, "logEvents", text);
+}
+
 static int fail(Instance *instance, int status, const char *function, const char *what)
 {
     char text[1024];
@@ -125,6 +163,7 @@ static int enter_initialization(Instance *instance, double start, int has_stop, 
     if (has_stop && stop > start) m->stop = stop;
     if (tolerance > 0.0) B[SB_RUN_GOAL_RTOL] = tolerance > 1e-13 ? tolerance : 1e-13;
     B[SB_RUN_T_END] = isfinite(m->stop) ? m->stop : start + SB_SPAN;
+    if (SB_WATCH_COUNT && isfinite(m->stop)) watch_of(m)[SB_W_SPAN] = m->stop - start;
     if (start != 0.0) m->is_settled = !SB_IS_CLOSED; /* constraints may depend on time */
     m->valid = 0;
     m->mode = INITIALIZATION;
@@ -151,9 +190,9 @@ static int exit_initialization(Instance *instance, const char *function)
     if (status != STATUS_OK) return status;
     status = first_samples(instance, function);
     if (status != STATUS_OK) return status;
+    m->is_alone = instance->kind == CO_SIMULATION;
     look_at_sides(m);
     m->is_fresh = 1;
-    m->is_alone = instance->kind == CO_SIMULATION;
     look_for_jump(m);
     m->mode = instance->kind == MODEL_EXCHANGE ? EVENT : STEP;
     return STATUS_OK;
@@ -197,10 +236,10 @@ static int set_parameter(Instance *instance, const char *function, unsigned refe
             sb_is_fixed[k] ? "is fixed: set it before initialization mode ends"
                            : "is tunable: set it in event mode, or between steps of co-simulation");
     if (m->p[k] == value) return STATUS_OK;
+    interrupt(m);
     m->p[k] = value;
     m->has_arguments = 0;
     m->valid = 0;
-    m->is_fresh = 1;
     if (m->mode & early) m->has_modes = 0;
     if (sb_closes[k]) m->is_settled = 0;
     return STATUS_OK;
@@ -215,11 +254,11 @@ static int set_value(Instance *instance, const char *function, unsigned referenc
         return fail_about(instance, function, reference, "is sampled: set it before initialization mode ends only");
     if (reference >= AT_R && reference < AT_P) {
         if (m->r[reference - AT_R] == value) return STATUS_OK;
+        interrupt(m);
         m->r[reference - AT_R] = value;
         if (m->mode & (INSTANTIATED | INITIALIZATION)) m->has_modes = 0;
         m->has_arguments = 0;
         m->valid = 0;
-        m->is_fresh = 1;
         return STATUS_OK;
     }
     if (reference >= AT_X && reference < AT_SLOPE) {
@@ -262,23 +301,12 @@ static int set_values(
 
 /* Event mode. */
 
-static void log_events(Instance *instance)
-{
-    Motion *m = &instance->motion;
-    char text[512];
-    int i;
-    for (i = 0; i < m->happened_count && instance->logs_events; i++) {
-        int k = m->happened[i], reference = k < SB_EVENTS ? AT_INDICATORS + k : AT_ELEMENTS + k - SB_EVENTS;
-        snprintf(text, sizeof text, "%s at t = %.17g", sb_names[reference], m->happened_at[i]);
-        deliver(instance, STATUS_OK, "logEvents", text);
-    }
-    m->happened_count = 0;
-}
-
 /* Why the motion ends at an event, unless its action turned nothing. */
 static const char *reason(const Motion *m, const char *otherwise)
 {
-    return m->unmet == OPEN_LOOP ? "the constraints do not admit what the action of an event sets"
+    return m->unmet == CHATTERING ? "an event happens again and again within an instant"
+        : m->unmet == NOT_A_NUMBER ? "the value of an event, or what it sets, is not finite"
+        : m->unmet == OPEN_LOOP ? "the constraints do not admit what the action of an event sets"
         : m->unmet == TORN_MOTION ? "a prescribed position jumps"
         : m->unmet == NO_SPEEDS ? "no speeds satisfy the prescribed rates behind a jump"
         : m->unmet == UNKNOWN_RATES ? "prescribed rates jump further on, which is not known to this FMU"
@@ -287,16 +315,23 @@ static const char *reason(const Motion *m, const char *otherwise)
         : otherwise;
 }
 
+/* The event that ends the motion, from 1, if it goes on as before its action. */
+static int unturned(Motion *m)
+{
+    const double *W = watch_of(m);
+    return SB_WATCH_COUNT && m->unmet == CHATTERING && W[SB_W_UNTURNED] != 0.0 ? (int)W[SB_W_CULPRIT] : 0;
+}
+
 /* Fail because of what an event did: its action turned nothing, cannot be met, or `otherwise`. */
 static int fail_at_event(Instance *instance, const char *function, const char *otherwise)
 {
     Motion *m = &instance->motion;
     char text[512];
-    if (!m->unturned) return fail(instance, STATUS_ERROR, function, reason(m, otherwise));
+    if (!unturned(m)) return fail(instance, STATUS_ERROR, function, reason(m, otherwise));
     snprintf(text, sizeof text, "%s happens at t = %.17g where its value is zero, and after its action the value "
         "is zero again and goes the same way; let the action turn the value back or move it off zero",
-        sb_names[AT_INDICATORS + m->unturned - 1], m->time);
-    m->unturned = 0;
+        sb_names[AT_INDICATORS + unturned(m) - 1], m->time);
+    watch_of(m)[SB_W_UNTURNED] = 0.0;
     return fail(instance, STATUS_ERROR, function, text);
 }
 
@@ -318,20 +353,16 @@ static int update(Instance *instance, const char *function, int *has_changed, in
         *has_changed = 1;
     }
     acted = act(m, must_stop);
-    log_events(instance);
     if (acted < 0)
         return fail_at_event(instance, function, "the state after an event has no solution");
     *has_changed |= acted;
     acted = pass_jumps(m, &stops_at_jump);
-    log_events(instance);
     if (acted < 0) return fail_at_event(instance, function, "the state behind a jump has no solution");
     *has_changed |= acted;
     acted = sample(m, &stops);
-    log_events(instance);
     if (acted < 0) return fail_at_event(instance, function, "a sampled value, or the state behind it, is not finite");
     *has_changed |= acted;
     acted = act_at_start(m);
-    log_events(instance);
     if (acted < 0) return fail_at_event(instance, function, "the state after an event has no solution");
     *has_changed |= acted;
     *must_stop |= stops | stops_at_jump;
@@ -357,7 +388,7 @@ static int event_indicators(Instance *instance, const char *function, double *va
 static void completed_step(Instance *instance, int *enters_events)
 {
     Motion *m = &instance->motion;
-    note_rates(m);
+    note_rates(m, m->x);
     *enters_events = note_events(m) | have_conditions_changed(m);
     if (is_open(m)) *enters_events = m->must_project = 1;
 }
@@ -376,9 +407,8 @@ static int do_step(Instance *instance, const char *function, double start, doubl
     if (settle_anew(m) != SOLVED)
         return fail(instance, STATUS_ERROR, function, "the constraints cannot be fulfilled with these parameters");
     code = go_to(m, start + length, must_stop);
-    log_events(instance);
     if (code == SB_RUNNING) return STATUS_OK;
-    if (m->unturned) return fail_at_event(instance, function, "");
+    if (unturned(m)) return fail_at_event(instance, function, "");
     snprintf(text, sizeof text, "the motion cannot go on from t = %.17g: %s", m->time,
         code == SB_SINGULAR ? "the accelerations have no solution"
         : code == SB_TOO_MANY ? "too many events or steps"
@@ -455,11 +485,68 @@ static int directional_derivative(
     return STATUS_OK;
 }
 
+/* States in continuous time. */
+
+static int get_states(Instance *instance, const char *function, double *x)
+{
+    int status = prepare(instance, function);
+    memcpy(x, instance->motion.x, SB_X * sizeof(double));
+    return status;
+}
+
+static int get_slope(Instance *instance, const char *function, double *slope)
+{
+    int status = prepare(instance, function);
+    if (status != STATUS_OK) return status;
+    if (need(&instance->motion, HAS_SLOPE) != SOLVED)
+        return fail(instance, STATUS_DISCARD, function, "the accelerations have no solution in this state");
+    memcpy(slope, instance->motion.slope, SB_X * sizeof(double));
+    return STATUS_OK;
+}
+
+static void set_states(Instance *instance, const double *x)
+{
+    memcpy(instance->motion.x, x, SB_X * sizeof(double));
+    instance->motion.valid = 0;
+}
+
 /* Copies of the motion are copies of the instance. */
 
-static Motion *copy_motion(const Instance *instance, Motion *old)
+static int keep_motion(Instance *instance, const char *function, void **state)
 {
-    if (old == NULL) old = (Motion *)malloc(sizeof(Motion));
-    if (old != NULL) memcpy(old, &instance->motion, sizeof(Motion));
-    return old;
+    if (*state == NULL) *state = malloc(sizeof(Motion));
+    if (*state == NULL) return fail(instance, STATUS_ERROR, function, "memory is exhausted");
+    memcpy(*state, &instance->motion, sizeof(Motion));
+    return STATUS_OK;
+}
+
+static int restore_motion(Instance *instance, const char *function, const void *state)
+{
+    if (state == NULL) return fail(instance, STATUS_ERROR, function, "no state was given");
+    memcpy(&instance->motion, state, sizeof(Motion));
+    return STATUS_OK;
+}
+
+static void forget_motion(void **state)
+{
+    if (state == NULL) return;
+    free(*state);
+    *state = NULL;
+}
+
+static int write_motion(Instance *instance, const char *function, const void *state, void *bytes, size_t size)
+{
+    if (size < sizeof(Motion) || state == NULL)
+        return fail(instance, STATUS_ERROR, function, "the buffer is too small, or no state was given");
+    memcpy(bytes, state, sizeof(Motion));
+    return STATUS_OK;
+}
+
+static int read_motion(Instance *instance, const char *function, const void *bytes, size_t size, void **state)
+{
+    int status;
+    if (size != sizeof(Motion)) return fail(instance, STATUS_ERROR, function, "the size is not that of a state");
+    status = keep_motion(instance, function, state);
+    if (status == STATUS_OK) memcpy(*state, bytes, sizeof(Motion));
+    return status;
 }

@@ -4,6 +4,9 @@
 
 #define LONGEST 1e-7 /* of its length: a rope that drifts or overshoots is not longer by more */
 
+/* The shock of ropes that a row of the record of modes holds. */
+static void log_shock(Motion *m, const double *row);
+
 #if SB_ELEMENTS
 static double *switch_of(Motion *m) { return m->pool + SB_SWITCH; }
 static double *element_of(Motion *m, int k)
@@ -24,17 +27,8 @@ static void release(Motion *m)
     m->has_modes = m->has_arguments = 0;
 }
 
-/* What ends modes: behind the values of events, those of modes. */
-static int watch(Motion *m, const double *x, double *values)
-{
-    int k, status = SB_EVENTS ? compute(m, &sb_functions[SB_INDICATORS], x, values) : 0;
-    if (status == 0) status = compute(m, &sb_functions[SB_ENDS], x, values + SB_EVENTS);
-    for (k = 0; k < SB_ELEMENTS && status == 0; k++) values[SB_EVENTS + k] -= element_of(m, k)[SB_M_LEVEL];
-    return status;
-}
-
 /* How fast the mechanism has been. */
-static void note_rates(Motion *m) { symbody_note_rates(switch_of(m), m->x); }
+static void note_rates(Motion *m, const double *x) { symbody_note_rates(switch_of(m), (double *)x); }
 
 /* Whether a state that was set has a rope that is longer than it can be. */
 static int has_long_rope(Motion *m)
@@ -59,43 +53,45 @@ static int has_torn_rope(Motion *m)
 /* Find the modes in which the motion goes on; returns whether there are any. */
 static int switch_modes(Motion *m)
 {
-    double *S = switch_of(m), x[SB_X + 1], rows[2 * (3 + SB_ELEMENTS + SB_X + 1)];
+    double *S = switch_of(m), x[SB_N], rows[2 * (3 + SB_ELEMENTS + SB_N)];
     int k, code;
     if (has_torn_rope(m)) return NOT_CLOSED;
-    memcpy(x, m->x, SB_X * sizeof(double));
-    x[SB_X] = S[SB_S_RECORDED] = 0.0; /* the work that shocks do, which is of no interest here */
+    memcpy(x, m->x, sizeof x);
+    S[SB_S_RECORDED] = 0.0;
     renew_arguments(m);
     code = symbody_settle_modes(mechanism_deciding, SB_PROJECTION, S, rows, clock_of(m), x);
     m->valid = m->has_arguments = 0;
-    if (code != SB_SETTLED || !are_finite(x, SB_X)) return UNSOLVED;
-    memcpy(m->x, x, SB_X * sizeof(double));
-    for (k = 0; k < SB_ELEMENTS; k++) m->slight[k] = symbody_slight_value(S, k);
+    if (code != SB_SETTLED || !are_finite(x, SB_N)) return UNSOLVED;
+    memcpy(m->x, x, sizeof x);
+    for (k = 0; k < (int)S[SB_S_RECORDED]; k++)
+        if (rows[k * (3 + SB_ELEMENTS + SB_N)] == SB_SHOCK) log_shock(m, rows + k * (3 + SB_ELEMENTS + SB_N));
+    for (k = 0; k < SB_ELEMENTS; k++) {
+        event_of(m, SB_EVENTS + k)[SB_E_BAND] = symbody_slight_value(S, k);
+        event_of(m, SB_EVENTS + k)[SB_E_LEVEL] = element_of(m, k)[SB_M_LEVEL];
+    }
+    symbody_forget_ends(S, watch_of(m));
+    watch_of(m)[SB_W_RATE_KNOWN] = 0.0;
     m->has_modes = m->is_fresh = 1;
     return SOLVED;
 }
 
-/* Mark the modes that have ended: by an event, or since inputs or parameters jumped. Returns whether modes are to be
-   decided. */
+/* Whether modes are to be decided: one has ended, at an event or since inputs or parameters jumped. */
 static int have_ended(Motion *m)
 {
-    double values[SB_EVENTS + SB_ELEMENTS + 1];
-    int k, any = !m->has_modes || watch(m, m->x, values) != 0;
+    int k, any = !m->has_modes;
+    m->valid &= ~HAS_INDICATORS;
+    if (any || need(m, HAS_INDICATORS) != SOLVED) return 1;
     for (k = 0; k < SB_ELEMENTS; k++) {
-        int ended = m->pending[SB_EVENTS + k];
-        element_of(m, k)[SB_M_ENDED] = ended;
-        any = any || ended || !(values[SB_EVENTS + k] >= -m->slight[k]);
+        any |= element_of(m, k)[SB_M_ENDED] != 0.0;
+        any |= !(m->indicators[SB_EVENTS + k] >= -symbody_slight_value(switch_of(m), k));
     }
     return any;
 }
 #else
 static void forget_modes(Motion *m) { (void)m; }
 static void release(Motion *m) { (void)m; }
-static void note_rates(Motion *m) { (void)m; }
+static void note_rates(Motion *m, const double *x) { (void)m, (void)x; }
 static int has_long_rope(Motion *m) { return (void)m, 0; }
 static int switch_modes(Motion *m) { return (void)m, SOLVED; }
 static int have_ended(Motion *m) { return (void)m, 0; }
-static int watch(Motion *m, const double *x, double *values)
-{
-    return SB_EVENTS ? compute(m, &sb_functions[SB_INDICATORS], x, values) : 0;
-}
 #endif

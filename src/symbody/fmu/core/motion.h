@@ -5,16 +5,17 @@
    sizes SB_* and the tables sb_*. All that an instance is stands in one `Motion`, so that a copy of it is a copy
    of the instance; there is no static data but constants. */
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, STEP = 16, TERMINATED = 32 };
 enum { HAS_SLOPE = 1, HAS_OUTPUTS = 2, HAS_INDICATORS = 4, HAS_CALCULATED = 8, HAS_SLOPES = 16, HAS_SIDES = 32 };
 enum { SOLVED, UNSOLVED, NOT_CLOSED };
-enum { NOTHING_UNMET, OPEN_LOOP, LONG_ROPE, TORN_MOTION, NO_SPEEDS, UNKNOWN_RATES };
-#define SB_KEPT 64
-#define SB_STRAIGHT 1e-3  /* of the mechanism's time: in which rates decide where values go */
-#define SB_MOST_ROUNDS 100 /* of events at one instant */
+enum { NOTHING_UNMET, OPEN_LOOP, LONG_ROPE, TORN_MOTION, NO_SPEEDS, UNKNOWN_RATES, NOT_A_NUMBER, CHATTERING };
+#define SB_N (SB_X + 1)     /* states of kernels: the work is the last one */
+#define SB_WATCH_COUNT (SB_EVENTS + SB_ELEMENTS)
+#define SB_STRAIGHT 1e-3    /* of the mechanism's time: in which rates decide where values go */
 
 typedef struct {
     int mode, valid, code;
@@ -25,24 +26,22 @@ typedef struct {
     int has_stopped;      /* an event ended the motion */
     int unmet;            /* what does not admit what an action sets, or what rates do at a jump */
     int strikes, ends_jumps; /* whether prescribed rates jump at the next jump; whether they are known up to there */
-    int unturned;         /* the event, from 1, that goes on as before its action at a start */
+    int found;            /* what `look` found ahead, as it calls it */
+    int logged;           /* so many of the events that happened are logged */
     int must_project;     /* the state is to be brought back onto the constraints in event mode */
     int has_modes; /* see modes.h */
-    int side[SB_EVENTS + SB_ELEMENTS + 1], pending[SB_EVENTS + SB_ELEMENTS + 1];
-    int happened_count, happened[SB_KEPT];  /* events that are not yet logged */
-    double happened_at[SB_KEPT];
-    double largest[SB_EVENTS + 1]; /* of what each event watches, so far */
-    double time, from, to, stop;
+    double time, stop;
     double jump, jump_margin, past_jump; /* next jump of what depends on time alone; behind the last one */
-    double x[SB_X + 1], settled_x[SB_X + 1];
+    double width;         /* of the instant behind which steps begin */
+    double x[SB_N], settled_x[SB_N];
     double r[SB_R + 1];
     double p[SB_P + 1], settled_p[SB_P + 1];
     double side_of_condition[SB_CONDITIONS + 1]; /* which branches are taken in model exchange */
-    double slight[SB_ELEMENTS + 1]; /* what is rounding of the values that end modes */
-    double slope[SB_X + 1], outputs[SB_OUTPUTS + 1], calculated[SB_CALCULATED + 1];
-    double indicators[SB_EVENTS + SB_ELEMENTS + 1], conditions[SB_CONDITIONS + 1];
+    double slope[SB_N], outputs[SB_OUTPUTS + 1], calculated[SB_CALCULATED + 1];
+    double indicators[SB_WATCH_COUNT + 1], conditions[SB_CONDITIONS + 1];
     double slopes[SB_SLOPES + 1];
-    double pieces[SB_PIECES + 1], ends[2];
+    double breaks[SB_STEPS + 2], pieces[(SB_STEPS + 1) * SB_DENSE_ROWS * SB_N]; /* the steps at hand */
+    double happened[SB_HAPPENED * (SB_N + 2)]; /* events that are not yet logged: place, time, state */
     double pool[SB_POOL];
 } Motion;
 
@@ -140,7 +139,7 @@ static int try_assembly(Motion *m, const double *x, const double *p, const int *
         for (i = 0; i < SB_X; i++)
             if (is_given[i]) m->x[i] = k == parts ? x[i] : m->settled_x[i] + share * (x[i] - m->settled_x[i]);
         if (SB_IS_CLOSED) {
-            int is_held[SB_X + 1];
+            int is_held[SB_N];
             for (i = 0; i < SB_X; i++) is_held[i] = is_given[i] && sb_is_held[i];
             if (close_held(m, is_held) != SOLVED) return 0;
         }
@@ -161,7 +160,7 @@ static void keep_settled(Motion *m)
 static int settle(Motion *m, const int *is_given)
 {
     static const int parts[] = {1, 12};
-    double x[SB_X + 1], p[SB_P + 1];
+    double x[SB_N], p[SB_P + 1];
     int i, k;
     if (m->is_settled) return SOLVED;
     memcpy(x, m->x, sizeof x);
@@ -188,7 +187,7 @@ static int settle(Motion *m, const int *is_given)
 /* The same in the course of a motion: no state is given, each follows from where it is. */
 static int settle_anew(Motion *m)
 {
-    static const int none[SB_X + 1] = {0};
+    static const int none[SB_N] = {0};
     memcpy(m->settled_x, m->x, sizeof m->x);
     return settle(m, none);
 }

@@ -1,6 +1,30 @@
 /* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
 /* Results: what follows from the state. It is computed when it is needed, and kept until the state changes. */
 
+static double *watch_of(Motion *m) { return m->pool + SB_WATCH; }
+
+static double *event_of(Motion *m, int k)
+{
+    double *W = watch_of(m);
+    return W + (int)W[SB_W_EVENTS] + k * SB_EVENT_SIZE;
+}
+
+/* The values of events, and of what ends modes. */
+static int watch(Motion *m, double *x)
+{
+#if SB_WATCH_COUNT
+    double *W = watch_of(m);
+    renew_arguments(m);
+    W[SB_W_FAULT] = 0.0;
+    symbody_compute_values(SB_WATCHED_FUNCTION, W, clock_of(m), x);
+    memcpy(m->indicators, W + (int)W[SB_W_VALUES], SB_WATCH_COUNT * sizeof(double));
+    if (W[SB_W_FAULT] != 0.0) return UNSOLVED;
+#else
+    (void)m, (void)x;
+#endif
+    return SOLVED;
+}
+
 /* Compute what is not there yet. */
 static int need(Motion *m, int what)
 {
@@ -17,7 +41,7 @@ static int need(Motion *m, int what)
                 || compute(m, &sb_functions[SB_SENSITIVITIES], m->x, m->slopes + SB_X * (SB_X + SB_R))))
             return UNSOLVED;
     } else if (what == HAS_INDICATORS) {
-        if (SB_EVENTS + SB_ELEMENTS && watch(m, m->x, m->indicators)) return UNSOLVED;
+        if (watch(m, m->x) != SOLVED) return UNSOLVED;
         if (SB_CONDITIONS && compute(m, &sb_functions[SB_SIDES], m->x, m->conditions)) return UNSOLVED;
     } else if (what == HAS_CALCULATED) {
         if (SB_CALCULATED && compute(m, &sb_functions[SB_PARAMETERS], m->x, m->calculated)) return UNSOLVED;

@@ -49,8 +49,9 @@ static int take_due(Motion *m)
    modes. Returns whether values of states changed, -1 for a fault. */
 static int sample(Motion *m, int *must_stop)
 {
-    int taken = take_due(m);
-    if (taken <= 0) return taken;
+    if (!is_sample_due(m)) return 0;
+    look_before(m);
+    if (take_due(m) < 0) return -1;
     note_events(m);
     return act(m, must_stop);
 }

@@ -60,11 +60,14 @@ static int pass_jumps(Motion *m, int *must_stop)
     while (!*must_stop && has_come_to_jump(m)) {
         double before = m->jump - m->jump_margin, behind = m->jump + m->jump_margin;
         int acted;
+        look_before(m);
         if (m->strikes && strike_rates(m, before, behind) != SOLVED) return -1;
         changed |= m->strikes;
         m->past_jump = behind;
+        m->width = behind - before;
         look_for_jump(m);
         m->valid = 0;
+        m->is_fresh = 1;
         note_events(m);
         acted = act(m, must_stop);
         if (acted < 0) return -1;
@@ -73,111 +76,119 @@ static int pass_jumps(Motion *m, int *must_stop)
     return changed;
 }
 
-/* Steps of our own, for co-simulation. */
+/* Steps of our own, for co-simulation. They lead on until it is known what happens up to the time asked for. */
 
 static void begin_steps(Motion *m)
 {
     double *B = m->pool + SB_BLOCK, nothing[1] = {0.0};
     renew_arguments(m); /* events and samples may have changed them */
     B[SB_RUN_TIME] = clock_of(m);
-    memcpy(B + (int)B[SB_RUN_STATE_OLD], m->x, SB_X * sizeof(double));
+    memcpy(B + (int)B[SB_RUN_STATE_OLD], m->x, sizeof m->x);
     B[SB_RUN_COUNTS_FAILED_KERNEL] = B[SB_RUN_COUNTS_STEPS] = B[SB_RUN_COUNTS_SAMPLES] = 0.0;
     B[SB_RUN_AFTER_REJECTION] = B[SB_RUN_STIFF_VOTES] = B[SB_RUN_OTHER_VOTES] = B[SB_RUN_UNJUDGED] = 0.0;
     B[SB_RUN_BREAKS_NEXT] = 0.0;
-    m->from = m->to = m->time;
-    m->is_fresh = 0;
+    m->is_fresh = m->found = 0;
 #if SB_IS_IMPLICIT
     m->code = symbody_begin_implicit(
-        mechanism_motion, B, m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->ends);
+        mechanism_motion, B, m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->breaks);
 #else
-    m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->ends);
+    m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->breaks);
 #endif
+#if SB_WATCH_COUNT
+    watch_of(m)[SB_W_FAULT] = 0.0;
+    symbody_watch_behind(WATCH, B, watch_of(m), fmax(m->width, 8.0 * DBL_EPSILON * fabs(m->time)));
+#endif
+#if SB_ELEMENTS
+    symbody_forget_ends(switch_of(m), watch_of(m));
+#endif
+    m->width = 0.0;
     B[SB_RUN_FIRST_STEP] = SB_IS_FIXED ? B[SB_RUN_GOAL_MAX_STEP] : fabs(B[SB_RUN_STEP]);
 }
 
-static void take_step(Motion *m)
+/* Make room for steps. */
+static void forget_steps(Motion *m)
 {
-    double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, before = B[SB_RUN_TIME];
+    double *B = m->pool + SB_BLOCK;
+    if (B[SB_RUN_COUNTS_STEPS] < SB_STEPS) return;
+#if SB_WATCH_COUNT
+    symbody_forget_steps(B, watch_of(m), m->breaks, m->pieces, SB_LAST_STEPS);
+#else
+    m->breaks[0] = m->breaks[1];
+    B[SB_RUN_COUNTS_STEPS] = 0.0;
+#endif
+}
+
+/* Try one step, which ends at the next sample or jump, and look for events in it. */
+static void try_step(Motion *m)
+{
+    double *B = m->pool + SB_BLOCK, nothing[1] = {0.0}, accepted = B[SB_RUN_COUNTS_ACCEPTED];
     double end = B[SB_RUN_T_END], planned = B[SB_RUN_STEP], stop = SB_SAMPLED ? symbody_piece_end(B, sampler_of(m), end) : end;
     if (stop > m->jump - m->jump_margin) stop = m->jump - m->jump_margin;
+    forget_steps(m);
     B[SB_RUN_T_END] = stop;
 #if SB_IS_IMPLICIT
     m->code = symbody_advance_implicit(mechanism_motion, mechanism_turn, mechanism_jacobian, SB_PROJECTION, B,
-        m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->ends, m->pieces, 1);
+        m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->breaks, m->pieces, 1);
 #else
     m->code = symbody_advance(
-        mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->ends, m->pieces, 1);
+        mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->breaks, m->pieces, 1);
 #endif
     B[SB_RUN_T_END] = end;
+    if (m->code == SB_RUNNING && B[SB_RUN_TIME] >= stop) m->code = SB_FINISHED;
     /* a step that only a sample or a jump cut short says nothing of the next */
     if (stop != end && B[SB_RUN_TIME] == stop && fabs(B[SB_RUN_LENGTH]) < fabs(planned) && fabs(B[SB_RUN_STEP]) < fabs(planned))
         B[SB_RUN_STEP] = planned;
-    if (B[SB_RUN_COUNTS_STEPS] != 0.0) {
-        B[SB_RUN_COUNTS_STEPS] = 0.0;
-        m->from = before;
-        m->to = B[SB_RUN_T_NEW];
-        note_rates(m);
+    if (B[SB_RUN_COUNTS_ACCEPTED] != accepted) {
+        note_rates(m, B + (int)B[SB_RUN_STATE_OLD]);
         if (!SB_IS_FIXED) B[SB_RUN_FIRST_STEP] = fabs(B[SB_RUN_STEP]);
     }
 }
 
-/* The state at a time inside the last step. */
-static void state_at(Motion *m, double time, double *x)
+/* Look for events in the steps at hand; those before the time asked for are certain. */
+static void look_ahead(Motion *m, double target)
 {
-    const double *B = m->pool + SB_BLOCK;
-    if (time < m->to)
-        symbody_interpolate(SB_X, SB_DENSE_ROWS, m->pieces, (time - m->from) / (m->to - m->from), x);
-    else
-        memcpy(x, B + (int)B[SB_RUN_STATE_OLD], SB_X * sizeof(double));
+#if SB_WATCH_COUNT
+    double *B = m->pool + SB_BLOCK;
+    if (B[SB_RUN_COUNTS_STEPS] == 0.0) return;
+    do {
+        m->found = symbody_look(ACTS, watch_of(m), m->breaks, m->pieces, m->happened, (int)B[SB_RUN_COUNTS_STEPS],
+            m->code != SB_RUNNING);
+        if (m->found == SB_NO_ROOM) log_happened(m, target);
+    } while (m->found == SB_NO_ROOM);
+#else
+    (void)m, (void)target;
+#endif
+}
+
+/* Up to when nothing that is still found changes the motion. */
+static double settled(Motion *m)
+{
+    const double *B = m->pool + SB_BLOCK, *W = watch_of(m);
+    if (m->found) return W[SB_W_CUT];
+    if (!SB_WATCH_COUNT || m->code != SB_RUNNING) return B[SB_RUN_TIME];
+    return W[SB_W_SEEN] == 0.0 ? m->breaks[(int)W[SB_W_FIRST_STEP]] : W[SB_W_T_BEFORE];
+}
+
+/* What counts as one time for events. */
+static double instant(Motion *m, double time)
+{
+    return SB_WATCH_COUNT ? 2e-12 * fmax(watch_of(m)[SB_W_SPAN], fabs(time)) : 0.0;
 }
 
 static int show_state(Motion *m, double time)
 {
+    const double *B = m->pool + SB_BLOCK;
+    int k = (int)B[SB_RUN_COUNTS_STEPS] - 1;
     m->valid = 0;
     m->time = time;
-    if (m->to <= m->from) return SOLVED;
-    state_at(m, time, m->x);
-    return time < m->to ? project_state(m) : SOLVED;
-}
-
-/* Return whether an event has happened at a time of the last step, since the sides kept. */
-static int has_event(Motion *m, double time)
-{
-    double x[SB_X + 1], values[SB_EVENTS + SB_ELEMENTS + 1], now = m->time;
-    int k, status;
-    state_at(m, time, x);
-    m->time = time;
-    if (time < m->to) project_place(m, x); /* as it is shown */
-    status = watch(m, x, values);
-    m->time = now;
-    for (k = 0; k < SB_EVENTS + SB_ELEMENTS && status == 0; k++)
-        if (has_happened(m, k, values[k])) return 1;
-    return 0;
-}
-
-/* Go on inside the last step to a time, or to the first event before it. */
-static int pass_events(Motion *m, double end)
-{
-    double start = m->time, low = start, high = end;
-    int k;
-    if (SB_EVENTS + SB_ELEMENTS == 0) return 0;
-    for (k = 1; k <= SB_LOOKS; k++) {
-        high = k == SB_LOOKS ? end : start + (end - start) * k / SB_LOOKS;
-        if (has_event(m, high)) break;
-        show_state(m, high);
-        note_events(m); /* sides that change without an event */
-        low = high;
+    while (k > 0 && time < m->breaks[k]) k--;
+    if (k >= 0 && time < m->breaks[k + 1]) {
+        double share = fmax((time - m->breaks[k]) / (m->breaks[k + 1] - m->breaks[k]), 0.0);
+        symbody_interpolate(SB_N, SB_DENSE_ROWS, m->pieces + k * SB_DENSE_ROWS * SB_N, share, m->x);
+        return project_state(m);
     }
-    if (k > SB_LOOKS) return 0;
-    for (k = 0; k < 200; k++) {
-        double middle = low + 0.5 * (high - low);
-        if (!(middle > low && middle < high)) break;
-        if (has_event(m, middle)) high = middle;
-        else low = middle;
-    }
-    show_state(m, high);
-    note_events(m);
-    return 1;
+    memcpy(m->x, B + (int)B[SB_RUN_STATE_OLD], sizeof m->x);
+    return SOLVED;
 }
 
 static int has_come(Motion *m, double target)
@@ -189,36 +200,33 @@ static int has_come(Motion *m, double target)
 static int go_to(Motion *m, double target, int *must_stop)
 {
     double *B = m->pool + SB_BLOCK;
-    int events = 0, restarts = 0;
+    int restarts = 0;
     *must_stop = 0;
-    renew_arguments(m);
     if (m->is_fresh && SB_ELEMENTS && act(m, must_stop) < 0) return SB_NOT_FINITE; /* inputs may have jumped */
     if (pass_jumps(m, must_stop) < 0) return SB_NOT_FINITE; /* where the last step failed */
     while (!*must_stop && !has_come(m, target)) {
         double end;
         if (B[SB_RUN_T_END] < target) B[SB_RUN_T_END] = target + SB_SPAN;
-        if (m->is_fresh) {
-            if (act_at_start(m) < 0) return SB_NOT_FINITE;
-            begin_steps(m);
+        if (m->is_fresh) begin_steps(m);
+        while (m->code == SB_RUNNING && !m->found && settled(m) < target + instant(m, target)) {
+            try_step(m);
+            look_ahead(m, target);
         }
-        while (m->code == SB_RUNNING && m->to <= m->time) take_step(m);
-        if (m->code != SB_RUNNING && m->code != SB_FINISHED) return m->code;
-        if (m->to <= m->time) { /* the end of an earlier goal: begin anew towards the next */
-            if (++restarts > 2) return SB_COLLAPSED; /* nor does it lead there */
-            m->is_fresh = 1;
-            continue;
-        }
-        restarts = 0;
-        end = m->to < target ? m->to : target;
-        if (pass_events(m, end)) {
+        end = settled(m) < target ? settled(m) : target;
+        if (m->found && settled(m) <= target) {
+            show_state(m, end > m->time ? end : m->time);
             if (act(m, must_stop) < 0) return SB_NOT_FINITE;
-            if (*must_stop) return SB_RUNNING;
-            if (++events > SB_MOST_EVENTS) return SB_TOO_MANY;
-        } else if (show_state(m, end) != SOLVED)
-            return SB_SINGULAR;
-        if (pass_jumps(m, must_stop) < 0) return SB_NOT_FINITE;
+        } else if (end > m->time) {
+            if (show_state(m, end) != SOLVED) return SB_SINGULAR;
+            restarts = 0;
+        } else {
+            if (m->code != SB_RUNNING && m->code != SB_FINISHED) return m->code;
+            if (++restarts > 2) return SB_COLLAPSED; /* the end of an earlier goal, nor does it lead there */
+            interrupt(m);
+        }
+        log_happened(m, clock_of(m));
+        if (!*must_stop && pass_jumps(m, must_stop) < 0) return SB_NOT_FINITE;
         if (!*must_stop && sample(m, must_stop) < 0) return SB_NOT_FINITE;
-        if (*must_stop) return SB_RUNNING;
     }
     if (*must_stop) return SB_RUNNING;
     if (m->time < target) m->time = target; /* the same instant */

@@ -1,6 +1,6 @@
 """What follows where an event acts: whether its value goes on as before, and which events act at once.
 
-Programs that take their own steps, as FMUs do, judge starts by `starting_event` and `end_action`.
+Programs whose steps others take, as FMUs do in model exchange, judge starts by `starting_event`.
 """
 
 from __future__ import annotations
@@ -89,14 +89,3 @@ def is_zero(monitor: EventMonitor, place: int) -> int:
     if abs(event.here) <= event.blur:
         return 1
     return 0
-
-
-def end_action(
-    e: Function, a: Function, monitor: EventMonitor, place: int, t: float, x: Reals, longest: float
-) -> int:
-    """Note that an event has acted, beside `starting_event`; return 1 if it chatters."""
-    event = monitor.events[place]
-    event.just_happened = 1.0
-    event.was = -event.came
-    find_rates(a, monitor, t, x)
-    return judge_action(e, a, monitor, place, t, x, event.came, longest)

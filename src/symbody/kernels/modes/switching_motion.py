@@ -131,6 +131,8 @@ def switch_at_cut(
     monitor.rate_known = 0.0
     forget_ends(modes, monitor)
     code = go_on(f, run, monitor, times, t, x, breaks)
+    for k in range(monitor.event_count):
+        monitor.events[k].side = 0.0  # that of the last sample says nothing of this cut
     watch_again(e, run, monitor)
     forget_ends(modes, monitor)
     return code

@@ -16,10 +16,15 @@ from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.programs.main_texts import LANGUAGES, program_text
-from symbody.simulation.programs.motion_request import MotionRequest, pose_motion, with_modes
+from symbody.simulation.programs.motion_request import (
+    MotionRequest,
+    pose_motion,
+    reason_for_program,
+    with_modes,
+)
 from symbody.simulation.programs.prepared_motion import prepare_motion
-from symbody.simulation.sweeps.case_by_case import reason_for_python
 
 _SAMPLES = 101
 
@@ -29,7 +34,7 @@ def generate_simulation(
     eqs: EquationSet, t_end: float | tuple[float, float], language: str = "c",
     initial: Mapping[str, Value] | None = None, guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None, inputs: Mapping[str, Law] | None = None,
-    times: ArrayLike | None = None, integrator: Explicit | FixedStep | None = None,
+    times: ArrayLike | None = None, integrator: Explicit | FixedStep | GeneralizedAlpha | None = None,
     constraints: Projection | Baumgarte | None = None, events: Event | Sequence[Event] = (), *,
     rtol: float = 1e-8, atol: float | None = None,
     scales: Mapping[str, float] | None = None, max_steps: int = 1_000_000,
@@ -59,7 +64,8 @@ def generate_simulation(
     times : array, optional
         The samples; by default 101 from the first to the last time.
     integrator, constraints : optional
-        ``Explicit(..)`` or ``FixedStep(..)``; ``Projection(..)`` or ``Baumgarte(..)``.
+        ``Explicit(..)``, ``FixedStep(..)`` or, for stiff mechanisms without samples, dry friction and ropes,
+        ``GeneralizedAlpha(..)``; ``Projection(..)`` or ``Baumgarte(..)``.
     events : Event or sequence of Event
         What is looked for, as for `simulate`.
     rtol, atol, scales, max_steps : optional
@@ -96,7 +102,7 @@ def generate_simulation(
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched = check_events(events, eqs)
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **(inputs or {})}, span)
-    reason = reason_for_python(eqs, laws, integrator, constraints)
+    reason = reason_for_program(eqs, laws, integrator, constraints)
     if reason:
         fix = "give inputs as formulas, or use simulate"
         raise UsageError(

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from symbody.equations.solving.modal_equations import ModalEquations
+from symbody.errors import Problem, UsageError
 from symbody.kernels.block import FunctionNumbers, Run
 from symbody.kernels.configurations.strike_problem import RateJumps
 from symbody.kernels.events.event_monitor import EventMonitor
@@ -72,6 +73,8 @@ class Happenings:
     monitor, hold, sampling, jumps, modes : arrays
         Of an `EventMonitor`, a `SampleHold`, the numbers of what computes new values, a `RateJumps`, a
         `ModeSwitch`.
+    implicit : array
+        Of an `ImplicitStep`, where the method is one.
     """
 
     events: tuple[Event, ...]
@@ -83,6 +86,7 @@ class Happenings:
     sampling: Floats
     jumps: Floats
     modes: Floats
+    implicit: Floats
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -108,16 +112,14 @@ class Happenings:
             )  # fmt: skip
         watched = "watched_motion" if "events" in kinds else "step_machine"
         showing = ["show_watch"] * ({"events", "samples"} <= kinds)
-        files = [
-            (
-                "sampled_motion" if "samples" in kinds else watched,
-                (self.first_kernel, self.loop_kernel, *showing),
-            )
-        ]
+        file = "sampled_motion" if "samples" in kinds else watched
+        if self.implicit.size:
+            file = "implicit_motion" if {"events", "jumps"} & kinds else "implicit_machine"
+        files = [(file, (self.first_kernel, self.loop_kernel, *showing))]
         if "events" in kinds:
             files.append(("event_interruptions", ("forget_steps",)))
         if "jumps" in kinds:
-            files.append(("struck_motion", (self.jump_kernel,)))
+            files.append((file if self.implicit.size else "struck_motion", (self.jump_kernel,)))
         return tuple(files)
 
     @property
@@ -125,6 +127,8 @@ class Happenings:
         """The kernel with which a motion begins."""
         if "modes" in self.kinds:
             return "begin_switching"
+        if self.implicit.size:
+            return "begin_implicit"
         return "begin_sampled" if "samples" in self.kinds else "begin"
 
     @property
@@ -133,7 +137,8 @@ class Happenings:
         kinds = self.kinds
         if "modes" in kinds:
             return "advance_switching"
-        words = ["advance", *["sampled"] * ("samples" in kinds), *["watched"] * ("events" in kinds)]
+        words = ["advance", *["implicit"] * bool(self.implicit.size)]
+        words += [*["sampled"] * ("samples" in kinds), *["watched"] * ("events" in kinds)]
         return "_".join(words)
 
     @property
@@ -141,6 +146,8 @@ class Happenings:
         """The kernel that goes on behind a jump."""
         if "modes" in self.kinds:
             return "pass_switching_jump"
+        if self.implicit.size:
+            return "pass_implicit_watched_jump" if self.events else "pass_implicit_jump"
         return "pass_watched_jump" if self.events else "pass_jump_of_rates"
 
     @property
@@ -154,14 +161,20 @@ class Happenings:
         return EVENT_SAMPLES if "events" in self.kinds else 0
 
 
-def make_happenings(motion: PosedMotion, block: Floats, closing: ProgramFunction | None = None) -> Happenings:
+def make_happenings(
+    motion: PosedMotion, block: Floats, implicit: Floats, closing: ProgramFunction | None = None
+) -> Happenings:
     """Return what happens on the way of a motion with a block; its end is set to the first jump.
 
     Parameters
     ----------
+    implicit : array
+        Of an `ImplicitStep`, empty for explicit methods.
     closing : ProgramFunction, optional
         What closes states of the whole mechanism; by default it is made where events act.
     """
+    if implicit.size:
+        check_implicit(motion)
     functions = _event_functions(motion, closing) if motion.events else {}
     monitor = _monitor(motion, functions, block) if functions else _NOTHING
     hold, sampling = _NOTHING, _NOTHING
@@ -178,8 +191,28 @@ def make_happenings(motion: PosedMotion, block: Floats, closing: ProgramFunction
     jumps = _jumps(motion, functions, block)
     events = motion.request.events
     return Happenings(
-        events, motion.events[len(events) :], motion.held, functions, monitor, hold, sampling, jumps, modes
-    )
+        events, motion.events[len(events) :], motion.held, functions, monitor, hold, sampling, jumps, modes,
+        implicit,
+    )  # fmt: skip
+
+
+def check_implicit(motion: PosedMotion) -> None:
+    """Refuse what steps of an implicit method do not stop at in a program.
+
+    Raises
+    ------
+    UsageError
+        If signals are sampled, joints stick or ropes go slack.
+    """
+    held = [f"{value.name} is sampled" for value in motion.held]
+    modes = [] if motion.modal is None else [f"the mode of {name} changes" for name in motion.modal.names]
+    if held or modes:
+        raise UsageError(
+            Problem("simulation.program", motion.eqs.model.name,
+                    f"sb.GeneralizedAlpha(..) does not compute this in a program: {'; '.join(held + modes)}",
+                    "its steps do not stop there",
+                    "use sb.Explicit() or sb.FixedStep(..), or an FMU, which takes modes")
+        )  # fmt: skip
 
 
 def _modes(

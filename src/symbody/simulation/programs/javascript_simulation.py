@@ -26,11 +26,11 @@ from symbody.kernels.block import FunctionNumbers, Run, StateProjection
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.strike_problem import RateJumps, StrikeProblem
 from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
+from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.methods.constraints import residual_share
-from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import closing_of
 from symbody.simulation.programs.happenings import (
@@ -53,10 +53,17 @@ from symbody.simulation.programs.motion_request import (
     pose_motion,
     with_modes,
 )
-from symbody.simulation.programs.prepared_motion import motion_block, motion_functions
+from symbody.simulation.programs.prepared_motion import (
+    implicit_array,
+    method_bounds,
+    motion_block,
+    motion_functions,
+)
 from symbody.simulation.programs.program_function import (
+    DERIVATIVES,
     PROJECTION,
     RIGHT_HAND_SIDE,
+    TURN,
     ProgramFunction,
     program_function,
 )
@@ -80,7 +87,7 @@ _ANEW: Final = {
 _ENTRIES: Final = {
     "motion": RIGHT_HAND_SIDE, "view": "view", "projection": PROJECTION, "assembly": "assembly",
     "events": EVENTS, "actions": ACTIONS, "samples": SAMPLES, "strike": STRIKE, "deciding": DECIDING,
-    "fitting": FITTING,
+    "fitting": FITTING, "turn": TURN, "derivatives": DERIVATIVES,
 }  # fmt: skip
 # Records that `simulation.js` reads, by what it calls the places of each.
 _RECORDS: Final[Mapping[str, type[RecordLayout]]] = {
@@ -178,7 +185,7 @@ def javascript_simulation(
     if close.is_needed:
         functions["assembly"] = program_function(motion, close.outputs, "assembly", close.eqs)
     block = _block(motion, functions)
-    happens = make_happenings(motion, block, functions.get("assembly"))
+    happens = make_happenings(motion, block, implicit_array(motion, functions), functions.get("assembly"))
     if happens.steps:
         Run(block).room.steps = happens.steps
     functions |= happens.functions
@@ -251,6 +258,7 @@ def _happening_numbers(happens: Happenings) -> dict[str, Any]:
         "sampling": happens.sampling,
         "jumps": happens.jumps,
         "modes": happens.modes,
+        "implicit": happens.implicit,
     }
     found: dict[str, Any] = {name: array if array.size else None for name, array in arrays.items()}
     found["events"] = list(happens.labels)
@@ -276,12 +284,14 @@ def _numbers(
     records = dict(_RECORDS)
     for kind in sorted(happens.kinds):
         records |= _RECORDS_OF_KINDS[kind]
+    if happens.implicit.size:
+        records["implicit"] = ImplicitStep
     driver = _driver()
     places = {
         key: {name: place for name, place in record.layout.items() if name in driver}
         for key, record in records.items()
     }
-    first_step = motion.method.first_step or 0.0
+    first_step = method_bounds(motion.method, motion.breakpoints)[1] or 0.0
     return {
         "at": places,
         "codes": {name: getattr(codes, name) for name in _CODES},
@@ -295,7 +305,7 @@ def _numbers(
         "inputs": {"names": list(names)},
         "states": list(motion.eqs.state_names),
         "start": motion.x0, "startTime": motion.span[0],
-        "isFixed": isinstance(motion.method, FixedStep), "firstStep": first_step,
+        "isFixed": motion.has_one_length, "firstStep": first_step,
         "closed": residual_share(motion.projection, motion.request.atol), "pull": pull,
     }  # fmt: skip
 

@@ -16,7 +16,7 @@ from symbody.simulation.programs.happenings import (
     STRIKE,
     Happenings,
 )
-from symbody.simulation.programs.program_function import RIGHT_HAND_SIDE
+from symbody.simulation.programs.program_function import DERIVATIVES, RIGHT_HAND_SIDE, TURN
 
 
 def kernel_calls(
@@ -46,8 +46,10 @@ def kernel_calls(
         words += [argument.format(array) for array in arrays]
         return f"{PREFIX}{kernel}({', '.join([*words, *map(str, numbers)])})"
 
-    everything = ["block", *monitor, *held, *record, "pieces", *happened, *recorded]
-    passing = ["block", *monitor, "jumps", *record, *["pieces"] * watched]
+    is_implicit = bool(happens.implicit.size)
+    method, kept = [TURN, DERIVATIVES] * is_implicit, ["implicit"] * is_implicit
+    everything = ["block", *kept, *monitor, *held, *record, "pieces", *happened, *recorded]
+    passing = ["block", *kept, *monitor, "jumps", *record, *["pieces"] * watched]
     common = {
         "FORGET": call("forget_steps", [], ["block", "monitor", "breaks", "pieces"], LAST_STEPS),
         "SHOW": call("show_watch", [], ["monitor", "held"]),
@@ -77,8 +79,10 @@ def kernel_calls(
             "FORGET_MODES": call("forget_modes", [], ["modes"]),
         }  # fmt: skip
     return common | {
-        "BEGIN": call(happens.first_kernel, [f, *sampling], ["block", *held, *record, *recorded]),
-        "ADVANCE": call(happens.loop_kernel, [f, projection, *acting, *sampling], everything, trials),
+        "BEGIN": call(happens.first_kernel, [f, *sampling], ["block", *kept, *held, *record, *recorded]),
+        "ADVANCE": call(
+            happens.loop_kernel, [f, *method, projection, *acting, *sampling], everything, trials
+        ),
         "PASS": call(happens.jump_kernel, [f, STRIKE, *[e] * watched], passing),
         "WATCH": call("watch_again", [e], ["block", "monitor"]),
     }

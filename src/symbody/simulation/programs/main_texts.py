@@ -72,7 +72,7 @@ def _read(file: str) -> str:
 
     Lines that begin with "%events ", "%samples ", "%jumps " belong to motions with such, "%eventless " to
     those without events, "%show " to those with events and samples, "%switching " to those
-    with modes.
+    with modes, "%implicit " to those by an implicit method.
     """
     return "\n" + (files(__package__) / file).read_text(encoding="utf-8")
 
@@ -123,6 +123,7 @@ def program_text(motion: PreparedMotion, language: ProgramLanguage, title: str) 
     elif {"events", "samples"} <= kinds:
         kinds.add("show")
     kinds.add("" if "events" in kinds else "eventless")
+    kinds.add("implicit" if happens.implicit.size else "")
     main = _lines_of(language.main, kinds)
     for name, text in words.items():
         main = main.replace(f"@{name}@", text)
@@ -183,6 +184,7 @@ def _arrays(motion: PreparedMotion, language: ProgramLanguage) -> dict[str, str]
         "SAMPLING": happens.sampling,
         "JUMPS": happens.jumps,
         "MODES": happens.modes,
+        "IMPLICIT": happens.implicit,
     }
     for name, array in arrays.items():
         words[name], words[f"{name}_SIZE"] = _numbers(language, array), str(array.size)

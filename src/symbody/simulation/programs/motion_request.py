@@ -27,14 +27,17 @@ from symbody.simulation.methods.closed_loops.overconstrained import is_overconst
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.motion import Motion, first_numbers
 from symbody.simulation.programs.pointer_wrench import PointerWrench, add_pointer_wrench
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.sweeps.case_by_case import reason_for_python
 
 Floats = NDArray[np.float64]
+Method = Explicit | FixedStep | GeneralizedAlpha
 
 # Ends of the motion that are tried [s]: what depends on time is cut into at most so many pieces up to there.
 _LAST: Final = (3600.0, 600.0, 60.0)
@@ -54,7 +57,7 @@ class MotionRequest:
         Parameters that may change.
     free_inputs : tuple of str
         Inputs that have a value of their own instead of a law, 0 at first.
-    integrator : Explicit or FixedStep, optional
+    integrator : Explicit, FixedStep or GeneralizedAlpha, optional
     constraints : Projection or Baumgarte, optional
     rtol, atol, scales, max_steps
         As `simulate` takes them.
@@ -163,10 +166,18 @@ class PosedMotion:
         return self.request.span
 
     @property
-    def method(self) -> Explicit | FixedStep:
+    def method(self) -> Method:
         """The integrator."""
         chosen = self.request.integrator
-        return chosen if isinstance(chosen, Explicit | FixedStep) else Explicit()
+        return chosen if isinstance(chosen, Method) else Explicit()
+
+    @property
+    def has_one_length(self) -> bool:
+        """Whether all steps have one length, but those that end at jumps."""
+        method = self.method
+        return (
+            method.step is not None if isinstance(method, GeneralizedAlpha) else isinstance(method, FixedStep)
+        )
 
     @property
     def projection(self) -> Projection:
@@ -281,6 +292,12 @@ def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
     return laws
 
 
+def reason_for_program(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
+    """Return why no program computes a motion, empty if one does."""
+    explicit = None if isinstance(integrator, GeneralizedAlpha) else integrator
+    return reason_for_python(eqs, laws, explicit, constraints)
+
+
 def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
     """Return what in a request cannot run without Python."""
     problems = [
@@ -288,10 +305,11 @@ def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
                 "pages compute without Python", "give an expression, such as \"10*sin(t)\", or a slider")
         for name in laws.callbacks
     ]  # fmt: skip
-    if not isinstance(request.integrator, Explicit | FixedStep | None):
+    if not isinstance(request.integrator, Method | None):
         problems.append(
             Problem("animation.live_integrator", "integrator", f"{request.integrator!r} cannot run in a page",
-                    "it is implicit", "give sb.Explicit() or sb.FixedStep(1e-3), or leave it out")
+                    "it needs Python", "give sb.Explicit(), sb.FixedStep(1e-3) or, for stiff mechanisms, "
+                    "sb.GeneralizedAlpha(); or leave it out")
         )  # fmt: skip
     if not isinstance(request.constraints, Projection | Baumgarte | None):
         problems.append(

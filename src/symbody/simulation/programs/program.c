@@ -7,11 +7,13 @@ static const double times[] = @TIMES@;
 %samples static const double first_sampling[] = @SAMPLING@;
 %jumps static const double first_jumps[] = @JUMPS@;
 %switching static const double first_modes[] = @MODES@;
+%implicit static const double first_implicit[] = @IMPLICIT@;
 static double block[@SIZE@], t[@SAMPLES@], x[@SAMPLES@ * @N@], breaks[@BREAKS@], pieces[@PIECES@];
 %events static double monitor[@MONITOR_SIZE@], *happened; /* rows: event, time, states before what it sets */
 %samples static double held[@HELD_SIZE@], sampling[@SAMPLING_SIZE@], recorded[@RECORDED@];
 %jumps static double jumps[@JUMPS_SIZE@];
 %switching static double modes[@MODES_SIZE@], decided[@DECIDED@];
+%implicit static double implicit[@IMPLICIT_SIZE@];
 
 %events static void make_room(void)
 %events {
@@ -32,6 +34,7 @@ static int simulate(int *samples)
 %samples     for (k = 0; k < @SAMPLING_SIZE@; k++) sampling[k] = first_sampling[k];
 %jumps     for (k = 0; k < @JUMPS_SIZE@; k++) jumps[k] = first_jumps[k];
 %switching     for (k = 0; k < @MODES_SIZE@; k++) modes[k] = first_modes[k];
+%implicit     for (k = 0; k < @IMPLICIT_SIZE@; k++) implicit[k] = first_implicit[k];
     code = @BEGIN@;
 %show     @SHOW@;
     for (;;) {

@@ -16,6 +16,7 @@ function simulate() {
 %samples     const sampling = Float64Array.from(@SAMPLING@);
 %samples     const recorded = new Float64Array(@RECORDED@);
 %jumps     const jumps = Float64Array.from(@JUMPS@);
+%implicit     const implicit = Float64Array.from(@IMPLICIT@);
 %switching     const modes = Float64Array.from(@MODES@), decided = new Float64Array(@DECIDED@);
     places.forEach((place, k) => { block[place] = values[k]; });
     let code = @BEGIN@;

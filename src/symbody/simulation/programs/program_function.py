@@ -21,6 +21,9 @@ from symbody.simulation.programs.motion_request import PosedMotion
 
 RIGHT_HAND_SIDE: Final = "right_hand_side"
 PROJECTION: Final = "projection"
+# What implicit methods call, too: rates of coordinates, and derivatives of all rates by states.
+TURN: Final = "coordinate_rates"
+DERIVATIVES: Final = "rate_derivatives"
 _NOWHERE: Final = 1  # the address of a function that lies nowhere yet
 
 

@@ -12,7 +12,7 @@ function makeSimulation() {
     // What kernels take; the rest is null where nothing of its kind happens on the way.
     const copyOf = (array) => (array === null ? null : Float64Array.from(array));
     const m = { block, breaks, pieces, times: nothing, t: nothing, x: nothing };
-    for (const name of ["monitor", "held", "sampling", "jumps", "modes"]) m[name] = copyOf(numbers[name]);
+    for (const name of ["monitor", "held", "sampling", "jumps", "modes", "implicit"]) m[name] = copyOf(numbers[name]);
     const { monitor, held, jumps, modes } = m;
     const elements = modes === null ? 0 : modes[at.modes.count];
     if (modes !== null) m.decided = new Float64Array(modes[at.modes.room] * (3 + elements + n));
@@ -37,6 +37,10 @@ function makeSimulation() {
     }
     if (assembly !== null) {
         calls.push({ values: functions.assemblyValues, array: assembly, place: assembly[at.assembly.numbers] });
+    }
+    if (m.implicit !== null) {
+        calls.push({ values: functions.turnValues, array: m.implicit, place: m.implicit[at.implicit.rate_numbers] });
+        calls.push({ values: functions.derivativesValues, array: m.implicit, place: m.implicit[at.implicit.derivative_numbers] });
     }
     if (monitor !== null) {
         calls.push({ values: functions.eventsValues, array: monitor, place: monitor[at.monitor.numbers] });

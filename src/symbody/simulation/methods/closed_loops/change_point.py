@@ -156,7 +156,7 @@ def integrate_on_branch(motion: Motion) -> Integration:
 
 
 def _integrate_again(motion: Motion) -> Integration:
-    """Return another run of a motion; where it does not succeed, held values and modes stay those of the first."""
+    """Return another run of a motion; unless it succeeds, held values and modes stay those of the first."""
     held = [each for each in (motion.problem.sampler, motion.modes) if each is not None]
     saved = [each.save() for each in held]
     run = integrate_motion(motion)
