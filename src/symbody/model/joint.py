@@ -20,8 +20,6 @@ from symbody.model.naming import make_symbol
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.simple_rotation import SimpleRotation
 
-__all__ = ["ORIGIN", "RATES", "InTrees", "Joint", "QuasiSpeeds", "SimpleRotation"]
-
 ORIGIN: Final[Triple] = (ZERO, ZERO, ZERO)
 RATES: Final = "rates"
 

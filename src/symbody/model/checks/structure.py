@@ -11,7 +11,7 @@ from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
 from symbody.model.element import Element
 from symbody.model.joint import Joint
-from symbody.model.joints.free import Free
+from symbody.model.joints.orientation import Free
 from symbody.model.naming import GROUND
 
 # Elements whose names are symbols, and unique among these.

@@ -9,8 +9,8 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import math
+import re
 import reprlib
-import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, wraps
@@ -29,7 +29,7 @@ from symbody.notebook import Displayed
 
 C = TypeVar("C", bound="Declared")
 
-_WIDTH: Final = 100
+_LINE: Final = re.compile(r"(.{1,100})(?: |$)")  # textwrap takes as long as all else that makes a class
 _POSITIONAL: Final = frozenset(("name", "start", "end"))  # arguments without their names in `repr`
 _IN_WORDS: Final = MappingProxyType({"str": "a text", "bool": "true or false"})
 # Written to files even where they have their default: a reader looks for them.
@@ -296,6 +296,6 @@ def _documentation(kind: type[Declared]) -> str:
     for name, field in kind.fields.items():
         optional = ", optional" if field.default is None else ""
         words = " ".join(filter(None, (field.description, field.explanation)))
-        lines += [f"{name} : {field.takes}{optional}", textwrap.indent(textwrap.fill(words, _WIDTH), "    ")]
+        lines += [f"{name} : {field.takes}{optional}", _LINE.sub(r"    \1\n", words).rstrip()]
     lines += ["", "Raises", "------", "ModelError", "    Listing everything that is not valid."]
     return "\n".join(lines) + (f"\n\nExamples\n{examples}" if examples else "\n")

@@ -33,7 +33,6 @@ class DCMotor(SignalBlock):
 
     equation: ClassVar[str] = "y = constant i, inductance i' = voltage - resistance i - constant speed"
     states: ClassVar[str] = "`y_current`"
-    word: ClassVar[str] = "dc_motor"
 
     voltage: Quantity = Quantity("Voltage at its terminals.", unit="V", scope=Scope.LOAD)
     speed: Quantity = Quantity("Speed of the rotor.", unit="rad/s", scope=Scope.LOAD)
