@@ -118,10 +118,7 @@ def _title(word: str, class_name: str) -> str:
 def read_element(kind: str, entry: Mapping[str, Any], folder: str = "") -> Element:
     """Return the element of a table that fits the schema; paths of other files start from `folder`.
 
-    Raises
-    ------
-    ModelError
-        With everything in it that is not a name, a place or a formula.
+    A ModelError has everything in it that is not a name, a place or a formula.
     """
     element_class = element_type(kind, str(entry.get("type", "")))
     return element_class.from_entry(entry, f"{kind} {entry['name']}", folder)

@@ -1,4 +1,4 @@
-"""Joints about and along axes: weld, revolute, prismatic, screw, cylindrical, pin in slot; joints of shafts."""
+"""Joints about and along axes: weld, hinge, slide, screw, sleeve, pin in a slot; and joints of shafts."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from symbody.model.declarations.joint_fields import (
     TreeMembership,
 )
 from symbody.model.joint import Joint
-from symbody.model.numeric_checks import need_value
+from symbody.model.numeric_checks import FINITE
 from symbody.model.simple_rotation import LETTERS, SimpleRotation, shift_along, unit_axis
 
 
@@ -130,7 +130,7 @@ class Screw(Joint):
     pitch: Quantity = Quantity(
         "Displacement of end along the axis per full turn; negative for a left-hand thread.",
         unit="m",
-        fits=need_value,
+        fits=FINITE,
     )
     axis: Direction = Direction("Axis, in the start frame.", default="z")
     coordinate: Coordinate = Coordinate("Name of the angle.", unit="rad")
