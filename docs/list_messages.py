@@ -19,7 +19,7 @@ CODE = re.compile(r"[a-z][a-z_]*\.[a-z][a-z0-9_]*")
 # Calls with a code that are no messages, and those whose code is not followed by the place.
 _OTHERS: Final = frozenset({
     "Demand", "FmuVariable", "Path", "_indicator", "FormulaSite", "RotationStep", "TranslationStep",
-    "check_frame", "fill_page",
+    "fill_page",
     "from_file", "read", "value", "values", "check_numbers", "formula_sites", "page_notes",
 })  # fmt: skip
 _WITHOUT_PLACE: Final = frozenset({"Domain", "Refusal"})
@@ -27,6 +27,7 @@ _WORDS: Final = ("where", "what", "why", "fix")
 # Functions that write cures, where following them says less.
 _KNOWN: Final = {"nearest": "did you mean …?", "quotation_cure": "", "frame_cure": ""}
 _DEPTH: Final = 8
+_WORDS_OF_A_RUN: Final = re.compile(r"\{[a-z]+\}")  # that `format` fills in
 
 
 class Message(NamedTuple):
@@ -82,9 +83,9 @@ class _Source:
         if depth > _DEPTH:
             return "…"
         if isinstance(node, ast.Constant):
-            return re.sub(r"\{[a-z]+\}", "…", node.value) if isinstance(node.value, str) else "…"
+            return _WORDS_OF_A_RUN.sub("…", node.value) if isinstance(node.value, str) else "…"
         if isinstance(node, ast.JoinedStr):
-            return "".join(_template(part) for part in node.values)
+            return _WORDS_OF_A_RUN.sub("…", "".join(_template(part) for part in node.values))
         return self._composed(node, depth + 1)
 
     def _composed(self, node: ast.expr, depth: int) -> str:

@@ -11,24 +11,12 @@ from symbody.model.model import Model
 
 
 def load_model(path: Path) -> Model:
-    """Return the model in a TOML file, or in one that ends in ``.urdf``.
-
-    Raises
-    ------
-    FormatError, ModelError
-        As the reader of the format.
-    """
+    """Return the model in a TOML file, or in one that ends in ``.urdf``; faults are those of its reader."""
     return load_urdf(path) if path.suffix.lower() == ".urdf" else load_native(path)
 
 
 def examples_folder() -> Path:
-    """Return the folder of the examples, in an installed package or beside the sources.
-
-    Raises
-    ------
-    EnvironmentFault
-        If there is none.
-    """
+    """Return the folder of the examples, installed or beside the sources; an EnvironmentFault if none."""
     package = Path(__file__).parents[1]
     for folder in (package / "examples", package.parents[1] / "examples"):
         if folder.is_dir():

@@ -22,8 +22,8 @@ from symbody.model.declarations.field import FileTarget, Node
 from symbody.model.element import Element
 from symbody.model.frame_index import element_labels
 from symbody.model.model import KINDS, Model
+from symbody.model.parts.expansion import model_content, own_content
 from symbody.model.parts.include import Include
-from symbody.model.parts.own_content import own_content, whole_content
 from symbody.model.registry import read_element, write_element
 from symbody.model.shapes.shape import GROUND_SHAPES
 from symbody.model.tables.inner_path import inner_path, path_between
@@ -117,13 +117,7 @@ def _refuse_own_classes(model: Model) -> None:
 
 @without_collection()
 def model_from_toml(text: str, where: str = "model file") -> Model:
-    """Return the model in a TOML text; `where` is what messages call it.
-
-    Raises
-    ------
-    FormatError, ModelError
-        See `load_model`.
-    """
+    """Return the model in a TOML text, which messages call `where`; faults as of `load_model`."""
     plain = text.removeprefix("\N{ZERO WIDTH NO-BREAK SPACE}").replace("\r\n", "\n")
     reading = (os.path.realpath(where),)
     return _model(parse_toml(plain, where), line_locator(plain, where), os.path.dirname(where), reading)
@@ -193,13 +187,7 @@ def to_data(
 
 
 def read_layout(text: str, where: str = "model file") -> dict[str, Any]:
-    """Return the ``[layout]`` of a TOML text, empty if there is none.
-
-    Raises
-    ------
-    FormatError
-        If the text is not TOML.
-    """
+    """Return the ``[layout]`` of a TOML text, empty if there is none; a FormatError if it is not TOML."""
     layout = parse_toml(text.replace("\r\n", "\n"), where).get("layout", {})
     return layout if isinstance(layout, dict) else {}
 
@@ -247,7 +235,7 @@ def _content(model: Model, folder: str | None = None, *, is_alone: bool = False)
     """Return what the file of a model says, without layout."""
     target = FileTarget(folder, is_alone)
     content: dict[str, Node] = {"name": model.name, "gravity": list(model.gravity)}
-    said = whole_content(model) if is_alone else own_content(model)
+    said, includes = (model_content(model), ()) if is_alone else own_content(model)
     if said.inputs:
         content["inputs"] = list(said.inputs)
     if said.parameters:
@@ -267,14 +255,14 @@ def _content(model: Model, folder: str | None = None, *, is_alone: bool = False)
         ]
         if entries:
             content[kind] = entries
-    if said.includes:
-        content["include"] = [include_entry(include, folder) for include in said.includes]
+    if includes:
+        content["include"] = [include_entry(include, folder) for include in includes]
     if said.initial:
         content["initial"] = {
-            name: {"value": formula, "priority": "hold"} if name in said.held_initial else formula
+            name: {"value": formula, "priority": "hold"} if name in said.initial.held else formula
             for name, formula in said.initial.items()
         }
-    is_new = bool(said.held_initial) or any(section in content for section in NEWER_SECTIONS)
+    is_new = bool(said.initial.held) or any(section in content for section in NEWER_SECTIONS)
     return {"version": VERSION, **content} if is_new else content
 
 
@@ -366,13 +354,7 @@ def read_includes(
     reading: tuple[str, ...],
     read: ReadModel,
 ) -> IncludedParts:
-    """Return the parts of the tables of a model file.
-
-    Raises
-    ------
-    FormatError, ModelError
-        With file and line of the part, for what is wrong in it.
-    """
+    """Return the parts of the tables of a model file; their faults have file and line of the part."""
     includes: list[Include] = []
     paths: dict[str, Path] = {}
     places: list[Locate] = []
@@ -449,10 +431,7 @@ def _make(entry: Mapping[str, Any], part: Model, folder: str) -> Include:
 def include_entry(include: Include, folder: str | None) -> dict[str, Node]:
     """Return the table of an include; its path leads from `folder`, None leaves it as it is.
 
-    Raises
-    ------
-    FormatError
-        If the part lies outside of the folder.
+    Raises FormatError if the part lies outside of the folder.
     """
     place = include.file
     if folder is not None and os.path.realpath(folder) != os.path.realpath(include.folder):

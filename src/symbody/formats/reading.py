@@ -36,10 +36,7 @@ _OTHER_ENCODINGS: Final = ((b"\xff\xfe", "UTF-16"), (b"\xfe\xff", "UTF-16"))
 def read_text(path: str | os.PathLike[str]) -> str:
     """Return the text of a file without byte order mark, its lines ended by line feeds.
 
-    Raises
-    ------
-    FormatError
-        If there is no such regular file of up to 10 MB, or it is not UTF-8 text.
+    Raises FormatError if there is no such regular file of up to 10 MB, or it is not UTF-8 text.
     """
     where = os.fsdecode(path) or "''"
     return _decode(_content(path, where), where)
@@ -137,13 +134,7 @@ _PLACE: Final = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\
 
 
 def parse_toml(text: str, where: str) -> dict[str, Any]:
-    """Return the content of a TOML text; decimals come as `Decimal`, exact as written.
-
-    Raises
-    ------
-    FormatError
-        If it is not TOML, with line and column; or if it is beyond what can be read.
-    """
+    """Return the content of a TOML text, decimals as `Decimal`; a FormatError has line and column."""
     try:
         return tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:

@@ -255,13 +255,7 @@ _MAX_PROBLEMS: Final = 50
 
 
 def check_structure(data: object, locate: Locate) -> Mapping[str, Any]:
-    """Return `data`, which has only known keys, all that are needed, and values of the right types.
-
-    Raises
-    ------
-    FormatError
-        With every key and value that does not fit.
-    """
+    """Return `data` if its keys and types are those of the roles; a FormatError has all that do not fit."""
     misfits = list(model_table().misfits(data, ()))
     if not misfits:
         return cast("Mapping[str, Any]", data)

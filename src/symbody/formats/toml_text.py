@@ -39,10 +39,7 @@ def write_toml(content: Tree, onto: str = "", before: Tree | None = None) -> str
 def write_layout(text: str, layout: Mapping[str, Any]) -> str:
     """Return a model file's text with another ``[layout]``; an empty one is left out.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If the layout holds something that TOML cannot say.
+    Raises TypeError or ValueError if the layout holds something that TOML cannot say.
     """
     document = tomlkit.parse(text)
     document.pop("layout", None)

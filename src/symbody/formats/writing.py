@@ -52,13 +52,7 @@ def write_text(path: str | os.PathLike[str], text: str, keep: bool = True) -> No
 
 
 def write_content(path: str | os.PathLike[str], content: bytes, keep: bool = True) -> None:
-    """Write bytes as `write_text` does text.
-
-    Raises
-    ------
-    FormatError
-        If they cannot be written.
-    """
+    """Write bytes as `write_text` does text; a FormatError if they cannot be written."""
     where = os.fsdecode(path)
     try:
         target = Path(os.path.realpath(where))
@@ -77,10 +71,7 @@ def write_content(path: str | os.PathLike[str], content: bytes, keep: bool = Tru
 def replace_content(target: Path, content: bytes, like: Path) -> None:
     """Put `content` in the place of `target` in one step, with the permissions of the file `like`.
 
-    Raises
-    ------
-    OSError
-        If that is impossible; the file that was there is unchanged.
+    Raises OSError if that is impossible; the file that was there is unchanged.
     """
     prefix, is_known = f".{target.name[:100]}.", like.exists()
     if is_known:  # nobody reads a part of what only some may read

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
@@ -15,9 +15,9 @@ def module_names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(each.name for each in iter_modules(import_module(folder).__path__)))
 
 
-def final_classes(folder: str, files: Iterable[str] | None = None) -> Iterator[type]:
-    """Yield the final classes of modules in a package, of all of them without `files`."""
-    for file in module_names(folder) if files is None else files:
+def final_classes(folder: str) -> Iterator[type]:
+    """Yield the final classes of the modules in a package."""
+    for file in module_names(folder):
         module = import_module(f"{folder}.{file}")
         for value in vars(module).values():
             is_own = isinstance(value, type) and value.__module__ == module.__name__
@@ -28,10 +28,10 @@ def final_classes(folder: str, files: Iterable[str] | None = None) -> Iterator[t
 def snake_case(name: str) -> str:
     """Return the name of a class as files write it.
 
-    >>> snake_case("PointOnLine")
-    'point_on_line'
+    >>> snake_case("PointOnLine"), snake_case("DCMotor")
+    ('point_on_line', 'dc_motor')
     """
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+    return re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
 
 
 def definition_name(word: str) -> str:

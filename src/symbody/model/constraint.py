@@ -1,4 +1,4 @@
-"""`Condition`: what every constraint beside the joints is."""
+"""`ConstraintElement`: what every constraint besides the joints is."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import ClassVar
 
 from symbody.model.declarations.element_fields import Connection, element
+from symbody.model.declarations.fields import Refusal
 from symbody.model.element import Element
 
 
@@ -39,3 +40,7 @@ class FrameConstraint(ConstraintElement, Connection):
     """A condition between two frames: its multipliers are a wrench on end and its opposite on start."""
 
     outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({"reaction": ("",)})
+    on_one_body: ClassVar[Refusal | None] = Refusal(
+        "model.self_constraint", what="both frames are on {value}", fix="name a frame of another body",
+        why="frames of one body do not move relative to each other",
+    )  # fmt: skip

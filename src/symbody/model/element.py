@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import ClassVar
 
 from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.fields import ElementName, part
-from symbody.model.declarations.formula_site import FormulaSite
 from symbody.model.naming import CENTRE, GROUND
-from symbody.model.numeric_checks import NumericChecks
 
 
 @part
@@ -32,6 +30,7 @@ class Element(Declared):
         Of its effort; of several with commas, that along displacements first.
     """
 
+    mark: ClassVar[str] = ", "
     kind: ClassVar[str]
     word: ClassVar[str] = ""
     group: ClassVar[str] = ""
@@ -47,14 +46,6 @@ class Element(Declared):
     def output_words(self, kind: str) -> tuple[str, ...]:
         """Return what may follow its name in outputs of a kind; none if it has no such output."""
         return self.outputs.get(kind, ())
-
-    def formula_sites(self) -> Iterator[FormulaSite]:
-        """Return where its formulas stand."""
-        return self._formula_sites()
-
-    def check_numbers(self, check: NumericChecks, label: str) -> None:
-        """Note numbers that cannot be, as far as parameters have values; `label` begins their places."""
-        self._check_numbers(check, f"{label}, ")
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from fractions import Fraction
 from typing import Any, ClassVar, Final
@@ -11,12 +11,21 @@ from typing import Any, ClassVar, Final
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import ZERO, Arguments, Value
 from symbody.model.declarations.combinators import ListOf, OptionalField
-from symbody.model.declarations.declaration import ElementPart
+from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
-from symbody.model.declarations.fields import AngleQuantity, AxisLike, Direction, VectorQuantity, part
-from symbody.model.declarations.formula_site import FormulaSite, Triple
+from symbody.model.declarations.fields import (
+    AngleQuantity,
+    AxisLike,
+    Direction,
+    Quantity,
+    VectorQuantity,
+    part,
+)
+from symbody.model.declarations.formula_site import Triple
 from symbody.model.declarations.misfits import Misfit, Path, Schema, wrong_length, wrong_type
+from symbody.model.inertia import determinant
 from symbody.model.numbers import formula_value
+from symbody.model.numeric_checks import FINITE, NumericChecks, check_angle
 from symbody.model.simple_rotation import LETTERS, Axis, SimpleRotation, read_axis, unit_axis
 
 Matrix = tuple[Triple, Triple, Triple]
@@ -24,6 +33,8 @@ Rotation = tuple[tuple[Axis, Formula], ...]
 
 # A matrix typed with 10 digits of cos 30 deg means 30 deg.
 _SNAP: Final = 2e-11
+# What entries of an exact matrix leave that are off by 1e-9 each: 2 * 1e-9 times the sum of a row's entries.
+_ORTHONORMAL: Final = 4e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,11 +47,16 @@ class Turn(Field[tuple[AxisLike, Value], tuple[Axis, Formula]]):
 
     _: KW_ONLY
     axis: Any = field(default_factory=Direction)
-    angle: Any = field(default_factory=lambda: AngleQuantity(unit="rad"))
+    angle: Any = field(default_factory=lambda: AngleQuantity(unit="rad", fits=check_angle))
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Axis, Formula]:
         """Return the axis and the angle [rad]."""
-        return _turn(arguments, value, path)
+        pair = arguments.items(value, path)
+        if len(pair) == 2:
+            return read_axis(arguments, pair[0], f"{path}[0]"), arguments.formula(pair[1], f"{path}[1]")
+        fix = 'write for instance ["z", "pi/2"]; several rotations form a list of such pairs'
+        arguments.add("model.not_a_turn", path, "a rotation is an axis and an angle", "", fix)
+        return "x", ZERO
 
     def schema(self) -> Schema:
         """Return an array of both."""
@@ -71,10 +87,9 @@ class Turn(Field[tuple[AxisLike, Value], tuple[Axis, Formula]]):
         """Return both in the new names."""
         return self.axis.rename(value[0], names), self.angle.rename(value[1], names)
 
-    def formula_sites(self, owner: object, value: Any, path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas stand."""
-        yield from self.axis.formula_sites(owner, value[0], f"{path}[0]")
-        yield from self.angle.formula_sites(owner, value[1], f"{path}[1]")
+    def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return both."""
+        return ((self.axis, value[0], f"{path}[0]"), (self.angle, value[1], f"{path}[1]"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,9 +138,26 @@ class RotationMatrix(OptionalField[Sequence[Iterable[Value]], Matrix]):
         """Return three rows of formulas; None also for another number of rows."""
         return OptionalField.read(self, owner, arguments, value, path) or None
 
+    def check_numbers(self, check: NumericChecks, owner: object, value: Matrix | None, where: str) -> None:
+        """Refuse rows that are not orthonormal, or left-handed."""
+        numbers = [check.values(row, f"{where}[{k}]") for k, row in enumerate(value or ())]
+        r = [row for row in numbers if row is not None]
+        if len(r) < 3:
+            return
+        pairs = ((i, j) for i in range(3) for j in range(i + 1))
+        defect = max(abs(sum(a * b for a, b in zip(r[i], r[j], strict=True)) - (i == j)) for i, j in pairs)
+        if defect > _ORTHONORMAL:
+            what = f"the rows deviate from an orthonormal set by {defect:.3g}"
+            why = "rows of a rotation matrix have length 1 and are perpendicular"
+            check.refuse("model.not_a_rotation", where, what, why, "give more digits, or use rotate instead")
+        elif determinant(r) < 0:
+            what = "the determinant is -1: the axes are left-handed"
+            why = "two rows are swapped, or one has the wrong sign"
+            check.refuse("model.not_a_rotation", where, what, why, "use a right-handed set of axes")
+
 
 @part
-class Frame(ElementPart):
+class Frame(Declared):
     """Axes with an origin, placed on a body by constants.
 
     Examples
@@ -135,8 +167,9 @@ class Frame(ElementPart):
     """
 
     at: VectorQuantity = VectorQuantity(
-        "Origin, relative to the centre of mass, in the body's axes.", unit="m", default=(0, 0, 0)
-    )
+        "Origin, relative to the centre of mass, in the body's axes.", unit="m", default=(0, 0, 0),
+        item=Quantity(fits=FINITE),
+    )  # fmt: skip
     rotate: Turns = Turns("Successive body-fixed rotations: axis and angle.", default=())
     matrix: RotationMatrix = RotationMatrix(
         "Rotation matrix instead of successive rotations; it transforms components in the frame to "
@@ -161,15 +194,6 @@ def check_rotation(arguments: Arguments, rotate: Rotation, matrix: Matrix | None
         what = "the frame has both rotations and a matrix"
         why = "either of them defines the orientation of the frame"
         arguments.add("model.two_rotations", "", what, why, "remove one of them")
-
-
-def _turn(arguments: Arguments, turn: object, path: str) -> tuple[Axis, Formula]:
-    pair = arguments.items(turn, path)
-    if len(pair) != 2:
-        fix = 'write for instance ["z", "pi/2"]; several rotations form a list of such pairs'
-        arguments.add("model.not_a_turn", path, "a rotation is an axis and an angle", "", fix)
-        return "x", ZERO
-    return read_axis(arguments, pair[0], f"{path}[0]"), arguments.formula(pair[1], f"{path}[1]")
 
 
 def _euler_turns(matrix: tuple[Triple, Triple, Triple]) -> tuple[SimpleRotation, ...]:

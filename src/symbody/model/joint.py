@@ -11,7 +11,7 @@ from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import ZERO, Arguments
 from symbody.model.declarations.element_fields import Connection, element
-from symbody.model.declarations.fields import Quantity
+from symbody.model.declarations.fields import Quantity, Refusal
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.loads.forces import Drive
@@ -19,8 +19,6 @@ from symbody.model.loads.friction import Friction
 from symbody.model.naming import make_symbol
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.simple_rotation import SimpleRotation
-
-__all__ = ["ORIGIN", "RATES", "InTrees", "Joint", "QuasiSpeeds", "SimpleRotation"]
 
 ORIGIN: Final[Triple] = (ZERO, ZERO, ZERO)
 RATES: Final = "rates"
@@ -86,6 +84,10 @@ class Joint(Connection):
     """
 
     kind: ClassVar[str] = "joint"
+    on_one_body: ClassVar[Refusal | None] = Refusal(
+        "model.self_joint", what="both ends are on {value}", fix="name another body at one end",
+        why="a joint connects two bodies, or a body and ground",
+    )  # fmt: skip
     letters: ClassVar[tuple[str, ...]] = ()
     law: ClassVar[str] = ""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Final, TypeVar, final
 
 from symbody.arguments import checked_arguments
@@ -173,26 +173,23 @@ class Model(Displayed):
         for parameter in draft.parameters:
             arguments.symbol_name(parameter, f"parameters.{parameter}")
         placed, remarks = check_draft(draft, arguments.problems)
-        object.__setattr__(self, "name", title)
-        object.__setattr__(self, "elements", placed)
-        object.__setattr__(self, "gravity", draft.gravity)
-        object.__setattr__(self, "parameters", draft.parameters)
-        object.__setattr__(self, "inputs", draft.inputs)
-        object.__setattr__(self, "initial", draft.initial)
-        object.__setattr__(self, "held_initial", draft.initial.held)
-        object.__setattr__(self, "ground", draft.ground)
-        object.__setattr__(self, "ground_shapes", draft.ground_shapes)
-        object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
-        object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
-        object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, ConstraintElement)))
-        signals = collect_signals(placed)
-        object.__setattr__(self, "signals", tuple(s for s in signals if not s.is_held))
-        object.__setattr__(self, "held_signals", tuple(s for s in signals if s.is_held))
-        object.__setattr__(self, "tables", tuple(e for e in placed if isinstance(e, Lookup)))
-        object.__setattr__(self, "includes", includes)
-        object.__setattr__(self, "notes", (*notes, *remarks))
-        object.__setattr__(self, "_bodies", {body.name: body for body in self.bodies})
-        object.__setattr__(self, "_joints", {joint.name: joint for joint in self.joints})
+        draft, signals = replace(draft, elements=placed), collect_signals(placed)
+        values = {each.name: getattr(draft, each.name) for each in fields(draft)} | {
+            "name": title,
+            "held_initial": draft.initial.held,
+            "bodies": draft.bodies,
+            "joints": draft.joints,
+            "constraints": tuple(e for e in placed if isinstance(e, ConstraintElement)),
+            "signals": tuple(s for s in signals if not s.is_held),
+            "held_signals": tuple(s for s in signals if s.is_held),
+            "tables": tuple(e for e in placed if isinstance(e, Lookup)),
+            "includes": includes,
+            "notes": (*notes, *remarks),
+            "_bodies": {body.name: body for body in draft.bodies},
+            "_joints": {joint.name: joint for joint in draft.joints},
+        }
+        for word, value in values.items():
+            object.__setattr__(self, word, value)
 
     def __repr__(self) -> str:
         sizes = f"{number_in_words(len(self.bodies), 'body')}, {number_in_words(len(self.joints), 'joint')}"
@@ -216,24 +213,12 @@ class Model(Displayed):
 
     @checked_arguments
     def body(self, name: str) -> Body:
-        """Return the body called `name`.
-
-        Raises
-        ------
-        ModelError
-            If there is none.
-        """
+        """Return the body called `name`; a ModelError if there is none."""
         return _find_named(self._bodies, "body", name)
 
     @checked_arguments
     def joint(self, name: str) -> Joint:
-        """Return the joint called `name`.
-
-        Raises
-        ------
-        ModelError
-            If there is none.
-        """
+        """Return the joint called `name`; a ModelError if there is none."""
         return _find_named(self._joints, "joint", name)
 
     @checked_arguments

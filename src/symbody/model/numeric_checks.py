@@ -1,10 +1,11 @@
-"""`NumericChecks`: formulas of a model as numbers, for checks that need values."""
+"""`NumericChecks`: formulas of a model as numbers; `Domain`: which of them a formula may be."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, NamedTuple
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.graph import Constant
@@ -61,9 +62,76 @@ class NumericChecks:
         self.notes.append(text)
 
 
-def need_value(check: NumericChecks, formula: Formula, where: str) -> None:
-    """Refuse a formula whose value is not finite."""
-    check.value(formula, where)
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """The numbers that a formula may be: finite, and as it says.
+
+    Calling it notes a value that is outside; a formula whose names have no values is not judged.
+
+    Attributes
+    ----------
+    code, what, why, fix : str
+        Of the problem; `what` with ``{formula}`` and ``{value}``.
+    least, most : float
+        None is below or above.
+    above : bool
+        Whether `least` itself is none.
+    nonzero : bool
+        Whether 0 is none.
+    """
+
+    code: str
+    what: str
+    why: str
+    fix: str
+    least: float = -math.inf
+    above: bool = False
+    nonzero: bool = False
+    most: float = math.inf
+
+    def has(self, value: float) -> bool:
+        """Return whether a number is one of it."""
+        if not math.isfinite(value) or not self.least <= value <= self.most:
+            return False
+        return not (self.above and value == self.least) and not (self.nonzero and value == 0.0)
+
+    def __call__(self, check: NumericChecks, formula: Formula, where: str) -> float | None:
+        """Note a value that is outside; return it."""
+        value = check.value(formula, where)
+        if value is not None and not self.has(value):
+            what = self.what.format(formula=formula, value=f"{value:g}")
+            check.refuse(self.code, where, what, self.why, self.fix)
+        return value
+
+
+class Demand(NamedTuple):
+    """A formula of a block, or what follows from several, with its domain."""
+
+    path: str
+    formula: Formula
+    domain: Domain
+
+
+# Takes the checks, a formula and its place.
+NumberCheck = Callable[[NumericChecks, Formula, str], object]
+FINITE: Final = Domain("block.domain", "{formula} is {value}", "it is not a number", "give other values")
+SAMPLE_TIME: Final = Domain(
+    "signal.sample", "the time between samples, {formula}, is {value} s",
+    "samples are taken at the start and after every such time", "give seconds, such as sample = 0.01",
+    0.0, above=True,
+)  # fmt: skip
+TIME: Final = Domain(
+    "block.domain", "{formula} is {value} s", "this is the time constant of a state, which divides its rate",
+    "give seconds above 0, short compared with the motion", 0.0, above=True,
+)  # fmt: skip
+NOT_NEGATIVE: Final = Domain("block.domain", "{formula} is {value}", "a sign is wrong", "give 0 or more", 0.0)
+
+
+def positive_length(why: str) -> Domain:
+    """Return the lengths above zero; `why` is the cause of the fault."""
+    return Domain(
+        "model.no_length", "{formula} is {value} m", why, "give a length above zero", 0.0, above=True
+    )
 
 
 def check_axis(check: NumericChecks, axis: Sequence[Formula], where: str) -> None:
@@ -84,30 +152,6 @@ def check_angle(check: NumericChecks, angle: Formula, where: str) -> None:
     value = check.value(angle, where)
     if value is not None and abs(value) > 2 * math.pi:
         check.note(f'{where}: {value:g} rad is more than a turn; for degrees write "{value:g} deg"')
-
-
-def positive_length(why: str) -> Callable[[NumericChecks, Formula, str], None]:
-    """Return the check of a length that has to be above zero; `why` is the cause of the fault."""
-
-    def check_length(check: NumericChecks, length: Formula, where: str) -> None:
-        value = check.value(length, where)
-        if value is not None and value <= 0:
-            what = f"{length} is {value:g} m"
-            check.refuse("model.no_length", where, what, why, "give a length above zero")
-
-    return check_length
-
-
-def refuse_zero_ratio(check: NumericChecks, ratio: Formula, where: str) -> None:
-    """Refuse a ratio of zero."""
-    if check.value(ratio, where) == 0:
-        check.refuse(
-            "model.no_ratio",
-            where,
-            f"{ratio} is 0",
-            "the first coordinate could not move, regardless of the second",
-            "give a nonzero number; to lock the first coordinate, use a joint without this degree of freedom",
-        )
 
 
 def note_negative(check: NumericChecks, coefficient: Formula, where: str) -> None:

@@ -9,10 +9,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
 
 from symbody.model.body import Body
 from symbody.model.constraints import Rolling
+from symbody.model.declarations.field import NewNames
 from symbody.model.declarations.fields import SymbolElementName
 from symbody.model.element import Element, make_frame_ref
 from symbody.model.frame import Frame
@@ -59,23 +59,6 @@ class OutputScope:
         return not point and not is_entry and any(word in names for names in known.values())
 
 
-class OutputRenaming(Protocol):
-    """The names that elements and symbols of a part get in a model."""
-
-    @property
-    def ground(self) -> str:
-        """The frame that is the ground of the part; "" if it is the ground of the model."""
-
-    def element_name(self, name: str) -> str:
-        """Return the new name of an element."""
-
-    def symbol(self, name: str) -> str:
-        """Return the new name of a symbol."""
-
-    def address(self, word: str) -> str:
-        """Return the new address of a frame."""
-
-
 class OutputArgument(ABC):
     """One word behind the first in the names of some outputs.
 
@@ -101,7 +84,7 @@ class OutputArgument(ABC):
         """Return whether a word may stand here."""
         return word in self.choices(scope, before)
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
         """Return the word as it reads in a model that the part is put into."""
         return word
 
@@ -128,7 +111,7 @@ class ElementWord(OutputArgument):
         element = scope.elements.get(word)
         return bool(self.following(element)) if element is not None else not (word or self.is_needed)
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
         """Return the new name of the element."""
         return names.element_name(word) if word else ""
 
@@ -146,7 +129,7 @@ class CoordinateWord(OutputArgument):
         owner = scope.elements.get(before[0]) if before else None
         return () if owner is None else self.following(owner)
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
         """Return the new name of a coordinate; directions of springs are no symbols."""
         return names.symbol(word) if word and isinstance(scope.elements.get(before[0]), Joint) else word
 
@@ -167,7 +150,7 @@ class SpeedWord(OutputArgument):
         joints = (element for element in scope.elements.values() if isinstance(element, Joint))
         return ["", *(name for joint in joints for name in _moving_names(joint))]
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
         """Return the new name of a coordinate or speed."""
         return names.symbol(word) if word else ""
 
@@ -210,7 +193,7 @@ class FrameWord(OutputArgument):
             return not self.is_needed
         return scope.is_frame(word, may_be_entry=not self.is_needed) and self.fits(before)
 
-    def rename(self, word: str, scope: OutputScope, before: Words, names: OutputRenaming) -> str:
+    def rename(self, word: str, scope: OutputScope, before: Words, names: NewNames) -> str:
         """Return the new address; a frame that is left out is the ground of the part."""
         return names.address(word) if word else names.ground if self.fits(before) else ""
 

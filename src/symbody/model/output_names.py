@@ -13,6 +13,7 @@ from operator import methodcaller
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
+from symbody.model.declarations.field import NewNames
 from symbody.model.joint import Joint
 from symbody.model.output_arguments import (
     CoordinateWord,
@@ -20,7 +21,6 @@ from symbody.model.output_arguments import (
     EntryWord,
     FrameWord,
     OutputArgument,
-    OutputRenaming,
     OutputScope,
     SpeedWord,
     Words,
@@ -359,7 +359,7 @@ def _word_lists(
         yield from _word_lists(arguments, scope, (*before, word))
 
 
-def rename_output(asked: OutputName, scope: OutputScope, names: OutputRenaming) -> tuple[str, ...]:
+def rename_output(asked: OutputName, scope: OutputScope, names: NewNames) -> tuple[str, ...]:
     """Return the words of an output of a part, the first among them, as they read in a model.
 
     Words that do not fit are renamed as far as they may be elements, lest they name others in the model.

@@ -18,13 +18,7 @@ _MAX_CYCLES: Final = 10
 
 
 def dependence_order(parameters: Parameters) -> tuple[str, ...]:
-    """Return the names so that each stands after those its formula contains.
-
-    Raises
-    ------
-    ModelError
-        If formulas depend on each other in a circle, showing the path.
-    """
+    """Return the names, each after those its formula contains; a ModelError shows the path of each circle."""
     order, cycles = _walk(parameters)
     if cycles:
         raise ModelError(*(_cycle_problem(cycle) for cycle in cycles))
@@ -68,10 +62,7 @@ def parameter_values(parameters: Parameters) -> tuple[dict[str, Constant], list[
 def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str, Constant]:
     """Return the value of every parameter; what depends on an overridden one follows it.
 
-    Raises
-    ------
-    ModelError
-        Listing all unknown names, all faulty formulas, or all parameters without value.
+    A ModelError lists all unknown names, all faulty formulas, or all parameters without value.
     """
     arguments = Arguments("parameters")
     changed: dict[str, Formula | None] = dict(parameters)

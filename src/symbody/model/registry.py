@@ -5,22 +5,21 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from functools import cache
+from importlib import import_module
 from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.model.body import Body
-from symbody.model.class_folders import definition_name, final_classes, module_names, snake_case
+from symbody.model.class_folders import definition_name, final_classes, snake_case
 from symbody.model.declarations.declaration import file_table
 from symbody.model.declarations.field import FileTable, FileTarget, Node
 from symbody.model.element import Element
 from symbody.model.model import KINDS
 
 _PACKAGE: Final = __name__.rpartition(".")[0]
-# Folders in which the file of an element has its word, and all in which elements stand.
-_TYPE_FOLDERS: Final = (f"{_PACKAGE}.joints", f"{_PACKAGE}.signals.blocks")
-_FOLDERS: Final = (
-    *_TYPE_FOLDERS, *(f"{_PACKAGE}.{each}" for each in ("constraints", "loads", "signals", "tables"))
-)  # fmt: skip
+# Folders whose stubs say in which file a class stands, and all in which elements stand.
+_STUBBED: Final = tuple(f"{_PACKAGE}.{each}" for each in ("joints", "signals.blocks", "constraints"))
+_FOLDERS: Final = (*_STUBBED, *(f"{_PACKAGE}.{each}" for each in ("loads", "signals", "tables")))
 # Kinds of which a file has several types, named by a word.
 TYPED: Final = ("joint", "constraint", "block")
 
@@ -29,15 +28,17 @@ TYPED: Final = ("joint", "constraint", "block")
 def element_type(kind: str, word: str) -> type[Element]:
     """Return the element of a kind by its word in model files.
 
-    A joint or block stands in the file of its word: no other is loaded for it.
+    Where a stub says in which file it stands, no other file is loaded for it.
     """
     if kind == Body.kind:
         return Body
-    for folder in _TYPE_FOLDERS:
-        own_file = [file for file in module_names(folder) if file == word]
-        for each in final_classes(folder, own_file):
-            if issubclass(each, Element) and each.kind == kind and type_word(each) == word:
-                return each
+    for folder in _STUBBED:
+        package = import_module(folder)
+        for name in package.__all__:
+            if snake_case(name) == word:
+                each: type[Element] = getattr(package, name)
+                if each.kind == kind and type_word(each) == word:
+                    return each
     return element_types(kind)[word]
 
 
@@ -117,10 +118,7 @@ def _title(word: str, class_name: str) -> str:
 def read_element(kind: str, entry: Mapping[str, Any], folder: str = "") -> Element:
     """Return the element of a table that fits the schema; paths of other files start from `folder`.
 
-    Raises
-    ------
-    ModelError
-        With everything in it that is not a name, a place or a formula.
+    A ModelError has everything in it that is not a name, a place or a formula.
     """
     element_class = element_type(kind, str(entry.get("type", "")))
     return element_class.from_entry(entry, f"{kind} {entry['name']}", folder)

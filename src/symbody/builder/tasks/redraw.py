@@ -17,7 +17,7 @@ from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.model import Model
-from symbody.model.parts.own_content import own_content
+from symbody.model.parts.expansion import own_content
 from symbody.visual.scene.json_form import motion_to_json, scene_to_json
 
 Answer = dict[str, Any]
@@ -61,7 +61,7 @@ def changed_parameters(model: Model, given: Mapping[str, Any]) -> dict[str, Form
         Of all parameters, as the model file holds them; those of parts stand in the files of these.
     """
     arguments = Arguments("parameters")
-    written = own_content(model).parameters if model.includes else model.parameters
+    written = own_content(model)[0].parameters if model.includes else model.parameters
     values = {
         name: arguments.formula(value, name) for name, value in given.items() if value not in ("", None)
     }

@@ -38,10 +38,7 @@ def frame_motion_entries(
 ) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the shape and entries of a motion; "R" is the rotation matrix from `end` to `reference`.
 
-    Raises
-    ------
-    FormulationError
-        If the kind or a frame is unknown.
+    Raises FormulationError if the kind or a frame is unknown.
     """
     if kind not in MOTION_WORDS:
         what = f"{kind!r} is not a kind of motion"

@@ -74,13 +74,7 @@ def _effort(law: FrictionLaw) -> Expr:
 
 
 def _find_law(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[int, FrictionLaw]:
-    """Return the law that a name means, and its place.
-
-    Raises
-    ------
-    FormulationError
-        If there is none, with the nearest names.
-    """
+    """Return the place and the law that a name means; a FormulationError with the nearest names if none."""
     names, text = friction_names(formed), " ".join(words)
     if text in names:
         return names.index(text), formed.friction[names.index(text)]
@@ -156,13 +150,7 @@ def _terms(formed: EquationsOfMotion, row: ConstraintEquation) -> list[tuple[Exp
 
 
 def _find_row(formed: EquationsOfMotion, words: Sequence[str]) -> ConstraintEquation:
-    """Return the row of the rope that a name means.
-
-    Raises
-    ------
-    FormulationError
-        If there is none, with the nearest names.
-    """
+    """Return the row of the rope that a name means; a FormulationError with the nearest names if none."""
     names, text = ropes(formed), " ".join(words)
     if text in names:
         return rope_row(formed, text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from graphlib import CycleError
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.output_roots import quoted_output, raw_output
@@ -12,6 +13,7 @@ from symbody.errors import ExpressionError, FormulationError, Problem
 from symbody.expr.expression import Expr
 from symbody.expr.language.formula import Formula, FormulaLike
 from symbody.expr.rewrite import substitute, symbols_of
+from symbody.model.checks.signals import dependence_order
 from symbody.model.output_names import kind_of
 
 
@@ -47,7 +49,14 @@ def input_law_nodes(formed: EquationsOfMotion, laws: Mapping[str, FormulaLike]) 
     nodes = {name: _law_node(formed, input_formula(law, name), name) for name, law in laws.items()}
     read = {name: _inputs_read(formed, node, nodes) for name, node in nodes.items()}
     resolved: dict[str, int] = {}
-    for name in _in_order(formed, read, laws):
+    try:
+        order = dependence_order(read)
+    except CycleError as error:
+        ring = error.args[1][:0:-1]  # each reads the next, and the last the first
+        first = min(map([*laws].index, ring))
+        ring = [*ring, *ring][ring.index([*laws][first]) :][: len(ring)]
+        raise FormulationError(_ring_problem(formed, ring, laws)) from None
+    for name in order:
         replacements = {formed.names.value(other).index: resolved[other] for other in read[name]}
         resolved[name] = (
             substitute(formed.graph, [nodes[name]], replacements)[0] if replacements else nodes[name]
@@ -79,32 +88,6 @@ def _inputs_read(formed: EquationsOfMotion, node: int, among: Iterable[str]) -> 
     graph = formed.graph
     symbols = {graph.symbols[graph.left[k]].name for k in symbols_of(graph, [node])}
     return tuple(name for name in among if name in symbols) if symbols else ()
-
-
-def _in_order(
-    formed: EquationsOfMotion, read: Mapping[str, tuple[str, ...]], laws: Mapping[str, FormulaLike]
-) -> list[str]:
-    """Return inputs so that each stands behind those that its law reads."""
-    ordered: list[str] = []
-    waiting = dict(read)
-    while waiting:
-        ready = [name for name, others in waiting.items() if not set(others) & waiting.keys()]
-        if not ready:
-            ring = _ring(waiting)
-            raise FormulationError(_ring_problem(formed, ring, laws))
-        ordered += ready
-        waiting = {name: others for name, others in waiting.items() if name not in ready}
-    return ordered
-
-
-def _ring(read: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """Return inputs of which each reads the next, and the last the first."""
-    way = [next(iter(read))]
-    while True:
-        following = next(name for name in read[way[-1]] if name in read)
-        if following in way:
-            return way[way.index(following) :]
-        way.append(following)
 
 
 def _ring_problem(formed: EquationsOfMotion, ring: list[str], laws: Mapping[str, FormulaLike]) -> Problem:

@@ -94,10 +94,7 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
 def raw_output(formed: EquationsOfMotion, name: str) -> Output:
     """Return the shape and entries of an output, in u', multipliers and signals where it depends on these.
 
-    Raises
-    ------
-    FormulationError
-        If the name means nothing, with the nearest names.
+    A FormulationError with the nearest names if the name means nothing.
     """
     if parse_derivative(name) is not None:
         roots = output_roots(formed, name)
@@ -182,13 +179,7 @@ def quoted_output(formed: EquationsOfMotion, formula: Formula, where: str = "") 
 
 
 def _quoted_output(formed: EquationsOfMotion, formula: Formula, where: str, name: str, column: int) -> int:
-    """Return the node of an output that stands in quotes in a formula.
-
-    Raises
-    ------
-    ExpressionError
-        If there is no such output, or it is not a number.
-    """
+    """Return the node of an output in quotes in a formula; an ExpressionError if it is none, or no number."""
     try:
         roots = output_roots(formed, name)
     except FormulationError as error:

@@ -80,13 +80,7 @@ class PrintedEquations(Displayed):
 
 
 def checked_digits(digits: int | None) -> int | None:
-    """Return a number of digits, if it is one.
-
-    Raises
-    ------
-    UsageError
-        If it is not from 1 to 17.
-    """
+    """Return a number of digits; a UsageError if it is not from 1 to 17."""
     if digits is not None and not 1 <= digits <= 17:
         what = f"{digits} significant digits cannot be printed"
         fix = "give a whole number from 1 to 17, or None for all digits"

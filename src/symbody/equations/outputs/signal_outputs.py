@@ -31,10 +31,7 @@ def substitute_signals(
 ) -> list[Expr]:
     """Return expressions with signals replaced by what they stand for, in u' and the multipliers.
 
-    Raises
-    ------
-    FormulationError
-        If signals need each other in a ring, or one of an output that does not exist or is not a number.
+    Raises FormulationError if signals need each other in a ring, or an output is missing or is not a number.
     """
     signals = {signal.name: signal for signal in formed.topology.model.signals}
     if not signals:

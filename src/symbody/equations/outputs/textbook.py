@@ -85,13 +85,7 @@ class Textbook:
         return self._matrices.get(name, write).copy()
 
     def derivatives(self, name: str) -> SympyMatrix:
-        """Return an output that is not among those shown together.
-
-        Raises
-        ------
-        FormulationError
-            If it is too long to be written out.
-        """
+        """Return an output that is not among those shown together; a FormulationError if it is too long."""
         if self._is_long(name):
             what = f"{name} takes more than {EXPAND_LIMIT} operations"
             fix = f"compile(eqs, {name!r}) computes it, generate_code(eqs, {name!r}) writes it"
@@ -132,23 +126,11 @@ class Textbook:
         return self.readable(name)
 
     def readable(self, name: str) -> Roots:
-        """Return the roots of an output in the form in which people read it; the same values.
-
-        Raises
-        ------
-        FormulationError
-            If it is not what is computed; see `agreement`.
-        """
+        """Return the roots of an output in the form in which people read it, checked by `check_rewriting`."""
         return self._rewritten(name, {})
 
     def display(self, name: str) -> Roots:
-        """Return the roots of an output as `readable`, with signals that loads read by their names.
-
-        Raises
-        ------
-        FormulationError
-            If it is not what is computed; see `agreement`.
-        """
+        """Return the roots of an output as `readable`, with signals that loads read by their names."""
         return self._rewritten(name, named_signals(self.formed))
 
     def _rewritten(self, name: str, signals: Mapping[int, int]) -> Roots:
@@ -315,11 +297,6 @@ def check_dynamics(formed: EquationsOfMotion) -> None:
 
     With friction nothing is compared: the forcing contains unknown efforts then. With constraints the solver
     of the system takes M, F, J and gamma as they are shown, and only the inverse dynamics are compared.
-
-    Raises
-    ------
-    FormulationError
-        If ``M u' - F`` is not the inverse dynamics, or ``M u'`` of the accelerations is not F.
     """
     if formed.friction:
         return

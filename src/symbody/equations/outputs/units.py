@@ -35,13 +35,7 @@ class Units(Mapping[str, str]):
     known: Mapping[str, str]
 
     def __getitem__(self, name: str) -> str:
-        """Return the unit of an output or an expression; that of a pure number is ``""``.
-
-        Raises
-        ------
-        KeyError
-            If it is not known.
-        """
+        """Return the unit of an output or an expression, ``""`` of a number; KeyError if it is not known."""
         if name in self.known:
             return self.known[name]
         kind = kind_of(name)

@@ -12,26 +12,22 @@ from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checks.symbols import Symbols
 from symbody.model.element import Element
-from symbody.model.frame import Frame
-from symbody.model.frozen_mapping import FrozenMapping
-from symbody.model.inertia import determinant, is_possible_inertia, may_be_about
+from symbody.model.inertia import is_possible_inertia, may_be_about
 from symbody.model.joint import Joint
-from symbody.model.numeric_checks import NumericChecks, check_angle, check_axis
+from symbody.model.numeric_checks import Domain, NumericChecks
 from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 
-# What entries of an exact matrix leave that are off by 1e-9 each: 2 * 1e-9 times the sum of a row's entries.
-_ORTHONORMAL: Final = 4e-9
+_MASSES: Final = Domain(
+    "model.negative_mass", "the mass is {value} kg", "a sign is wrong",
+    "give a positive mass, or 0 for a massless body", 0.0,
+)  # fmt: skip
 _UNCHANGED: Final = "unphysical=True uses them unchanged (unphysical = true in a file)"
 
 
 def check_body(check: NumericChecks, body: Body, label: str) -> None:
     """Check mass, inertia and frames of a body."""
-    mass = check.value(body.mass, f"{label}, mass")
-    if mass is not None and mass < 0:
-        what = f"the mass is {mass:g} kg"
-        fix = "give a positive mass, or 0 for a massless body"
-        check.refuse("model.negative_mass", f"{label}, mass", what, "a sign is wrong", fix)
+    mass = _MASSES(check, body.mass, f"{label}, mass")
     inertia = check.values(body.inertia, f"{label}, inertia")
     products = check.values(body.products, f"{label}, products")
     if inertia is not None and products is not None:
@@ -41,43 +37,7 @@ def check_body(check: NumericChecks, body: Body, label: str) -> None:
             check.note(f"{label}: {problem.what}; it is used unchanged")
         if mass is not None and mass > 0 and max(inertia) > 0:
             _check_size(check, body, label, mass, inertia, products)
-    check_frames(check, body.frames, f"{label}, frames")
-
-
-def check_frames(check: NumericChecks, frames: FrozenMapping[Frame], where: str) -> None:
-    """Check the rotations of frames."""
-    for name, frame in frames.items():
-        check_frame(check, frame, f"{where}.{name}")
-
-
-def check_frame(check: NumericChecks, frame: Frame, place: str) -> None:
-    """Check origin and rotation of a frame."""
-    check.values(frame.at, f"{place}.at")
-    for k, (axis, angle) in enumerate(frame.rotate):
-        if not isinstance(axis, str):
-            check_axis(check, axis, f"{place}.rotate[{k}][0]")
-        check_angle(check, angle, f"{place}.rotate[{k}][1]")
-    if frame.matrix is not None:
-        rows = [check.values(row, f"{place}.matrix[{k}]") for k, row in enumerate(frame.matrix)]
-        _check_matrix(check, [row for row in rows if row is not None], f"{place}.matrix")
-
-
-def _check_matrix(check: NumericChecks, r: list[list[float]], where: str) -> None:
-    if len(r) < 3:
-        return
-    products = [
-        (i, j, sum(a * b for a, b in zip(r[i], r[j], strict=True))) for i in range(3) for j in range(i + 1)
-    ]
-    defect = max(abs(product - (i == j)) for i, j, product in products)
-    orientation = determinant(r)
-    if defect > _ORTHONORMAL:
-        what = f"the rows deviate from an orthonormal set by {defect:.3g}"
-        why = "rows of a rotation matrix have length 1 and are perpendicular"
-        check.refuse("model.not_a_rotation", where, what, why, "give more digits, or use rotate instead")
-    elif orientation < 0:
-        what = "the determinant is -1: the axes are left-handed"
-        why = "two rows are swapped, or one has the wrong sign"
-        check.refuse("model.not_a_rotation", where, what, why, "use a right-handed set of axes")
+    body.check_numbers(check, label)
 
 
 def _check_inertia(check: NumericChecks, label: str, inertia: list[float], products: list[float]) -> None:

@@ -37,13 +37,7 @@ def loop_problems(signals: Iterable[Signal]) -> list[Problem]:
 
 
 def dependence_order(needed: Mapping[str, Iterable[str]]) -> list[str]:
-    """Return names so that each stands after those it needs.
-
-    Raises
-    ------
-    CycleError
-        If there is no such order.
-    """
+    """Return names so that each stands after those it needs; a CycleError names a ring of them."""
     return list(TopologicalSorter(needed).static_order())
 
 

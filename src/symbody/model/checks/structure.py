@@ -7,11 +7,11 @@ from typing import Final
 
 from symbody.errors import Problem
 from symbody.model.body import Body
-from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
+from symbody.model.declarations.element_fields import Connection
 from symbody.model.element import Element
 from symbody.model.joint import Joint
-from symbody.model.joints.free import Free
+from symbody.model.joints.orientation import Free
 from symbody.model.naming import GROUND
 
 # Elements whose names are symbols, and unique among these.
@@ -37,33 +37,13 @@ def duplicate_elements(elements: Iterable[Element], labels: Mapping[int, str]) -
     ]
 
 
-def joint_problems(joints: Mapping[str, Joint]) -> list[Problem]:
-    """Return the joints, given by label, whose two ends are on one body."""
+def one_body_problems(connections: Mapping[str, Connection]) -> list[Problem]:
+    """Return the connections, given by label, whose two ends are on one body and must not be."""
     return [
-        Problem(
-            "model.self_joint",
-            f"{label}, between",
-            f"both ends are on {joint.start.body}",
-            "a joint connects two bodies, or a body and ground",
-            "name another body at one end",
-        )
-        for label, joint in joints.items()
-        if joint.start.body == joint.end.body
-    ]
-
-
-def frame_constraint_problems(contacts: Mapping[str, FrameConstraint]) -> list[Problem]:
-    """Return the constraints, given by label, whose two frames are on one body."""
-    return [
-        Problem(
-            "model.self_constraint",
-            f"{label}, between",
-            f"both frames are on {contact.start.body}",
-            "frames of one body do not move relative to each other",
-            "name a frame of another body",
-        )
-        for label, contact in contacts.items()
-        if contact.start.body == contact.end.body
+        Problem(code, f"{label}, between", what.format(value=connection.start.body), why, fix)
+        for label, connection in connections.items()
+        if connection.start.body == connection.end.body
+        for code, what, fix, why in filter(None, [connection.on_one_body])
     ]
 
 

@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
-from symbody.model.body import Body
-from symbody.model.checks.physics import (
-    check_body,
-    check_frame,
-    check_frames,
-    check_initial,
-    initial_problems,
-)
+from symbody.model.body import GROUND_FRAMES, Body
+from symbody.model.checks.physics import check_body, check_initial, initial_problems
 from symbody.model.checks.signals import collect_signals, loop_problems
 from symbody.model.checks.structure import (
     coupling_problems,
     duplicate_elements,
     floating_problems,
-    frame_constraint_problems,
     free_joints,
-    joint_problems,
+    one_body_problems,
     over_driven_problems,
 )
 from symbody.model.checks.symbols import (
@@ -34,8 +27,9 @@ from symbody.model.checks.symbols import (
     signal_entries,
     table_entries,
 )
-from symbody.model.constraint import ConstraintElement, FrameConstraint
+from symbody.model.constraint import ConstraintElement
 from symbody.model.constraints.couplings import JointCoupling
+from symbody.model.declarations.element_fields import Connection
 from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.element import Element
 from symbody.model.first_values import FirstValues
@@ -80,56 +74,48 @@ class Draft:
 
 
 def check_draft(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ...], tuple[str, ...]]:
-    """Return the elements with their addresses looked up, and remarks.
-
-    Raises
-    ------
-    ModelError
-        With the `earlier` problems and all that are found.
-    """
+    """Return elements with addresses looked up, and remarks; a ModelError has `earlier` faults too."""
     problems = list(earlier)
     labels = element_labels(draft.elements)
     problems += duplicate_elements(draft.elements, labels)
     placed, unknown = resolve_frames(draft.elements, frame_index(draft.bodies, draft.ground), labels)
     problems += unknown
     draft = replace(draft, elements=tuple(placed))
-    joints = {labels[k]: element for k, element in enumerate(placed) if isinstance(element, Joint)}
+    elements = dict(zip(labels.values(), placed, strict=True))
+    joints = {label: element for label, element in elements.items() if isinstance(element, Joint)}
     if not unknown:
-        problems += joint_problems(joints)
-        problems += frame_constraint_problems(
-            {labels[k]: element for k, element in enumerate(placed) if isinstance(element, FrameConstraint)}
-        )
+        problems += one_body_problems({k: x for k, x in elements.items() if isinstance(x, Connection)})
         problems += floating_problems(draft.bodies, joints.values())
         problems += over_driven_problems({k: j for k, j in joints.items() if j.start.body != j.end.body})
-    couplings = {labels[k]: element for k, element in enumerate(placed) if isinstance(element, JointCoupling)}
+    couplings = {label: x for label, x in elements.items() if isinstance(x, JointCoupling)}
     problems += coupling_problems(couplings, (*joints.values(), *draft.free_joints))
-    problems += _name_problems(draft, list(labels.values()))
-    check = _check_numbers(draft, labels.values())
+    problems += _name_problems(draft, elements)
+    check = _check_numbers(draft, elements)
     problems += check.problems
     if problems:
         raise ModelError(*problems)
     return draft.elements, (*_assumptions(draft), *check.notes)
 
 
-def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
+def _name_problems(draft: Draft, elements: Mapping[str, Element]) -> list[Problem]:
     """Return what is wrong with symbols and with the names in formulas."""
-    symbols, problems = collect_symbols(_symbol_entries(draft, labels))
+    symbols, problems = collect_symbols(_symbol_entries(draft, elements))
     problems += cycle_problems(draft.parameters)
     problems += scope_problems("model", _model_sites(draft), symbols)
-    for label, element in zip(labels, draft.elements, strict=True):
+    for label, element in elements.items():
         problems += scope_problems(label, element.formula_sites(), symbols)
         if isinstance(element, Body):
             problems += scope_problems(label, element.shape_formula_sites(), symbols)
     problems += loop_problems(collect_signals(draft.elements))
-    problems += _law_problems(draft, labels)
+    problems += _law_problems(draft, elements)
     problems += initial_problems(draft.initial, symbols, draft.joints)
-    return problems + _degree_problems(draft, labels)
+    return problems + _degree_problems(draft, elements)
 
 
-def _law_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
+def _law_problems(draft: Draft, elements: Mapping[str, Element]) -> list[Problem]:
     """Return a problem for each table that cannot be the law of the input of its name."""
     problems = []
-    for label, table in zip(labels, draft.elements, strict=True):
+    for label, table in elements.items():
         if isinstance(table, Lookup) and table.name in draft.inputs:
             wrong = {"argument": table.argument.text != "t", "outside": table.outside != "hold"}
             problems += [
@@ -142,12 +128,12 @@ def _law_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     return problems
 
 
-def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, Meaning]]:
+def _symbol_entries(draft: Draft, elements: Mapping[str, Element]) -> Iterator[tuple[str, Meaning]]:
     for name in draft.parameters:
         yield name, Meaning("parameter", f"model, parameters.{name}")
     for k, name in enumerate(draft.inputs):
         yield name, Meaning("input", f"model, inputs[{k}]")
-    for label, element in zip(labels, draft.elements, strict=True):
+    for label, element in elements.items():
         if isinstance(element, Joint):
             yield from joint_entries(element, label)
         elif isinstance(element, ConstraintElement):
@@ -174,12 +160,12 @@ def _model_sites(draft: Draft) -> Iterator[FormulaSite]:
         yield from shape.formula_sites(f"ground.shape[{k}]")
 
 
-def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
+def _degree_problems(draft: Draft, elements: Mapping[str, Element]) -> list[Problem]:
     """Return a problem for each value in degrees that is not an angle."""
     angles: set[str] = set()
     others: set[str] = set()
     values = [(f"model, initial.{name}", name, formula) for name, formula in draft.initial.items()]
-    for label, element in zip(labels, draft.elements, strict=True):
+    for label, element in elements.items():
         if isinstance(element, Joint):
             angles.update(element.angle_coordinates)
             others.update(element.coordinates, element.quasi_speed_names)
@@ -201,16 +187,16 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     ]
 
 
-def _check_numbers(draft: Draft, labels: Iterable[str]) -> NumericChecks:
+def _check_numbers(draft: Draft, elements: Mapping[str, Element]) -> NumericChecks:
     """Return what the values of the parameters say."""
     values, problems = parameter_values(draft.parameters)
     check = NumericChecks(values)
     check.problems += problems
     check.values(draft.gravity, "model, gravity")
-    check_frames(check, draft.ground, "model, ground.frames")
+    GROUND_FRAMES.check_numbers(check, None, draft.ground, "model, ground.frames")
     _check_shapes(check, draft.ground_shapes, "model, ground.shape")
     check_initial(check, draft.initial, (*draft.joints, *draft.free_joints))
-    for label, element in zip(labels, draft.elements, strict=True):
+    for label, element in elements.items():
         if isinstance(element, Body):
             check_body(check, element, label)
             _check_shapes(check, element.shapes, f"{label}, shape")
@@ -237,18 +223,5 @@ def _assumptions(draft: Draft) -> list[str]:
 
 
 def _check_shapes(check: NumericChecks, shapes: Sequence[BodyShape], where: str) -> None:
-    """Refuse negative sizes, opacities beyond 0 to 1, and rotations that are none."""
     for k, shape in enumerate(shapes):
-        place = f"{where}[{k}]"
-        check_frame(check, shape.frame, place)
-        for path, formula in shape.lengths:
-            length = check.value(formula, f"{place}.{path}")
-            if length is not None and length < 0:
-                what = f"the length is {length:g} m"
-                fix = "give a positive length"
-                check.refuse("model.negative_size", f"{place}.{path}", what, "a sign is wrong", fix)
-        opacity = check.value(shape.opacity, f"{place}.opacity")
-        if opacity is not None and not 0 <= opacity <= 1:
-            what = f"the opacity is {opacity:g}"
-            why = "0 is invisible, 1 is opaque"
-            check.refuse("model.opacity", f"{place}.opacity", what, why, "give a number from 0 to 1")
+        shape.check_numbers(check, f"{where}[{k}]")

@@ -11,10 +11,15 @@ from symbody.model.declarations.combinators import list_of
 from symbody.model.declarations.element_fields import Coupled, VanishingFormulas, element
 from symbody.model.declarations.fields import AngleQuantity, Flag, Formulas, Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.numeric_checks import positive_length, refuse_zero_ratio
+from symbody.model.numeric_checks import Domain, positive_length
 
 _ONE: Final = Formula.from_value(1)
-_pulley_radius: Final = positive_length("the directions of rotation are given by the angles and by crossed")
+_NONZERO: Final = Domain(
+    "model.no_ratio", "{formula} is 0", "the first coordinate could not move, regardless of the second",
+    "give a nonzero number; to lock the first coordinate, use a joint without this degree of freedom",
+    nonzero=True,
+)  # fmt: skip
+_PULLEY_RADIUS: Final = positive_length("the directions of rotation are given by the angles and by crossed")
 
 
 class JointCoupling(ConstraintElement):
@@ -66,7 +71,7 @@ class Gear(JointCoupling):
 
     coupled: Coupled = Coupled("The angles of two joints.")
     ratio: Quantity = Quantity(
-        "Turns of the first gear per turn of the second; negative for external gears.", fits=refuse_zero_ratio
+        "Turns of the first gear per turn of the second; negative for external gears.", fits=_NONZERO
     )
     offset: AngleQuantity = AngleQuantity(
         "The first angle where the second is 0.", unit="rad", default=0, scope=Scope.PRESCRIBED
@@ -103,7 +108,7 @@ class RackPinion(JointCoupling):
     radius: Quantity = Quantity(
         "Radius of the pinion; negative if a positive angle moves the rack backward.",
         unit="m",
-        fits=refuse_zero_ratio,
+        fits=_NONZERO,
     )
     offset: Quantity = Quantity(
         "The displacement where the angle is 0.", unit="m", default=0, scope=Scope.PRESCRIBED
@@ -137,7 +142,7 @@ class Belt(JointCoupling):
 
     coupled: Coupled = Coupled("The angles of two joints.")
     radii: Formulas = list_of(
-        Quantity("Radii of the pulleys.", unit="m", fits=_pulley_radius), 2,
+        Quantity("Radii of the pulleys.", unit="m", fits=_PULLEY_RADIUS), 2,
         why="there are two pulleys", fix="give one for each", instead=(1, 1),
     )  # fmt: skip
     crossed: Flag = Flag("Whether the pulleys turn in opposite directions.", default=False)

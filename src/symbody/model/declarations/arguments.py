@@ -59,7 +59,11 @@ class Arguments:
 
     def formula(self, value: object, path: str) -> Formula:
         """Return a formula from text, a real number or a formula."""
-        return self._parse(lambda where: Formula.from_value(plain_value(value), where=where), path)
+        try:
+            return Formula.from_value(plain_value(value), where=self.where(path))
+        except ExpressionError as error:
+            self.problems.extend(error.problems)
+            return ZERO
 
     def triple(self, values: object, path: str) -> Triple:
         """Return three formulas."""
@@ -99,22 +103,21 @@ class Arguments:
             entries[key] = read(value, f"{path}.{key}" if path else key)
         return FrozenMapping(entries)
 
-    def attempt(self, make: Callable[[], T]) -> T | None:
-        """Return what `make` returns; None if it raises, its faults taken over."""
+    def attempt(self, make: Callable[[], T], path: str | None = None) -> T | None:
+        """Return what `make` returns; None if it raises, its faults taken over, below `path` if given."""
         try:
             return make()
         except SymbodyError as error:
-            self.problems.extend(error.problems)
+            if path is None:
+                self.problems.extend(error.problems)
+            for problem in () if path is None else error.problems:
+                rest = problem.where.partition(", ")[2]
+                place = f"{path}.{rest}" if rest else path
+                self.add(problem.code, place, problem.what, problem.why, problem.fix)
             return None
 
     def raise_all(self) -> None:
-        """Raise what was collected.
-
-        Raises
-        ------
-        ModelError
-            If there is any fault.
-        """
+        """Raise a ModelError with what was collected, if there is anything."""
         if self.problems:
             raise ModelError(*self.problems)
 
@@ -122,13 +125,6 @@ class Arguments:
         if problem is not None:
             self.problems.append(problem)
         return normalize(name) if isinstance(name, str) else "?"
-
-    def _parse(self, parse: Callable[[str], Formula], path: str) -> Formula:
-        try:
-            return parse(self.where(path))
-        except ExpressionError as error:
-            self.problems.extend(error.problems)
-            return ZERO
 
 
 def plain_value(value: object) -> FormulaLike:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import math
+import re
 import reprlib
-import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, wraps
@@ -29,7 +29,7 @@ from symbody.notebook import Displayed
 
 C = TypeVar("C", bound="Declared")
 
-_WIDTH: Final = 100
+_LINE: Final = re.compile(r"(.{1,100})(?: |$)")  # textwrap takes as long as all else that makes a class
 _POSITIONAL: Final = frozenset(("name", "start", "end"))  # arguments without their names in `repr`
 _IN_WORDS: Final = MappingProxyType({"str": "a text", "bool": "true or false"})
 # Written to files even where they have their default: a reader looks for them.
@@ -57,7 +57,7 @@ def _file_key(name: str, field: Field[Any, Any]) -> FileKey:
 
 
 class Declared(Displayed):
-    """What declares its arguments.
+    """What declares its arguments: an element, or a part of one, as a frame, a drive, a shape.
 
     Attributes
     ----------
@@ -65,6 +65,8 @@ class Declared(Displayed):
         The arguments, in the order of the constructor.
     file_keys : tuple of FileKey
         Where they stand in an entry of a model file.
+    mark : str
+        What stands between it and an argument in the places of messages.
     """
 
     __slots__ = ()
@@ -72,15 +74,10 @@ class Declared(Displayed):
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
     fields: ClassVar[Mapping[str, Field[Any, Any]]] = MappingProxyType({})
     file_keys: ClassVar[tuple[FileKey, ...]] = ()
+    mark: ClassVar[str] = "."
 
     def __post_init__(self) -> None:
-        """Read the arguments, in their order.
-
-        Raises
-        ------
-        ModelError
-            With everything that is wrong with them.
-        """
+        """Read the arguments, in their order; a ModelError has all that is wrong with them."""
         arguments = Arguments(self.label())
         for name, field in self.fields.items():
             value = getattr(self, name)
@@ -117,13 +114,7 @@ class Declared(Displayed):
 
     @classmethod
     def from_entry(cls, entry: Mapping[str, Any], label: str, folder: str = "") -> Self:
-        """Return what an entry of a model file describes; paths in it begin in `folder`.
-
-        Raises
-        ------
-        ModelError
-            With everything that is wrong with it.
-        """
+        """Return what an entry of a model file describes, or a ModelError; paths in it begin in `folder`."""
         arguments = Arguments(label)
         values: dict[str, object] = {}
         for name, key, number, field in cls.file_keys:
@@ -177,15 +168,17 @@ class Declared(Displayed):
     def check(self, arguments: Arguments) -> None:
         """Note arguments that contradict each other."""
 
-    def _formula_sites(self, before: str = "") -> Iterator[FormulaSite]:
-        """Return where the formulas stand; `before` begins each path."""
+    def formula_sites(self, path: str = "") -> Iterator[FormulaSite]:
+        """Return where the formulas stand, below `path`."""
+        before = path and f"{path}."
         for name, field in self.fields.items():
             yield from field.formula_sites(self, getattr(self, name), f"{before}{field.place or name}")
 
-    def _check_numbers(self, check: NumericChecks, before: str) -> None:
-        """Note numbers that cannot be, as far as parameters have values; `before` begins each place."""
+    def check_numbers(self, check: NumericChecks, label: str) -> None:
+        """Note numbers that cannot be, as far as parameters have values; `label` begins their places."""
         for name, field in self.fields.items():
-            field.check_numbers(check, self, getattr(self, name), f"{before}{field.place or name}")
+            place = f"{label}{self.mark}{field.place or name}"
+            field.check_numbers(check, self, getattr(self, name), place)
 
     def _misfit(self, name: str, value: object) -> Problem:
         fits = self.fields[name].takes
@@ -215,20 +208,6 @@ def _is_literal(number: str) -> bool:
         return math.isfinite(float(number))
     except ValueError:
         return False
-
-
-class ElementPart(Declared):
-    """What is declared as a part of elements: a frame, a drive, a shape."""
-
-    __slots__ = ()
-
-    def formula_sites(self, path: str) -> Iterator[FormulaSite]:
-        """Return where the formulas stand, below `path`."""
-        return self._formula_sites(f"{path}.")
-
-    def check_numbers(self, check: NumericChecks, where: str) -> None:
-        """Note numbers that cannot be, as far as parameters have values; `where` begins their places."""
-        self._check_numbers(check, f"{where}.")
 
 
 def file_table(kind: type[Declared], title: str, word: str = "") -> FileTable:
@@ -296,6 +275,6 @@ def _documentation(kind: type[Declared]) -> str:
     for name, field in kind.fields.items():
         optional = ", optional" if field.default is None else ""
         words = " ".join(filter(None, (field.description, field.explanation)))
-        lines += [f"{name} : {field.takes}{optional}", textwrap.indent(textwrap.fill(words, _WIDTH), "    ")]
+        lines += [f"{name} : {field.takes}{optional}", _LINE.sub(r"    \1\n", words).rstrip()]
     lines += ["", "Raises", "------", "ModelError", "    Listing everything that is not valid."]
     return "\n".join(lines) + (f"\n\nExamples\n{examples}" if examples else "\n")

@@ -19,6 +19,7 @@ from symbody.model.declarations.fields import (
     ElementName,
     Flag,
     Quantity,
+    Refusal,
     SymbolElementName,
     SymbolName,
     TextField,
@@ -169,7 +170,15 @@ def element(kind: type[E]) -> type[E]:
 
 @element
 class Connection(Element):
-    """An element between two frames, `start` and `end`."""
+    """An element between two frames, `start` and `end`.
+
+    Attributes
+    ----------
+    on_one_body : Refusal or None
+        The fault of two frames on one body; None if that is none.
+    """
+
+    on_one_body: ClassVar[Refusal | None] = None
 
     start: AttachedFrame = AttachedFrame("The frame at its start.", place="between[0]")
     end: AttachedFrame = AttachedFrame("The frame at its end.", place="between[1]")

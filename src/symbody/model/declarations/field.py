@@ -51,6 +51,11 @@ Node = Formula | str | bool | int | list["Node"] | dict[str, "Node"]
 class NewNames(Protocol):
     """The names that elements, symbols, frames and outputs of a part get in the whole."""
 
+    @property
+    def ground(self) -> str:
+        """The frame that is the ground of the part; "" if it is the ground of the whole."""
+        ...
+
     def element_name(self, name: str, /) -> str:
         """Return the new name of an element."""
         ...
@@ -61,6 +66,10 @@ class NewNames(Protocol):
 
     def frame(self, address: FrameRef, /) -> FrameRef:
         """Return where a frame of the part is."""
+        ...
+
+    def address(self, word: str, /) -> str:
+        """Return the new address of a frame, or of a contact, which has one of its own."""
         ...
 
     def formula(self, formula: Formula, /) -> Formula:

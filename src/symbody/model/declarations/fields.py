@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeAlias, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.declarations.combinators import ListOf, OptionalField, list_of
-from symbody.model.declarations.declaration import Declared, ElementPart, declare, file_table
+from symbody.model.declarations.declaration import Declared, declare, file_table
 from symbody.model.declarations.field import (
     Field,
     FileTable,
@@ -32,13 +32,12 @@ from symbody.model.declarations.misfits import (
     text_misfits,
     wrong_type,
 )
-from symbody.model.numeric_checks import NumericChecks, check_axis
+from symbody.model.numeric_checks import NumberCheck, NumericChecks, check_axis
 from symbody.model.simple_rotation import LETTERS, Axis, read_axis
 
 L = TypeVar("L", bound=str)
 D = TypeVar("D", bound=Declared)
 AxisLike = str | Iterable[Value]
-NumberCheck = Callable[[NumericChecks, Formula, str], None]
 # What elements hold of numbers or formulas that may be left out, and of lists of them.
 OptionalQuantity: TypeAlias = OptionalField[Value, Formula]
 Formulas: TypeAlias = ListOf[Iterable[Value], tuple[Formula, ...]]
@@ -393,15 +392,16 @@ def part(kind: type[D]) -> type[D]:
     return declare(kind)
 
 
-P = TypeVar("P", bound=ElementPart)
+P = TypeVar("P", bound=Declared)
 
 
 class Refusal(NamedTuple):
-    """A fault; `what` contains ``{value}`` where the value is shown."""
+    """A fault; `what` contains ``{value}`` where what is wrong is shown."""
 
     code: str
     what: str = ""
     fix: str = ""
+    why: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -432,8 +432,8 @@ class DeclaredPart(Field[P, P], Generic[P]):
     def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> P:
         """Return the part; an empty one stands for something else."""
         if not isinstance(value, self.kind):
-            code, what, fix = self.refusal
-            arguments.add(code, path, what.format(value=repr(value)), "", fix)
+            code, what, fix, why = self.refusal
+            arguments.add(code, path, what.format(value=repr(value)), why, fix)
         part: P = value if isinstance(value, self.kind) else self.kind()
         return part
 
@@ -480,10 +480,4 @@ def read_part(kind: type[P], entry: object, arguments: Arguments, path: str, fol
     """Return the part that a table describes; its faults are placed below `path`, with None for them."""
     if not isinstance(entry, Mapping):
         return None
-    inner = Arguments("")
-    made = inner.attempt(lambda: kind.from_entry(entry, "", folder))
-    for problem in inner.problems:
-        rest = problem.where.partition(", ")[2]
-        place = f"{path}.{rest}" if rest else path
-        arguments.add(problem.code, place, problem.what, problem.why, problem.fix)
-    return made
+    return arguments.attempt(lambda: kind.from_entry(entry, "", folder), path)

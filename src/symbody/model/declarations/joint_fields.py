@@ -27,7 +27,7 @@ from symbody.model.joint import InTrees, Joint
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction, check_friction
 from symbody.model.numbers import as_float, formula_value
-from symbody.model.numeric_checks import NumericChecks, need_value
+from symbody.model.numeric_checks import FINITE, Domain, NumericChecks
 from symbody.model.simple_rotation import LETTERS, Axis, not_perpendicular
 
 TreeChoice = InTrees | bool | Mapping[str, bool] | None
@@ -190,7 +190,7 @@ def _is_drive(entry: Mapping[str, object]) -> bool:
 
 
 def _prescribed_formula() -> Quantity:
-    return AngleQuantity(scope=Scope.PRESCRIBED, fits=need_value)
+    return AngleQuantity(scope=Scope.PRESCRIBED, fits=FINITE)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -219,12 +219,10 @@ class PrescribedMotions(ByCoordinate[Mapping[str, Value] | None, Formula]):
     item: Any = field(default_factory=_prescribed_formula)
 
 
-def _refuse_negative_armature(check: NumericChecks, formula: Formula, where: str) -> None:
-    inertia = check.value(formula, where)
-    if inertia is not None and inertia < 0:
-        what = f"the inertia of the rotor is {inertia:g}"
-        fix = "give a positive inertia, or leave armature out"
-        check.refuse("model.negative_armature", where, what, "a sign is wrong", fix)
+_ARMATURES: Final = Domain(
+    "model.negative_armature", "the inertia of the rotor is {value}", "a sign is wrong",
+    "give a positive inertia, or leave armature out", 0.0,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -236,7 +234,7 @@ class Armature(AlongCoordinate[Value, Formula]):
     annotation: ClassVar[str] = "Value"
 
     _: KW_ONLY
-    item: Any = field(default_factory=lambda: Quantity(fits=_refuse_negative_armature))
+    item: Any = field(default_factory=lambda: Quantity(fits=_ARMATURES))
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
         """Return the inertia by coordinate; none if it is 0."""

@@ -1,21 +1,32 @@
-"""Orientations: three successive angles, or a quaternion; and the speeds of a rotation."""
+"""Orientations: three successive angles, or a quaternion; the speeds of a rotation; and joints with one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass, field
 from types import MappingProxyType
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Literal, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import NULL, OptionalField, list_of
-from symbody.model.declarations.fields import SymbolName, TextField
-from symbody.model.declarations.joint_fields import read_names
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.fields import Direction, Flag, SymbolName, TextField
+from symbody.model.declarations.formula_site import Triple
+from symbody.model.declarations.joint_fields import (
+    AS_CONSTRAINT,
+    MOTIONS,
+    TREE,
+    CoordinateDrives,
+    Coordinates,
+    PrescribedMotions,
+    TreeMembership,
+    read_names,
+)
 from symbody.model.declarations.misfits import Misfit, Path, Schema, text_misfits
 from symbody.model.joint import RATES, Joint, QuasiSpeeds
 from symbody.model.naming import make_symbol
-from symbody.model.simple_rotation import LETTERS, SimpleRotation
+from symbody.model.simple_rotation import LETTERS, SimpleRotation, shift_along
 
 QUATERNION: Final = "quaternion"
 _SPACE: Final = "space "
@@ -190,3 +201,213 @@ def quasi_speeds(joint: Joint, kind: str, frame: str) -> QuasiSpeeds | None:
 def _own_names(joint: Joint, kind: str) -> tuple[str, ...]:
     own = make_symbol(joint.name)
     return tuple(f"{own}_{kind}{axis}" for axis in "xyz")
+
+
+@final
+@element
+class Gimbal(Joint):
+    """Turns about three axes in succession, as in three rings.
+
+    Where the first axis meets the third, the gimbal is locked.
+
+    Examples
+    --------
+    >>> rings = Gimbal("rings", "ground", "Rotor", angles="zxy", coordinates=["yaw", "roll", "pitch"])
+    >>> [turn.angle.text for turn in rings.turns()]
+    ['yaw', 'roll', 'pitch']
+    """
+
+    letters: ClassVar[tuple[str, ...]] = ("a", "b", "c")
+    law: ClassVar[str] = "R by the sequence; the rates of the angles are the speeds"
+
+    angles: ThreeAngles = THREE_ANGLES
+    coordinates: Coordinates = Coordinates("Names of the angles.", unit="rad")
+    tree: TreeMembership = TREE
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
+    motion: PrescribedMotions = MOTIONS
+    as_constraint: Flag = AS_CONSTRAINT
+
+    def turns(self) -> tuple[SimpleRotation, ...]:
+        """Return the turns by the angles."""
+        return orientation_turns(self.angles, self.coordinates)
+
+
+@final
+@element
+class Spherical(Joint):
+    """Turns in any direction about a point.
+
+    Examples
+    --------
+    >>> pivot = Spherical("pivot", "ground", "Top", angles="313", coordinates=["zeta", "eta", "xi"])
+    >>> [turn.angle.text for turn in pivot.turns()]
+    ['zeta', 'eta', 'xi']
+    """
+
+    letters: ClassVar[tuple[str, ...]] = ("3 angles, or a quaternion",)
+    law: ClassVar[str] = "R by the sequence"
+
+    angles: AngleSequence = ORIENTATION
+    coordinates: Coordinates = Coordinates("Names of the angles [rad] or Euler parameters.")
+    speeds: SpeedChoice = SpeedChoice(
+        "Rates of the angles, or the angular velocity along axes of start or end.",
+        words=(RATES, "start", "end"),
+    )
+    speed_names: SpeedNames = SpeedNames(
+        "Names of the components x, y, z of the angular velocity.", unit="rad/s"
+    )
+    tree: TreeMembership = TREE
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
+    motion: PrescribedMotions = MOTIONS
+    as_constraint: Flag = AS_CONSTRAINT
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Numbers of the angles, or letters of the Euler parameters."""
+        return orientation_suffixes(self.angles)
+
+    @property
+    def quaternion(self) -> tuple[str, str, str, str] | None:
+        """The coordinates, where they are Euler parameters."""
+        return orientation_quaternion(self.angles, self.coordinates)
+
+    @property
+    def rotation_speeds(self) -> QuasiSpeeds | None:
+        """The components of the angular velocity, or None."""
+        return quasi_speeds(self, "w", self.speeds)
+
+    def turns(self) -> tuple[SimpleRotation, ...]:
+        """Return the turns by the angles."""
+        return orientation_turns(self.angles, self.coordinates)
+
+
+@final
+@element
+class Bearing(Joint):
+    """Slides along an axis of start and turns in any direction.
+
+    Examples
+    --------
+    >>> Bearing("bush", "ground", "Shaft", coordinates=["s", "a", "b", "c"]).shift()[2].text
+    's'
+    """
+
+    letters: ClassVar[tuple[str, ...]] = ("s", "a", "b", "c")
+    law: ClassVar[str] = "d = s axis, R by the sequence"
+
+    axis: Direction = Direction("Axis, in the start frame.", default="z")
+    angles: ThreeAngles = THREE_ANGLES
+    coordinates: Coordinates = Coordinates("Names of the displacement [m] and the angles [rad].")
+    tree: TreeMembership = TREE
+    force: CoordinateDrives = CoordinateDrives("Drive along the displacement, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
+    motion: PrescribedMotions = MOTIONS
+    as_constraint: Flag = AS_CONSTRAINT
+
+    def turns(self) -> tuple[SimpleRotation, ...]:
+        """Return the turns by the angles."""
+        return orientation_turns(self.angles, self.coordinates[1:])
+
+    def shift(self) -> Triple:
+        """Return the axis times the displacement."""
+        return shift_along(self.axis, self.coordinates[0])
+
+
+@final
+@element
+class Telescoping(Joint):
+    """Turns in any direction and slides along an axis of end, which goes through the origin of start.
+
+    Examples
+    --------
+    >>> arm = Telescoping("arm", "ground", "Boom", axis="x", coordinates=["a", "b", "c", "s"])
+    >>> (arm.shift_in, arm.shift()[0].text)
+    ('end', 's')
+    """
+
+    letters: ClassVar[tuple[str, ...]] = ("a", "b", "c", "s")
+    law: ClassVar[str] = "R by the sequence, d = s R axis"
+    shift_in: ClassVar[Literal["start", "end"]] = "end"
+
+    axis: Direction = Direction("Axis, in the end frame.", default="z")
+    angles: ThreeAngles = THREE_ANGLES
+    coordinates: Coordinates = Coordinates("Names of the angles [rad] and the displacement [m].")
+    tree: TreeMembership = TREE
+    force: CoordinateDrives = CoordinateDrives("Drive along the displacement, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
+    motion: PrescribedMotions = MOTIONS
+    as_constraint: Flag = AS_CONSTRAINT
+
+    def turns(self) -> tuple[SimpleRotation, ...]:
+        """Return the turns by the angles."""
+        return orientation_turns(self.angles, self.coordinates[:3])
+
+    def shift(self) -> Triple:
+        """Return the axis times the displacement, in end axes."""
+        return shift_along(self.axis, self.coordinates[3])
+
+
+_TWIST: Final = "twist"
+
+
+@final
+@element
+class Free(Joint):
+    """Constrains nothing; its coordinates are the position of end in start axes, then the orientation.
+
+    Examples
+    --------
+    >>> base = Free("base", "ground", "Trunk", speeds="twist")
+    >>> base.coordinates
+    ('base_x', 'base_y', 'base_z', 'base_qw', 'base_qx', 'base_qy', 'base_qz')
+    """
+
+    letters: ClassVar[tuple[str, ...]] = ("x", "y", "z", "orientation")
+    law: ClassVar[str] = "d = (x, y, z), R by the sequence"
+
+    angles: AngleSequence = ORIENTATION
+    coordinates: Coordinates = Coordinates(
+        "Names of the position [m], then of the angles [rad] or Euler parameters."
+    )
+    speeds: SpeedChoice = SpeedChoice(
+        "Rates; or velocity along start axes and angular velocity along axes of start or end; or both along "
+        "end axes (twist).",
+        words=(RATES, "start", "end", _TWIST),
+    )
+    speed_names: SpeedNames = SpeedNames(
+        "Names of the velocity [m/s], then of the angular velocity [rad/s].", default=None, kinds="vw"
+    )
+    tree: TreeMembership = TREE
+    force: CoordinateDrives = CoordinateDrives("Drives along the position, by coordinate.")
+    torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
+    motion: PrescribedMotions = MOTIONS
+    as_constraint: Flag = AS_CONSTRAINT
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Letters of the position, then those of the orientation."""
+        return ("_x", "_y", "_z", *orientation_suffixes(self.angles))
+
+    @property
+    def quaternion(self) -> tuple[str, str, str, str] | None:
+        """The last four coordinates, where they are Euler parameters."""
+        return orientation_quaternion(self.angles, self.coordinates[3:])
+
+    @property
+    def rotation_speeds(self) -> QuasiSpeeds | None:
+        """The components of the angular velocity, or None."""
+        return quasi_speeds(self, "w", self.speeds)
+
+    @property
+    def translation_speeds(self) -> QuasiSpeeds | None:
+        """The components of the rate of the position, or None."""
+        return quasi_speeds(self, "v", "end" if self.speeds == _TWIST else "start")
+
+    def turns(self) -> tuple[SimpleRotation, ...]:
+        """Return the turns by the angles."""
+        return orientation_turns(self.angles, self.coordinates[3:])
+
+    def shift(self) -> Triple:
+        """Return the position."""
+        x, y, z = (Formula.from_value(name) for name in self.coordinates[:3])
+        return (x, y, z)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Final, Literal, TypeAlias, cast, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import ZERO, Arguments, Value
-from symbody.model.declarations.declaration import ElementPart
+from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
 from symbody.model.declarations.fields import Numbers, WordChoice, part
 from symbody.model.declarations.formula_site import FormulaSite, Scope
@@ -23,7 +23,7 @@ OUTSIDE: Final[tuple[Literal["hold", "slope"], ...]] = ("hold", "slope")
 
 @final
 @part
-class Curve(ElementPart):
+class Curve(Declared):
     """A function of one variable through given points; values are numbers, not formulas.
 
     Cubics of kind "pchip" have a continuous slope and do not overshoot: they are monotone where the points
@@ -170,13 +170,7 @@ def read_law(arguments: Arguments, value: object, path: str) -> Law:
         fix = "write { x = [..], y = [..] }, with kind and outside if needed"
         arguments.add("model.curve_words", path, f"{', '.join(sorted(wrong))} {fault} in a curve", "", fix)
         return ZERO
-    inner = Arguments("curve")
-    made = inner.attempt(lambda: _make_curve(value))
-    for problem in inner.problems:
-        place = problem.where.partition(", ")[2]
-        arguments.add(
-            problem.code, f"{path}.{place}" if place else path, problem.what, problem.why, problem.fix
-        )
+    made = arguments.attempt(lambda: _make_curve(value), path)
     return ZERO if made is None else made
 
 

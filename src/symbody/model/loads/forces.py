@@ -10,10 +10,18 @@ from typing import Any, ClassVar, Final, TypeAlias, final
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import ZERO, Arguments, Value
 from symbody.model.declarations.combinators import ListOf
-from symbody.model.declarations.declaration import ElementPart
+from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.element_fields import AttachedFrame, Connection, element
 from symbody.model.declarations.field import Field, FileTarget, NewNames, Node
-from symbody.model.declarations.fields import AngleQuantity, Direction, Flag, Quantity, VectorQuantity, part
+from symbody.model.declarations.fields import (
+    AngleQuantity,
+    Direction,
+    Flag,
+    Quantity,
+    Refusal,
+    VectorQuantity,
+    part,
+)
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.declarations.misfits import (
     FORMULA_SCHEMA,
@@ -34,7 +42,7 @@ LENGTH: Final = ("length", "length_rate")
 
 @final
 @part
-class Drive(ElementPart):
+class Drive(Declared):
     """What acts along a joint coordinate: ``applied + law - stiffness*(x - free) - damping*x_dot``.
 
     Examples
@@ -365,17 +373,17 @@ class Bushing(Connection):
     )
     effort_unit: ClassVar[str] = "N, N m"
     kind: ClassVar[str] = "joint"
+    on_one_body: ClassVar[Refusal | None] = Refusal(
+        "model.self_joint", what="both ends are on {value}", fix="put one end on another body, or on ground",
+        why="a bushing connects two bodies",
+    )  # fmt: skip
 
     stiffness: SixOrMatrix = SixOrMatrix(unit="N/m, N m/rad", default=_NONE)
     damping: SixOrMatrix = SixOrMatrix(unit="N s/m, N m s/rad", default=_NONE)
     free: Six = Six("Position [m] and angles [rad] at which it is relaxed.", default=_NONE)
 
     def check_numbers(self, check: NumericChecks, label: str) -> None:
-        """Reject a bushing of a body on itself; remark on negative coefficients of its own directions."""
-        if self.start.body == self.end.body:
-            what = f"both ends are on {self.start.body}"
-            fix = "put one end on another body, or on ground"
-            check.refuse("model.self_joint", f"{label}, between", what, "a bushing connects two bodies", fix)
+        """Remark on negative coefficients of its own directions."""
         for word, rows in (("stiffness", self.stiffness_rows), ("damping", self.damping_rows)):
             for k, row in enumerate(rows):
                 values = [check.value(formula, f"{label}, {word}[{k}]") for formula in row]

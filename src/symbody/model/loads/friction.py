@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import optional
-from symbody.model.declarations.declaration import ElementPart
+from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.fields import OptionalQuantity, Quantity, part
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.numeric_checks import NumericChecks
+from symbody.model.numeric_checks import Domain, NumericChecks
 
-# Constants of the joint; the others may change with the motion.
-_CONSTANT: Final = ("radius", "v0")
+_STRENGTHS: Final = {
+    name: Domain("model.negative_friction", f"the {word} {name} is {{value}}",
+                 "friction always opposes the motion", "give a number that is not negative", 0.0)
+    for word, names in (("coefficient", ("mu", "mu_static")), ("strength", ("force", "static")))
+    for name in names
+}  # fmt: skip
+_SCALES: Final = {
+    name: Domain("model.friction_scale", f"{name} is {{value}}", "it is a scale or a lever arm",
+                 f"give a positive number, or leave {name} out", 0.0, above=True)
+    for name in ("radius", "v0")
+}  # fmt: skip
+_DOMAINS: Final = MappingProxyType({**_STRENGTHS, **_SCALES})
 
 
 @final
 @part
-class Friction(ElementPart):
+class Friction(Declared):
     """Dry friction in a joint, from its own reaction or of given strength.
 
     A prismatic joint is held back by ``mu*N``, a revolute joint by ``mu*radius*N``, where N is the magnitude
@@ -77,22 +88,12 @@ class Friction(ElementPart):
 
 def check_friction(check: NumericChecks, friction: Friction, where: str, turns: bool) -> None:
     """Refuse friction with impossible numbers; `turns` says that it holds back an angle."""
-    for word, name in (("coefficient", "mu"), ("coefficient", "mu_static"), ("strength", "force"),
-                       ("strength", "static")):  # fmt: skip
-        value = _value(check, friction, name, where)
-        if value is not None and value < 0:
-            check.refuse(
-                "model.negative_friction", f"{where}.{name}", f"the {word} {name} is {value:g}",
-                "friction always opposes the motion", "give a number that is not negative",
-            )  # fmt: skip
-    for name in _CONSTANT:
-        value = _value(check, friction, name, where)
-        if value is not None and value <= 0:
-            why = "it is a scale or a lever arm"
-            fix = f"give a positive number, or leave {name} out"
-            check.refuse("model.friction_scale", f"{where}.{name}", f"{name} is {value:g}", why, fix)
+    values: dict[str, float | None] = {}
+    for name, domain in _DOMAINS.items():
+        formula: Formula | None = getattr(friction, name)
+        values[name] = None if formula is None else domain(check, formula, f"{where}.{name}")
     for moving, resting in (("mu", "mu_static"), ("force", "static")):
-        low, high = _value(check, friction, moving, where), _value(check, friction, resting, where)
+        low, high = values[moving], values[resting]
         if low is not None and high is not None and high < low:
             what = f"{resting} = {high:g} is less than {moving} = {low:g}"
             why = "a sticking joint would slip and immediately stick again"
@@ -102,11 +103,6 @@ def check_friction(check: NumericChecks, friction: Friction, where: str, turns: 
         what = "the radius of the bearing is missing"
         why = "friction in a rotating joint is a torque: mu * radius * reaction"
         check.refuse("model.friction_radius", f"{where}.radius", what, why, "give radius = .. in m")
-
-
-def _value(check: NumericChecks, friction: Friction, name: str, where: str) -> float | None:
-    formula: Formula | None = getattr(friction, name)
-    return None if formula is None else check.value(formula, f"{where}.{name}")
 
 
 def _check_laws(friction: Friction, arguments: Arguments) -> None:

@@ -1,11 +1,11 @@
-"""Parts put into a model, under their new names."""
+"""Parts put into a model, under their new names; and taken out again, as a file has the model."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.language.formula import Formula
@@ -35,28 +35,17 @@ from symbody.model.parts.include import Include
 from symbody.model.shapes.shape import BodyShape
 from symbody.model.signals.signal import Signal
 
+if TYPE_CHECKING:
+    from symbody.model.model import Model
+
 V = TypeVar("V")
 
 
-@dataclass(frozen=True, slots=True)
-class PartContent:
-    """What a part brings into a model.
+class PlacedPart(NamedTuple):
+    """What a part brings into a model; frames and shapes of its ground go to the body that this is at."""
 
-    Attributes
-    ----------
-    parameters, inputs, initial
-        Those that the model gets; of shared ones the model's own come first.
-    frames, shapes
-        On the body that is the ground of the part.
-    """
-
-    elements: tuple[Element, ...]
-    parameters: Mapping[str, Formula | None]
-    inputs: tuple[str, ...]
-    initial: FirstValues
+    content: Draft
     at: FrameRef
-    frames: Mapping[str, Frame]
-    shapes: tuple[BodyShape, ...]
 
 
 def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]) -> Draft:
@@ -66,23 +55,28 @@ def add_parts(draft: Draft, includes: Iterable[Include], problems: list[Problem]
     taken = {element.name for element in draft.elements}
     taken |= {f"{each.prefix}_{element.name}" for each in includes for element in each.part.elements}
     for include in includes:
-        content = part_content(include, draft.bodies, draft.ground, taken, problems)
-        if content is None:
+        placed_part = place_part(include, draft, taken, problems)
+        if placed_part is None:
             continue
+        content, at = placed_part
         clashes = _clashes(draft, content, include)
         problems += clashes
         if clashes:
             continue
+        held = [name for name in content.initial.held if name not in draft.initial]
         draft = replace(
             draft,
-            elements=(*_with_frames(draft.elements, content), *content.elements),
+            elements=(*_with_frames(draft.elements, placed_part), *content.elements),
             parameters=_extend_values(draft.parameters, content.parameters),
             inputs=tuple(dict.fromkeys((*draft.inputs, *content.inputs))),
-            initial=_extend_initial(draft.initial, content.initial),
-            ground=_ground_frames(draft, content),
-            ground_shapes=(*draft.ground_shapes, *(content.shapes if content.at.body == GROUND else ())),
+            initial=FirstValues(_extend_values(draft.initial, content.initial), (*draft.initial.held, *held)),
         )
-        if content.at != FrameRef(GROUND):
+        if at.body == GROUND:
+            shapes = (*draft.ground_shapes, *content.ground_shapes)
+            draft = replace(
+                draft, ground=FrozenMapping({**draft.ground, **content.ground}), ground_shapes=shapes
+            )
+        if at != FrameRef(GROUND):
             placed.append((include, {f"{include.prefix}_{joint.name}" for joint in include.part.free_joints}))
     problems += _free_bodies(draft, placed)
     return draft
@@ -108,19 +102,9 @@ def _extend_values(values: Mapping[str, V], further: Mapping[str, V]) -> FrozenM
     return FrozenMapping({**values, **{name: value for name, value in further.items() if name not in values}})
 
 
-def _extend_initial(values: FirstValues, further: FirstValues) -> FirstValues:
-    """Return first values with further ones behind them; those that stand there already stay."""
-    held = [name for name in further.held if name not in values]
-    return FirstValues(_extend_values(values, further), (*values.held, *held))
-
-
-def part_content(
-    include: Include,
-    bodies: Sequence[Body],
-    ground: Mapping[str, Frame],
-    taken: Iterable[str],
-    problems: list[Problem],
-) -> PartContent | None:
+def place_part(
+    include: Include, whole: Draft, taken: Iterable[str], problems: list[Problem]
+) -> PlacedPart | None:
     """Return what a part brings, under its new names; None, with a fault, where it has no place.
 
     Parameters
@@ -129,22 +113,24 @@ def part_content(
         The elements of the whole, those of its parts among them.
     """
     part, label = include.part, f"include {include.prefix}"
-    at = frame_index(bodies, ground).find(include.at)
+    at = frame_index(whole.bodies, whole.ground).find(include.at)
     if not isinstance(at, FrameRef):
         problems.append(Problem("model.unknown_place", f"{label}, at", at[0], "", at[1]))
         return None
     renaming = _make_renaming(include, at, frozenset(taken))
-    base = _frame_of(at, bodies, ground)
+    frames = {GROUND: whole.ground, **{body.name: body.frames for body in whole.bodies}}[at.body]
+    base = frames[at.frame] if at.frame else Frame()
     elements = [element.rename(renaming) for element in part.elements]
     new = {renaming.symbol(name): formula for name, formula in part.parameters.items()}
     parameters = {name: None if value is None else renaming.formula(value) for name, value in new.items()}
     parameters |= {renaming.symbol(name): value for name, value in include.parameters.items()}
     open_inputs = [name for name in part.inputs if name not in include.connect]
-    frames: dict[str, Frame] = {}
     try:
-        for name, frame in part.ground.items():
-            frames[renaming.element_name(name)] = place_frame(base, frame.rename(renaming))
-        shapes = [place_shape(base, shape.rename(renaming)) for shape in part.ground_shapes]
+        ground = {
+            renaming.element_name(name): place_on(base, frame.rename(renaming))
+            for name, frame in part.ground.items()
+        }
+        shapes = [place_on(base, shape.rename(renaming)) for shape in part.ground_shapes]
     except NotImplementedError as error:
         what = f"the ground of the part is at {at.full_name}, which is rotated by {error}"
         fix = "rotate this frame about x, y and z, one after the other"
@@ -155,18 +141,13 @@ def part_content(
         for name, formula in include.connect.items()
         if name in part.inputs and not is_name(formula.text)
     ]
-    return PartContent(
-        (*elements, *signals),
-        parameters,
+    initial = {renaming.symbol(name): renaming.formula(value) for name, value in part.initial.items()}
+    content = Draft(
+        (*elements, *signals), part.gravity, FrozenMapping(parameters),
         tuple(renaming.symbol(name) for name in open_inputs),
-        FirstValues(
-            {renaming.symbol(name): renaming.formula(value) for name, value in part.initial.items()},
-            map(renaming.symbol, part.held_initial),
-        ),
-        at,
-        frames,
-        tuple(shapes),
-    )
+        FirstValues(initial, map(renaming.symbol, part.held_initial)), FrozenMapping(ground), tuple(shapes),
+    )  # fmt: skip
+    return PlacedPart(content, at)
 
 
 def _make_renaming(include: Include, at: FrameRef, taken: frozenset[str]) -> Renaming:
@@ -183,12 +164,7 @@ def _make_renaming(include: Include, at: FrameRef, taken: frozenset[str]) -> Ren
     return Renaming(include.prefix, rates | symbols, part.output_scope, at, name_beginnings(taken))
 
 
-def _frame_of(at: FrameRef, bodies: Iterable[Body], ground: Mapping[str, Frame]) -> Frame:
-    frames = {GROUND: ground, **{body.name: body.frames for body in bodies}}[at.body]
-    return frames[at.frame] if at.frame else Frame()
-
-
-def _clashes(draft: Draft, content: PartContent, include: Include) -> list[Problem]:
+def _clashes(draft: Draft, content: Draft, include: Include) -> list[Problem]:
     """Return a problem for each name of a part that the model has already."""
     here = {element.name for element in draft.elements}
     names = [element.name for element in content.elements if element.name in here]
@@ -203,25 +179,80 @@ def _clashes(draft: Draft, content: PartContent, include: Include) -> list[Probl
     ]  # fmt: skip
 
 
-def _with_frames(elements: Sequence[Element], content: PartContent) -> list[Element]:
+def _with_frames(elements: Sequence[Element], part: PlacedPart) -> list[Element]:
     """Return elements, the body that is the ground of a part with the frames and shapes of that ground."""
-    if not content.frames and not content.shapes:
+    content, at = part
+    if not content.ground and not content.ground_shapes:
         return list(elements)
     return [
         replace(
             element,
-            frames=FrozenMapping({**element.frames, **content.frames}),
-            shapes=(*element.shapes, *content.shapes),
+            frames=FrozenMapping({**element.frames, **content.ground}),
+            shapes=(*element.shapes, *content.ground_shapes),
         )
-        if isinstance(element, Body) and element.name == content.at.body
+        if isinstance(element, Body) and element.name == at.body
         else element
         for element in elements
     ]
 
 
-def _ground_frames(draft: Draft, content: PartContent) -> FrozenMapping[Frame]:
-    added = content.frames if content.at.body == GROUND else {}
-    return FrozenMapping({**draft.ground, **added})
+def model_content(model: Model) -> Draft:
+    """Return all that a model consists of, its parts among it."""
+    return Draft(
+        model.elements, model.gravity, model.parameters, model.inputs, model.initial, model.ground,
+        model.ground_shapes,
+    )  # fmt: skip
+
+
+def own_content(model: Model) -> tuple[Draft, tuple[Include, ...]]:
+    """Return the content of a model's file: parts from files that are unchanged stay includes."""
+    own, includes = model_content(model), []
+    names = [element.name for element in model.elements]
+    for include in reversed(model.includes):
+        part = place_part(include, model_content(model), names, [])
+        if include.file and part is not None and _is_unchanged(own, part.content, {*include.share}):
+            own = _remove_part(own, part, {*include.share})
+            includes.insert(0, include)
+    return own, tuple(includes)
+
+
+def _is_unchanged(own: Draft, content: Draft, shared: AbstractSet[str]) -> bool:
+    values = content.parameters.items()
+    return (
+        all(element in own.elements for element in content.elements)
+        and all(own.parameters.get(name) == value for name, value in values if name not in shared)
+        and all(name in own.initial for name in content.initial)
+    )
+
+
+def _remove_part(whole: Draft, part: PlacedPart, shared: AbstractSet[str]) -> Draft:
+    content, at = part
+    frames, shapes, initial = content.ground, content.ground_shapes, content.initial
+
+    def without_frames(body: Element) -> Element:
+        if not isinstance(body, Body) or body.name != at.body:
+            return body
+        own = {name: frame for name, frame in body.frames.items() if name not in frames}
+        return replace(body, frames=FrozenMapping(own), shapes=body.shapes[: len(body.shapes) - len(shapes)])
+
+    def is_same(name: str) -> bool:
+        is_held = (name in initial.held) == (name in whole.initial.held)
+        return is_held and initial.get(name) == whole.initial[name]
+
+    gone = {*frames} if at.body == GROUND else set()
+    count = len(whole.ground_shapes) - (len(shapes) if at.body == GROUND else 0)
+    kept = {name for name in whole.parameters if name in shared or name not in content.parameters}
+    return replace(
+        whole,
+        elements=tuple(without_frames(each) for each in whole.elements if each not in content.elements),
+        parameters=FrozenMapping({name: x for name, x in whole.parameters.items() if name in kept}),
+        inputs=tuple(name for name in whole.inputs if name not in content.inputs or name in shared),
+        initial=FirstValues(
+            {name: x for name, x in whole.initial.items() if not is_same(name)}, whole.initial.held
+        ),
+        ground=FrozenMapping({name: x for name, x in whole.ground.items() if name not in gone}),
+        ground_shapes=whole.ground_shapes[:count],
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -320,23 +351,11 @@ class Renaming:
 P = TypeVar("P", Frame, BodyShape)
 
 
-def place_frame(base: Frame, frame: Frame) -> Frame:
-    """Return a frame given in the axes of `base` in the axes of the body on which that stands.
+def place_on(base: Frame, item: P) -> P:
+    """Return a frame or shape given in the axes of `base` in the axes of the body on which that stands.
 
-    Raises
-    ------
-    NotImplementedError
-        If the rotation cannot be written with sines and cosines of the angles of `base`; it says what it is.
+    Raises NotImplementedError, which names the rotation, if that cannot be written with the angles of `base`.
     """
-    return _place(base, frame)
-
-
-def place_shape(base: Frame, shape: BodyShape) -> BodyShape:
-    """Return a shape in the axes of the body on which `base` stands; see `place_frame`."""
-    return _place(base, shape)
-
-
-def _place(base: Frame, item: P) -> P:
     if base == Frame():
         return item
     at = _sum(base.at, _rotate(base, item.at))

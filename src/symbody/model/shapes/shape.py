@@ -14,7 +14,7 @@ from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
 from symbody.model.class_folders import definition_name, final_classes, snake_case
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.declaration import ElementPart, file_table
+from symbody.model.declarations.declaration import Declared, file_table
 from symbody.model.declarations.field import (
     Field,
     FileTable,
@@ -27,6 +27,7 @@ from symbody.model.declarations.field import (
 from symbody.model.declarations.fields import Quantity, TextField, VectorQuantity, read_part
 from symbody.model.declarations.misfits import Misfit, Path, Schema, list_misfits
 from symbody.model.frame import Frame, RotationMatrix, Turns, check_rotation
+from symbody.model.numeric_checks import FINITE, Domain
 
 
 class Color(TextField[str, str]):
@@ -41,15 +42,23 @@ class Color(TextField[str, str]):
 
 # The last arguments of every shape.
 CENTRE: Final = VectorQuantity(
-    "Centre, relative to the centre of mass, in the body's axes.", unit="m", default=(0, 0, 0)
-)
+    "Centre, relative to the centre of mass, in the body's axes.", unit="m", default=(0, 0, 0),
+    item=Quantity(fits=FINITE),
+)  # fmt: skip
 ROTATE: Final = Turns("Successive rotations from the body's axes to its own: axis and angle.", default=())
 MATRIX: Final = RotationMatrix("Rotation matrix instead of successive rotations.", default=None)
 COLOR: Final = Color('"#rrggbb", a CSS name, or "" for the colour of the body.', default="")
-OPACITY: Final = Quantity("From 0 to 1.", default=1)
+_SHARES: Final = Domain(
+    "model.opacity", "the opacity is {value}", "0 is invisible, 1 is opaque", "give a number from 0 to 1",
+    0.0, most=1.0,
+)  # fmt: skip
+OPACITY: Final = Quantity("From 0 to 1.", default=1, fits=_SHARES)
+SIZES: Final = Domain(
+    "model.negative_size", "the length is {value} m", "a sign is wrong", "give a positive length", 0.0
+)
 
 
-class BodyShape(ElementPart):
+class BodyShape(Declared):
     """Something to be seen, fixed on a body.
 
     A shape declares its size, then the fields above in this order: they are its last arguments.

@@ -27,7 +27,8 @@ from symbody.model.declarations.misfits import (
     wrong_type,
 )
 from symbody.model.frame import RotationMatrix, Turns
-from symbody.model.shapes.shape import CENTRE, COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
+from symbody.model.numeric_checks import FINITE
+from symbody.model.shapes.shape import CENTRE, COLOR, MATRIX, OPACITY, ROTATE, SIZES, BodyShape, Color
 from symbody.model.tables.inner_path import path_between
 
 
@@ -43,7 +44,7 @@ class Box(BodyShape):
     >>> link = sb.Body("Link", mass="m", shapes=[box])
     """
 
-    size: VectorQuantity = VectorQuantity("Edges along x, y and z.", unit="m")
+    size: VectorQuantity = VectorQuantity("Edges along x, y and z.", unit="m", item=Quantity(fits=SIZES))
     at: VectorQuantity = CENTRE
     rotate: Turns = ROTATE
     matrix: RotationMatrix = MATRIX
@@ -60,8 +61,8 @@ class Box(BodyShape):
 class RoundShape(BodyShape):
     """A shape about its z axis, given by a radius and a length."""
 
-    radius: Quantity = Quantity(unit="m")
-    length: Quantity = Quantity(unit="m")
+    radius: Quantity = Quantity(unit="m", fits=SIZES)
+    length: Quantity = Quantity(unit="m", fits=SIZES)
     at: VectorQuantity = CENTRE
     rotate: Turns = ROTATE
     matrix: RotationMatrix = MATRIX
@@ -99,7 +100,7 @@ class Capsule(RoundShape):
     >>> body = sb.Body("Leg", mass="m", shapes=[leg])
     """
 
-    length: Quantity = Quantity("Length without the caps.", unit="m")
+    length: Quantity = Quantity("Length without the caps.", unit="m", fits=SIZES)
 
 
 @final
@@ -114,8 +115,8 @@ class Cone(RoundShape):
     >>> body = sb.Body("Top", mass="m", shapes=[top])
     """
 
-    radius: Quantity = Quantity("Radius of its base.", unit="m")
-    length: Quantity = Quantity("Height from base to tip.", unit="m")
+    radius: Quantity = Quantity("Radius of its base.", unit="m", fits=SIZES)
+    length: Quantity = Quantity("Height from base to tip.", unit="m", fits=SIZES)
 
 
 @final
@@ -130,7 +131,7 @@ class Sphere(BodyShape):
     >>> body = sb.Body("Ball", mass="m", shapes=[ball])
     """
 
-    radius: Quantity = Quantity(unit="m")
+    radius: Quantity = Quantity(unit="m", fits=SIZES)
     at: VectorQuantity = CENTRE
     rotate: Turns = ROTATE
     matrix: RotationMatrix = MATRIX
@@ -195,9 +196,8 @@ class Mesh(BodyShape):
     scale: ScaleFactors = ScaleFactors("Metres per unit of the file; one number or three.", default=1)
     at: VectorQuantity = VectorQuantity(
         "Origin of the file's axes, relative to the centre of mass, in the body's axes.",
-        unit="m",
-        default=(0, 0, 0),
-    )
+        unit="m", default=(0, 0, 0), item=Quantity(fits=FINITE),
+    )  # fmt: skip
     rotate: Turns = ROTATE
     matrix: RotationMatrix = MATRIX
     color: Color = COLOR

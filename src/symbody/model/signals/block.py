@@ -18,8 +18,7 @@ from symbody.model.declarations.formula_site import Scope
 from symbody.model.declarations.misfits import Schema
 from symbody.model.element import Element
 from symbody.model.frozen_mapping import FrozenMapping
-from symbody.model.numeric_checks import NumericChecks
-from symbody.model.signals.domains import FINITE, Demand, Domain
+from symbody.model.numeric_checks import FINITE, Demand, Domain, NumericChecks
 from symbody.model.signals.signal import Signal
 
 Rows = tuple[tuple[Formula, ...], ...]
@@ -121,3 +120,8 @@ def in_brackets(formula: Formula) -> str:
     """Return a formula as part of another."""
     text = formula.text
     return text if text.isidentifier() or text.replace(".", "", 1).isdigit() else f"({text})"
+
+
+def difference(high: Formula, low: Formula) -> Formula:
+    """Return the formula ``high - low``."""
+    return Formula.from_value(f"({high.text}) - ({low.text})")

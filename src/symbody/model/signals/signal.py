@@ -11,8 +11,7 @@ from symbody.model.declarations.element_fields import element
 from symbody.model.declarations.fields import OptionalQuantity, OutputText, Quantity, SymbolElementName
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.element import Element
-from symbody.model.numeric_checks import NumericChecks
-from symbody.model.signals.domains import SAMPLE_TIME, Demand
+from symbody.model.numeric_checks import SAMPLE_TIME, Demand, NumericChecks
 
 
 @final

@@ -33,13 +33,7 @@ _UNITS: Final = MappingProxyType(
 
 
 def unit_factor(unit: str, where: str) -> float:
-    """Return what one of a unit is in SI units.
-
-    Raises
-    ------
-    ModelError
-        If the unit is not known, with the known ones.
-    """
+    """Return what one of a unit is in SI units; a ModelError lists the known ones."""
     if unit in _UNITS:
         return _UNITS[unit]
     cure = f"write one of {', '.join(filter(None, _UNITS))}, or convert the column"

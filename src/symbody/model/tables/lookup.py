@@ -93,13 +93,7 @@ class TableFile(Text):
     """The CSV file of a table, in the folder of the model file or below it."""
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
-        """Return the path from the folder of the file that is written.
-
-        Raises
-        ------
-        FormatError
-            If it lies outside of that folder.
-        """
+        """Return the path from the folder of the file that is written; a FormatError if it lies outside."""
         if target.folder is None:
             return Text.to_file(self, owner, value, target)
         place: str = owner.path_from(target.folder)

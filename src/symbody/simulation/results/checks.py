@@ -20,9 +20,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import number_in_words
 from symbody.manifold import count_significant, null_space
 from symbody.model.joint import Joint
-from symbody.model.joints.constant_velocity import ConstantVelocity
-from symbody.model.joints.free import Free
-from symbody.model.joints.spherical import Spherical
+from symbody.model.joints import ConstantVelocity, Free, Spherical
 from symbody.model.loads.forces import SpringDamper
 from symbody.model.model import Model
 from symbody.simulation.events.events import Occurrence

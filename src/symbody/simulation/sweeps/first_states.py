@@ -19,8 +19,8 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.model import Model, value_problems
+from symbody.model.numeric_checks import Demand
 from symbody.model.signals.block import SignalBlock
-from symbody.model.signals.domains import Demand
 from symbody.model.signals.signal import Signal
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.sweeps.case_scales import case_values, scales_of_cases

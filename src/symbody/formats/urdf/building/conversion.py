@@ -69,10 +69,7 @@ class Parts:
 def convert_robot(robot: Robot, floating_base: bool, symbolic: Collection[str]) -> Parts:
     """Return the parts of the model of a robot.
 
-    Raises
-    ------
-    UsageError
-        If `symbolic` names no link, or the base would float twice.
+    Raises UsageError if `symbolic` names no link, or the base would float twice.
     """
     _check_symbolic(robot, symbolic)
     lumps, joints = lump_links(robot, set(symbolic))

@@ -93,13 +93,7 @@ def model_from_urdf(
     snap_angles: float = 0,
     loops: str | os.PathLike[str] | None = None,
 ) -> Model:
-    """Return the model of a URDF text; `where` is what messages call it.
-
-    Raises
-    ------
-    FormatError, ModelError, UsageError
-        See `load_urdf`.
-    """
+    """Return the model of a URDF text, which messages call `where`; faults as of `load_urdf`."""
     robot = robot_from_text(text, where, snap_angles)
     named = [symbolic] if isinstance(symbolic, str) else list(symbolic)
     parts = convert_robot(robot, floating_base, named)

@@ -71,13 +71,7 @@ NO_LOOPS: Final = Loops()
 
 
 def read_loops(path: str | os.PathLike[str], parts: Parts) -> Loops:
-    """Return what a file adds to a robot.
-
-    Raises
-    ------
-    FormatError, ModelError
-        With everything that is wrong with it, and its lines.
-    """
+    """Return what a file adds to a robot; faults have its lines."""
     where = os.fsdecode(path)
     text = read_text(path)
     data = parse_toml(text, where)

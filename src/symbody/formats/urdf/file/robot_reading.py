@@ -42,13 +42,7 @@ def read_urdf(path: str | os.PathLike[str], snap_angles: float = 0) -> Robot:
 
 
 def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> Robot:
-    """Return the content of a URDF text; messages call it `where`.
-
-    Raises
-    ------
-    FormatError, ModelError
-        See `read_urdf`.
-    """
+    """Return the content of a URDF text, which messages call `where`; faults as of `read_urdf`."""
     if not (math.isfinite(snap_angles) and 0 <= snap_angles <= _SNAP_LIMIT):
         raise UsageError(
             Problem("urdf.snap_angles", "snap_angles", f"{snap_angles} rad is not a tolerance for angles",

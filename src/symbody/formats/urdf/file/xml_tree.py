@@ -53,12 +53,9 @@ class XmlNode:
 
 
 def parse_xml(text: str, where: str) -> XmlNode:
-    """Return the outermost element of an XML text; `where` is what messages call it.
+    """Return the outermost element of an XML text, which messages call `where`.
 
-    Raises
-    ------
-    FormatError
-        If it is not XML, declares a document type or entities, or is nested or long beyond all use.
+    Raises FormatError if it is not XML, declares a type or entities, or is nested or long beyond all use.
     """
     builder = _Builder(where)
     parser = expat.ParserCreate()

@@ -87,13 +87,7 @@ def save_urdf(
 def model_to_urdf(
     model: Model, parameters: Mapping[str, Value] = MappingProxyType({}), folder: str = ""
 ) -> str:
-    """Return the URDF text of a model; paths of meshes lead from `folder`.
-
-    Raises
-    ------
-    FormatError, ModelError
-        See `save_urdf`.
-    """
+    """Return the URDF text of a model; paths of meshes lead from `folder`; faults as of `save_urdf`."""
     values = Values.from_model(model, parameters)
     joints, problems = hang_joints(model, values)
     problems += unsupported_problems(model)

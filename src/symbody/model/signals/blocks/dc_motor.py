@@ -6,8 +6,8 @@ from typing import ClassVar, Final, final
 
 from symbody.model.declarations.fields import Quantity
 from symbody.model.declarations.formula_site import Scope
+from symbody.model.numeric_checks import NOT_NEGATIVE, Domain
 from symbody.model.signals.block import SignalBlock, block, in_brackets
-from symbody.model.signals.domains import NOT_NEGATIVE, Domain
 from symbody.model.signals.signal import Signal
 
 _INDUCTANCE: Final = Domain(
@@ -33,7 +33,6 @@ class DCMotor(SignalBlock):
 
     equation: ClassVar[str] = "y = constant i, inductance i' = voltage - resistance i - constant speed"
     states: ClassVar[str] = "`y_current`"
-    word: ClassVar[str] = "dc_motor"
 
     voltage: Quantity = Quantity("Voltage at its terminals.", unit="V", scope=Scope.LOAD)
     speed: Quantity = Quantity("Speed of the rotor.", unit="rad/s", scope=Scope.LOAD)

@@ -6,8 +6,8 @@ from typing import ClassVar, final
 
 from symbody.model.declarations.fields import Quantity
 from symbody.model.declarations.formula_site import Scope
+from symbody.model.numeric_checks import TIME
 from symbody.model.signals.block import SignalBlock, block, in_brackets
-from symbody.model.signals.domains import TIME
 from symbody.model.signals.signal import Signal
 
 

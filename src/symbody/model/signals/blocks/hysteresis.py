@@ -7,8 +7,8 @@ from typing import ClassVar, Final, final
 
 from symbody.model.declarations.fields import Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.signals.block import SignalBlock, block, in_brackets
-from symbody.model.signals.domains import SAMPLE_TIME, Demand, Domain, difference
+from symbody.model.numeric_checks import SAMPLE_TIME, Demand, Domain
+from symbody.model.signals.block import SignalBlock, block, difference, in_brackets
 from symbody.model.signals.signal import Signal
 
 _THRESHOLDS: Final = Domain(

@@ -10,8 +10,8 @@ from symbody.model.declarations.arguments import Arguments, Value
 from symbody.model.declarations.combinators import OptionalField, list_of, optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
-from symbody.model.signals.block import NamedGains, SignalBlock, block, in_brackets
-from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand, Domain, difference
+from symbody.model.numeric_checks import NOT_NEGATIVE, SAMPLE_TIME, TIME, Demand, Domain
+from symbody.model.signals.block import NamedGains, SignalBlock, block, difference, in_brackets
 from symbody.model.signals.signal import Signal
 
 _LIMITS: Final = Domain(

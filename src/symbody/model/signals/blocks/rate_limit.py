@@ -8,8 +8,8 @@ from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import optional
 from symbody.model.declarations.fields import OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
+from symbody.model.numeric_checks import NOT_NEGATIVE, SAMPLE_TIME, TIME
 from symbody.model.signals.block import SignalBlock, block, in_brackets
-from symbody.model.signals.domains import NOT_NEGATIVE, SAMPLE_TIME, TIME
 from symbody.model.signals.signal import Signal
 
 

@@ -12,8 +12,8 @@ from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import list_of, optional
 from symbody.model.declarations.fields import Formulas, OptionalQuantity, Quantity
 from symbody.model.declarations.formula_site import Scope
+from symbody.model.numeric_checks import SAMPLE_TIME, Demand, Domain
 from symbody.model.signals.block import SignalBlock, block, in_brackets
-from symbody.model.signals.domains import SAMPLE_TIME, Demand, Domain
 from symbody.model.signals.signal import Signal
 
 _LEADING: Final = Domain(
