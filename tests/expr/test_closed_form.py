@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
+from random import Random
 
-from symbody.expr.expression import Expr, cos, sin, symbol
+import pytest
+
+from symbody.expr.expression import Expr, cos, number, sin, symbol
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import FLOAT, RATIONAL
 from symbody.expr.rewrite import symbols_of
@@ -55,6 +59,29 @@ def test_what_halves_of_a_length_leave_of_it_is_not_shown() -> None:
     (kept,) = readable(x.graph, [exact.index])
     numbers = [x.graph.number(k) for k in x.graph.reachable([kept])]
     assert Fraction(1, 10**15) in numbers  # both were written with digits that a double keeps
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_what_constants_leave_while_they_fold_is_not_shown(seed: int) -> None:
+    """Parts of a number, given as doubles, put into a sum in any order beside what stays."""
+    random = Random(seed)
+    x, y = angles("xy")
+    factor = random.choice([None, x, cos(x)])
+    whole = random.uniform(0.1, 10.0)
+    # Parts of a tenth or more: what is left, some 2e-16 of the whole, is below 1e-14 of each.
+    cut = [whole * random.uniform(low, low + 0.2) for low in random.choice([(0.4,), (0.2, 0.6)])]
+    parts = [whole, *(-(b - a) for a, b in pairwise([0.0, *cut, whole]))]
+    terms = [number(x.graph, part) if factor is None else part * factor for part in parts]
+    random.shuffle(terms)
+    terms.insert(random.randrange(len(terms)), cos(y))
+    formula = terms[0]
+    for term in terms[1:]:
+        formula = formula + term
+    assert readable(x.graph, [formula.index]) == [cos(y).index]
+    argument = y + whole
+    for part in parts[1:]:
+        argument = argument + part
+    assert readable(x.graph, [sin(argument).index]) == [sin(y).index]
 
 
 def test_small_constants_of_few_digits_stay() -> None:

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from symbody.errors import ExpressionError
 from symbody.expr.canonical import make
 from symbody.expr.graph import Graph, SymbolKind, copied_datum, copy_node, copy_nodes
 from symbody.expr.opcodes import COST, POW, SELECT, SYMBOL
 
+Make = Callable[[Graph, int, tuple[int, ...], int], int]  # as `make`
 
-def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, int]) -> list[int]:
+
+def substitute(
+    graph: Graph, roots: Sequence[int], replacements: Mapping[int, int], made: Make = make
+) -> list[int]:
     """Return the `roots` with nodes replaced, all at once; replacements are not searched again.
 
-    What has no value, as a division by what has become 0, is left out where a choice does not take it.
+    What has no value, as a division by what has become 0, is left out where a choice does not take it. `made`
+    makes each node that changes.
 
     Raises
     ------
@@ -36,7 +41,7 @@ def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, in
                 memo[node] = chosen
         elif new != old:
             try:
-                memo[node] = make(graph, ops[node], new, graph.datum(node))
+                memo[node] = made(graph, ops[node], new, graph.datum(node))
             except ExpressionError as error:
                 undefined[node] = error
     return _check_defined(roots, memo, undefined)

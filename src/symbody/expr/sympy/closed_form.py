@@ -8,10 +8,12 @@ from fractions import Fraction
 from typing import Final
 
 import symbody.expr.sympy as border
+from symbody.expr.arithmetic import ZERO, neg
+from symbody.expr.canonical import make
 from symbody.expr.fingerprints.merging import merge_equal
 from symbody.expr.graph import Graph, copy_nodes
 from symbody.expr.language.literals import EXACT_DIGITS
-from symbody.expr.opcodes import FLOAT, RATIONAL
+from symbody.expr.opcodes import ADD, FLOAT, MUL, NEG, RATIONAL, SUB
 from symbody.expr.rewrite import substitute, tree_sizes
 from symbody.expr.sequences.sequence import Roots
 from symbody.expr.sympy.sympy_bridge import (
@@ -86,14 +88,68 @@ def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int
 
 
 def _with_decimals(graph: Graph, nodes: Sequence[int]) -> list[int]:
-    """Return nodes with each rounded constant as the exact decimal that it is printed as."""
+    """Return nodes with each rounded constant as the exact decimal that it is printed as.
+
+    Constants fold while they are put in. What is left of two that cancel but for their last digits is 0, as in
+    sums of polynomials: ``0.3333333333333333 - 2*0.16666666666666666`` is no 2e-17.
+    """
     constants = {node: graph.number(node) for node in graph.reachable(nodes) if graph.ops[node] == FLOAT}
     decimals = {
         node: graph.constant(Fraction(repr(value)))
         for node, value in constants.items()
         if isinstance(value, float) and (value == 0.0 or _LEAST < abs(value) < 1.0 / _LEAST)
     }
-    return substitute(graph, nodes, decimals) if decimals else list(nodes)
+    return substitute(graph, nodes, decimals, _without_noise) if decimals else list(nodes)
+
+
+def _without_noise(graph: Graph, op: int, operands: tuple[int, ...], datum: int) -> int:
+    """Return a node; of a sum without what is left of constants, or multiples of one node, that cancel."""
+    made = make(graph, op, operands, datum)
+    if op not in (ADD, SUB):
+        return made
+    for split in (_addend, _factor):
+        (left, rest), *terms = (split(graph, node) for node in (made, *operands))
+        sizes = [abs(term) for term, _ in terms]
+        is_one = split is _addend or all(node == rest for _, node in terms)
+        is_rounded = max(size.numerator for size in sizes) >= 10**EXACT_DIGITS
+        if left and is_one and is_rounded and abs(left) < _NOISE * min(sizes):
+            return rest if split is _addend else ZERO
+    return made
+
+
+def _addend(graph: Graph, node: int) -> tuple[Fraction, int]:
+    """Return the constant in a sum, and the sum without it."""
+    ops, number = graph.ops, _fraction(graph, node)
+    if number is not None:
+        return number, ZERO
+    if ops[node] == NEG:
+        found, rest = _addend(graph, graph.left[node])
+        return -found, neg(graph, rest)
+    if ops[node] in (ADD, SUB):
+        a, b = graph.operands(node)
+        if (number := _fraction(graph, a)) is not None:
+            return number, b if ops[node] == ADD else neg(graph, b)
+        if (number := _fraction(graph, b)) is not None:
+            return number if ops[node] == ADD else -number, a
+    return Fraction(0), node
+
+
+def _factor(graph: Graph, node: int) -> tuple[Fraction, int]:
+    """Return the constant factor of a product, and the product without it."""
+    if graph.ops[node] == NEG:
+        found, rest = _factor(graph, graph.left[node])
+        return -found, rest
+    if graph.ops[node] == MUL:
+        a, b = graph.operands(node)
+        for number, rest in ((_fraction(graph, a), b), (_fraction(graph, b), a)):
+            if number is not None:
+                return number, rest
+    return Fraction(1), node
+
+
+def _fraction(graph: Graph, node: int) -> Fraction | None:
+    number = graph.number(node) if graph.ops[node] == RATIONAL else None
+    return None if number is None else Fraction(number)
 
 
 def _with_rounded(graph: Graph, nodes: Sequence[int], given: Sequence[int]) -> list[int]:
