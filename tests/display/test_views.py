@@ -42,7 +42,7 @@ def test_a_model_shows_its_parts_and_units() -> None:
     rows = cells(shown(oscillator()))
     assert ["Mass", "m"] in rows
     assert ["slider", "Prismatic", "ground → Mass", "x"] in rows
-    assert ["m", "2.0", "kg"] in rows and ["d", "0.5", "N s/m"] in rows
+    assert ["m", "2.0", "kg"] in rows and ["d", "0.5", "N·s/m"] in rows
     assert any(row[0] == "k" and row[2] == "N/m" for row in rows)
 
 
@@ -115,7 +115,7 @@ def test_long_tables_are_cut() -> None:
 def test_numbers_units_and_formulas() -> None:
     assert number(float("nan")) == "–" and number(1.0 / 3.0) == "0.333333"
     assert complex_number(-0.25 + 2.0j) == "−0.25 + 2 i" and complex_number(complex(-1.0)) == "−1"
-    assert show_unit("kg m^2/s^3") == "kg m²/s³" and show_unit("") == ""
+    assert show_unit("kg m^2/s^3") == "kg·m²/s³" and show_unit("N m, N") == "N·m, N" and show_unit("") == ""
     assert show_formula(None) == "–" and show_formula(Formula.from_value("9.81")) == "9.81"
     assert "<mfrac>" in show_formula(Formula.from_value("pi*x_dot/l"))
     assert show_formula(Formula.from_value("1/(x - x)")) == "1/(x - x)"

@@ -61,6 +61,9 @@ def test_a_report_begins_with_a_summary_and_ends_with_costs(tmp_path: Path) -> N
     assert text.index("<td>Crank, Coupler, Rocker</td>") < text.index("<figure>")
     assert text.index('id="equations"') < text.index("Operations of each output")
     assert "counter(equation)" in text and "dropped (lambda_C_3" not in text
+    assert "set to 0: <math" in text and "by pivoting: <math" in text  # names at the end of a sentence
+    assert "<td>Coupler.C \u2192 Rocker.C</td><td></td>" in text  # a cut joint has no coordinates
+    assert "kg\u00b7m\u00b2" in text and "kg m" not in text and "N m" not in text
     tex = write(eqs, tmp_path / "x.tex", sections=["equations"])
     equations = len(eqs.speed_names) + len(eqs.multiplier_names)
     rows = [row for part in re.findall(r"begin{align}(.*?)end{align}", tex, re.DOTALL)

@@ -17,6 +17,7 @@ from symbody.expr.printing.mathml_tables import math_element
 MOST_ROWS: Final = 12  # of a table
 _ALIGNED: Final = "text-align:left;padding:0 1em 0 0"
 _FONT_FACE: Final = re.compile(r"@font-face \{[^}]*\}\n")
+_PRODUCT: Final = re.compile(r"(?<=[^\s,]) (?=\S)")  # of units: "N m"
 _SUPERSCRIPTS: Final = str.maketrans(
     "0123456789", "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
 )
@@ -99,8 +100,8 @@ def complex_number(value: complex) -> str:
 
 
 def show_unit(unit: str) -> str:
-    """Return a unit with raised powers."""
-    first, *others = unit.split("^")
+    """Return a unit as it is printed: kg·m² for "kg m^2"."""
+    first, *others = _PRODUCT.sub("\u00b7", unit).split("^")
     return first + "".join(part[:1].translate(_SUPERSCRIPTS) + part[1:] for part in others)
 
 

@@ -74,14 +74,15 @@ def _equilibrium(setting: Setting) -> Iterator[Block]:
         (Name(name), _round_off(value), Unit(eqs.units.get(name, ""))) for name, value in balance.q.items()
     ]
     yield TextTable(("coordinate", "value", "unit"), tuple(rows))
-    yield Notes(balance.notes)
+    names = frozenset((*eqs.state_names, *eqs.input_names))
+    yield Notes(balance.notes, names)
     try:
         linear = linearize(eqs, balance)
     except SymbodyError as error:
         yield Paragraph(f"The equations cannot be linearized: {reason(error)}")
         return
     yield Paragraph(f"Small motions are {linear.verdict}.")
-    yield Notes(tuple(note for note in linear.notes if note not in balance.notes))
+    yield Notes(tuple(note for note in linear.notes if note not in balance.notes), names)
     shown = [mode for mode in linear.modes if mode.eigenvalue.imag >= 0.0]
     zeros = sum(map(_is_zero, shown))
     modes = tuple(_mode_row(mode) for mode in shown if not _is_zero(mode))

@@ -65,13 +65,22 @@ class Paragraph:
 
 @dataclass(frozen=True, slots=True)
 class Notes:
-    """A list of sentences."""
+    """A list of sentences; those that end in a list of some of the names have these typeset."""
 
     texts: tuple[str, ...]
+    names: frozenset[str] = frozenset()
 
 
-def split_names(text: str) -> list[Name | str]:
-    """Return a sentence in pieces: multipliers as names that are typeset, and what stands between them."""
+def split_names(text: str, names: frozenset[str] = frozenset()) -> list[Cell]:
+    """Return a sentence in pieces: names that are typeset, and what stands between them.
+
+    They are multipliers anywhere, and what a list at the end holds, which no word of the sentence can be
+    mistaken for: ``"inputs without a value are set to 0: T"``.
+    """
+    head, colon, tail = text.rpartition(": ")
+    listed = tuple(tail.split(", "))
+    if colon and names.issuperset(listed):
+        return [*split_names(head + colon), NameList(listed)]
     return [Name(piece) if _MULTIPLIER.fullmatch(piece) else piece for piece in _MULTIPLIER.split(text)]
 
 

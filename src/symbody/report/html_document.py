@@ -32,6 +32,8 @@ body { margin: 0 auto; padding: 1.5rem; max-width: 60rem; color: var(--ink); bac
 h1 { font-size: 1.8rem; } h2 { margin-top: 2.2rem; border-bottom: 1px solid var(--line); }
 nav ol { columns: 2; } a { color: var(--link); }
 .row { display: flex; flex-wrap: wrap; gap: 0 2rem; }
+.row > * { max-width: 100%; overflow-x: auto; }
+.row > :has(.sb-equation) { flex: 1 1 100%; }
 .wide { overflow-x: auto; padding: 0.3rem 0; }
 table.grid { border-collapse: collapse; margin: 0.8rem 0; font-size: 0.95em; }
 table.grid th, table.grid td { border-bottom: 1px solid var(--line); padding: 0.25rem 1.2rem 0.25rem 0;
@@ -100,7 +102,7 @@ def _block(block: parts.Block) -> str:
     if isinstance(block, parts.Paragraph):
         return f"<p>{escape(block.text)}</p>\n"
     if isinstance(block, parts.Notes):
-        return f"<ul>{''.join(map(_item, block.texts))}</ul>\n" if block.texts else ""
+        return _items(block)
     if isinstance(block, parts.TextTable):
         return _grid(block)
     if isinstance(block, parts.Figure):
@@ -115,8 +117,9 @@ def _block(block: parts.Block) -> str:
     return _matrix(block) if isinstance(block, parts.Matrix) else _equations(block)
 
 
-def _item(text: str) -> str:
-    return f"<li>{''.join(map(_cell, parts.split_names(text)))}</li>"
+def _items(block: parts.Notes) -> str:
+    items = (f"<li>{''.join(map(_cell, parts.split_names(text, block.names)))}</li>" for text in block.texts)
+    return f"<ul>{''.join(items)}</ul>\n" if block.texts else ""
 
 
 def _grid(block: parts.TextTable) -> str:

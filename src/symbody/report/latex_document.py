@@ -34,6 +34,7 @@ _PAGE: Final = r"""\documentclass[11pt,a4paper]{article}
 _NEW_ROW: Final = " \\\\\n"
 _ESCAPES: Final = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u2192": r"$\to$",
+    "\u00b7": r"$\cdot$",
     "\u2212": "$-$", "\u00b1": r"$\pm$", "<": r"\textless{}", ">": r"\textgreater{}", "|": r"\textbar{}",
     '"': "''", **{c: rf"\{c}" for c in "{}$&#%_"},
 }  # fmt: skip
@@ -69,7 +70,9 @@ def _block(block: parts.Block, folder: str) -> str:
     if isinstance(block, parts.Paragraph):
         return f"{latex_words(block.text)}\n\n"
     if isinstance(block, parts.Notes):
-        items = "".join(f"\\item {''.join(map(_cell, parts.split_names(text)))}\n" for text in block.texts)
+        items = "".join(
+            f"\\item {''.join(map(_cell, parts.split_names(text, block.names)))}\n" for text in block.texts
+        )
         return f"\\begin{{itemize}}\n{items}\\end{{itemize}}\n" if items else ""
     if isinstance(block, parts.TextTable):
         return _grid(block)

@@ -83,7 +83,9 @@ def _block(block: parts.Block, place: Place) -> str:
     if isinstance(block, parts.Paragraph):
         return f"{_words(block.text)}\n"
     if isinstance(block, parts.Notes):
-        return "".join(f"- {''.join(map(_cell, parts.split_names(text)))}\n" for text in block.texts)
+        return "".join(
+            f"- {''.join(map(_cell, parts.split_names(text, block.names)))}\n" for text in block.texts
+        )
     if isinstance(block, parts.TextTable):
         return _grid(block)
     if isinstance(block, parts.Figure):

@@ -106,16 +106,19 @@ def graph_section(setting: Setting) -> ReportSection:
 
 def parts_section(setting: Setting) -> ReportSection:
     """Return bodies, joints, other elements."""
-    model = setting.eqs.model
+    model, topology = setting.eqs.model, setting.eqs.formed.topology
+    branches = {
+        each.edge.name for tree in (topology.rotation, topology.translation) for each in tree.branches
+    }
     joints = [
         (
             joint.name,
             type(joint).__name__,
             f"{joint.start} \u2192 {joint.end}",
-            NameList(joint.coordinates),
+            NameList(joint.coordinates if joint.name in branches else ()),
             _law(joint),
         )
-        for joint in setting.eqs.formed.topology.joints
+        for joint in topology.joints
     ]
     others = [
         (element.name, type(element).__name__, _ends(element), _law(element))
@@ -127,7 +130,7 @@ def parts_section(setting: Setting) -> ReportSection:
     return ReportSection(
         "parts", "Bodies and joints",
         (
-            TextTable(("body", "mass [kg]", "inertia [kg m\u00b2]"), tuple(map(_body_row, model.bodies))),
+            TextTable(("body", "mass [kg]", "inertia [kg\u00b7m\u00b2]"), tuple(map(_body_row, model.bodies))),
             _table(("frame", "origin [m]", "rotated about"), tuple(frames)),
             _table(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
             _table(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),
