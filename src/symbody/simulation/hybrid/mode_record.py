@@ -70,7 +70,10 @@ class ModeRecord:
         if not self._switch.known:
             return {}
         elements = zip((*self._joints, *self._ropes), self._switch.elements, strict=True)
-        return {name: self._word(name, element.mode) for name, element in elements}
+        return {
+            name: (ROPE_WORDS if element.is_rope else JOINT_WORDS)[int(element.mode)]
+            for name, element in elements
+        }
 
     @property
     def _rows_so_far(self) -> Floats:
