@@ -175,6 +175,24 @@ static double instant(Motion *m, double time)
     return SB_WATCH_COUNT ? 2e-12 * fmax(watch_of(m)[SB_W_SPAN], fabs(time)) : 0.0;
 }
 
+/* Let events act whose values have jumped through zero with the rates, before samples are taken. Returns whether values
+   of states changed, -1 for a fault. */
+static int act_behind(Motion *m, int *must_stop)
+{
+#if SB_WATCH_COUNT
+    if (m->is_alone && m->width > 0.0 && is_sample_due(m)) {
+        double *B = m->pool + SB_BLOCK;
+        begin_steps(m);
+        symbody_end_with_state(B, m->breaks, m->pieces);
+        m->found = symbody_look(ACTS, watch_of(m), m->breaks, m->pieces, m->happened, 0, 1);
+        if (m->found) return act(m, must_stop);
+    }
+#else
+    (void)m, (void)must_stop;
+#endif
+    return 0;
+}
+
 static int show_state(Motion *m, double time)
 {
     const double *B = m->pool + SB_BLOCK;
@@ -226,6 +244,7 @@ static int go_to(Motion *m, double target, int *must_stop)
         }
         log_happened(m, clock_of(m));
         if (!*must_stop && pass_jumps(m, must_stop) < 0) return SB_NOT_FINITE;
+        if (!*must_stop && act_behind(m, must_stop) < 0) return SB_NOT_FINITE;
         if (!*must_stop && sample(m, must_stop) < 0) return SB_NOT_FINITE;
     }
     if (*must_stop) return SB_RUNNING;
