@@ -5,6 +5,7 @@ from __future__ import annotations
 from symbody.kernels.block import (
     CHART_ENDS,
     CHATTERING,
+    CUT,
     EVENT_FAULT,
     FINISHED,
     FULL,
@@ -117,25 +118,40 @@ def advance_watched(
             code = FULL
             if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
                 code = advance(f, g, run, times, t, x, breaks, pieces, 1)
-        is_over = 1
-        if code == RUNNING or code == FULL or code == CHART_ENDS:
-            is_over = 0
-        if code == FINISHED and run.counts.steps == 0:
-            happened = look_behind(e, a, c, run, monitor, breaks, pieces, H)
-        else:
-            happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
-        if happened == NO_ROOM:
-            monitor.resumed = code + 1
-            return NO_EVENT_ROOM
-        if happened == GOES_ON:
-            cut_back(run, monitor, t, x, breaks, pieces, 1)
+        code = watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)
+        if code == CUT:
             code = go_on(f, run, monitor, times, t, x, breaks)
-        elif happened != NOTHING_YET:
-            return end_at_event(run, monitor, t, x, breaks, pieces, happened)
         if code != RUNNING:
             return code
         code = -1
     return RUNNING
+
+
+def watch_steps(
+    e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor, t: Reals, x: Reals,
+    breaks: Reals, pieces: Reals, H: Reals, code: int,
+) -> int:  # fmt: skip
+    """Let events happen in the steps so far, the last of which ended with a code; return one.
+
+    It is `CUT` where the motion goes on from the state `after`.
+    """
+    is_over = 1
+    if code == RUNNING or code == FULL or code == CHART_ENDS:
+        is_over = 0
+    happened = NOTHING_YET
+    if run.counts.steps != 0:
+        happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
+    elif code == FINISHED:
+        happened = look_behind(e, a, c, run, monitor, breaks, pieces, H)
+    if happened == NO_ROOM:
+        monitor.resumed = code + 1
+        return NO_EVENT_ROOM
+    if happened == GOES_ON:
+        cut_back(run, monitor, t, x, breaks, pieces, 1)
+        return CUT
+    if happened != NOTHING_YET:
+        return end_at_event(run, monitor, t, x, breaks, pieces, happened)
+    return code
 
 
 def end_at_event(

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from symbody.kernels.block import CHART_ENDS, FULL, NO_EVENT_ROOM, RUNNING, Run
+from symbody.kernels.block import CUT, FULL, RUNNING, Run
 from symbody.kernels.configurations.strike_problem import RateJumps
 from symbody.kernels.configurations.struck_motion import pass_jump_of_rates, pass_watched_jump
-from symbody.kernels.events.event_monitor import GOES_ON, NO_ROOM, NOTHING_YET, EventMonitor
-from symbody.kernels.events.event_watch import look
-from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on
+from symbody.kernels.events.event_monitor import EventMonitor
+from symbody.kernels.events.watched_motion import go_on, watch_steps
 from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.implicit.implicit_machine import advance_implicit, set_out
 from symbody.kernels.language import Function, Reals
@@ -38,18 +37,9 @@ def advance_implicit_watched(
             code = FULL
             if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
                 code = advance_implicit(f, k, d, g, run, implicit, times, t, x, breaks, pieces, 1)
-        is_over = 1
-        if code == RUNNING or code == FULL or code == CHART_ENDS:
-            is_over = 0
-        happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
-        if happened == NO_ROOM:
-            monitor.resumed = code + 1
-            return NO_EVENT_ROOM
-        if happened == GOES_ON:
-            cut_back(run, monitor, t, x, breaks, pieces, 1)
+        code = watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)
+        if code == CUT:
             code = set_out_again(f, run, implicit, go_on(f, run, monitor, times, t, x, breaks))
-        elif happened != NOTHING_YET:
-            return end_at_event(run, monitor, t, x, breaks, pieces, happened)
         if code != RUNNING:
             return code
         code = -1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from symbody.kernels.block import (
-    CHART_ENDS,
     CUT,
     FINISHED,
     FULL,
@@ -17,7 +16,7 @@ from symbody.kernels.block import (
 from symbody.kernels.events.event_interruptions import end_with_state, values_before, watch_behind
 from symbody.kernels.events.event_monitor import GOES_ON, NO_ROOM, NOTHING_YET, EventMonitor
 from symbody.kernels.events.event_watch import look
-from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on, look_behind
+from symbody.kernels.events.watched_motion import cut_back, end_at_event, go_on, look_behind, watch_steps
 from symbody.kernels.language import Function, Reals
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import evaluate
@@ -144,23 +143,7 @@ def step_watched(
             code = advance_to_sample(f, g, run, held, times, t, x, breaks, pieces)
     if code == RUNNING and is_due(held, run.time) != 0:
         return code
-    is_over = 1
-    if code == RUNNING or code == FULL or code == CHART_ENDS:
-        is_over = 0
-    happened = NOTHING_YET
-    if run.counts.steps != 0:
-        happened = look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, is_over)
-    elif code == FINISHED:
-        happened = look_behind(e, a, c, run, monitor, breaks, pieces, H)
-    if happened == NO_ROOM:
-        monitor.resumed = code + 1
-        return NO_EVENT_ROOM
-    if happened == GOES_ON:
-        cut_back(run, monitor, t, x, breaks, pieces, 1)
-        return CUT
-    if happened != NOTHING_YET:
-        return end_at_event(run, monitor, t, x, breaks, pieces, happened)
-    return code
+    return watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)
 
 
 def happen_or_step(
