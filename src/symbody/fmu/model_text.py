@@ -43,7 +43,10 @@ _KERNELS: Final = (
 _EVENT_KERNELS: Final = (
     ("event_watch", ("look",)),
     ("event_location", ("compute_values",)),
-    ("event_interruptions", ("values_before", "watch_behind", "rewind_events", "forget_steps", "end_with_state")),
+    (
+        "event_interruptions",
+        ("values_before", "watch_behind", "rewind_events", "forget_steps", "end_with_state"),
+    ),
     ("noted_events", ("look_at_sides", "note_events", "note_start", "process_noted")),
 )
 _MODE_KERNELS: Final = (

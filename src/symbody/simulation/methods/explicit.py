@@ -19,7 +19,7 @@ from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
 from symbody.simulation.native.description import NO_TABLES, Goal, Projector, RightHandSide
-from symbody.simulation.native.run import EVENT_SAMPLES, CompiledRun, NativeRun, drive, fresh_record
+from symbody.simulation.native.run import EVENT_SAMPLES, CompiledRun, NativeRun, fresh_record, run_loop
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
@@ -147,7 +147,7 @@ def integrate(
     new = partial(_new_run, method, goal, x, start, held)
     run = new(rhs, projector) if make_run is None else make_run(rhs, new)
     more = 0 if watch is None else EVENT_SAMPLES
-    return drive(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
+    return run_loop(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
 
 
 def _new_run(

@@ -234,7 +234,9 @@ def memory_limit() -> int:
     return (memory_size() or ASSUMED_MEMORY) // 2
 
 
-def drive(run: CompiledRun, record: Record, progress: Progress | None, watch: Watch | None = None) -> RawRun:
+def run_loop(
+    run: CompiledRun, record: Record, progress: Progress | None, watch: Watch | None = None
+) -> RawRun:
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
     clock = [0.0]

@@ -23,7 +23,7 @@ from symbody.simulation.hybrid.rate_jumps import jump_times, may_jump, pass_jump
 from symbody.simulation.hybrid.switching import DeadEndError, SwitchingModes, check_strike, switching_modes
 from symbody.simulation.methods.constraints import Projection, residual_share
 from symbody.simulation.native.blocks import state_of
-from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, RawRun, drive, fresh_record
+from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, RawRun, fresh_record, run_loop
 from symbody.simulation.sampling.sampled_loop import SampledLoop
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps, python_laws
@@ -286,7 +286,7 @@ class HybridSteps(CompiledSteps):
         )
         run = NativeRun(self._right_hand_side, self._projector.address, block, self._samples)
         record = fresh_record(run, np.array([end]), dense=True, more=EVENT_SAMPLES)
-        raw = drive(run, record, None, watch)
+        raw = run_loop(run, record, None, watch)
         was_cut = counts.accepted > 1 or counts.rejected > 0 or raw.status is not Status.SUCCESS
         if was_cut:  # the longer step of before is not a guide any more
             motion.first_step = 0.0

@@ -36,7 +36,7 @@ from symbody.simulation.native.implicit import (
     ImplicitRun,
     make_array,
 )
-from symbody.simulation.native.run import EVENT_SAMPLES, RawRun, drive, fresh_record
+from symbody.simulation.native.run import EVENT_SAMPLES, RawRun, fresh_record, run_loop
 
 Floats = NDArray[np.float64]
 Notes = tuple[str, ...]
@@ -138,7 +138,7 @@ def run_generalized_alpha(
     with _with_laws(compiled, laws) as addresses:
         run = _make_run(motion, method, closing, addresses, compiled, work_tolerance)
         record = fresh_record(run, _times(motion), True, 0 if watch is None else EVENT_SAMPLES)
-        raw = drive(run, record, motion.progress, watch)
+        raw = run_loop(run, record, motion.progress, watch)
     return raw, (method.note,)
 
 
