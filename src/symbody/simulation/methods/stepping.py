@@ -25,8 +25,8 @@ from symbody.simulation.native.run import (
     Progress,
     RawRun,
     begin_again,
-    drive,
     fresh_record,
+    run_loop,
     show_room,
 )
 from symbody.simulation.native.segments import Watch
@@ -150,7 +150,7 @@ def march(stepper: StepwiseIntegrator, course: Course, watch: Watch | None) -> R
     """Take steps to the end, until one fails, an event ends the run, or the caller interrupts."""
     run = SteppedRun(stepper, course)
     record = fresh_record(run, course.times, True, 0 if watch is None else EVENT_SAMPLES)
-    raw = drive(
+    raw = run_loop(
         run, record if course.before is None else _continue_record(course, record), course.progress, watch
     )
     spent = replace(raw.statistics, rejected=None, evaluations=stepper.evaluations)
