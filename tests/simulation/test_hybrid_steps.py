@@ -88,6 +88,18 @@ def sampled() -> sb.EquationSet:
     )
 
 
+def test_the_first_sample_comes_before_modes_are_decided() -> None:
+    """Without it the spring would break the block away: it is held by a force that is sampled at the start."""
+    guide = sb.Prismatic(
+        "guide", "ground", sb.Body("Block", mass=2), axis="x", coordinate="x",
+        friction=sb.Friction(force=3), force=sb.Drive(applied="5 + hold"),
+    )  # fmt: skip
+    hold = sb.Signal("hold", "-5", sample=0.1)
+    stepper = sb.Stepper(sb.form_equations(sb.Model("held", [guide, hold])), 0.05)
+    assert stepper.step().events == () and stepper.modes == {"guide": "sticks"}
+    assert stepper["x"] == 0.0
+
+
 def jumping() -> sb.EquationSet:
     """A rail whose prescribed speed jumps twice, and a sprung block that sticks on it."""
     carriage, block = sb.Body("Carriage", mass=1), sb.Body("Block", mass=2)

@@ -261,6 +261,11 @@ class HybridSteps(CompiledSteps):
             If there are no modes, or no speeds.
         """
         run, state = Run(self._block), state_of(self._block)
+        if self._samples is not None:
+            inputs = self.motion_problem.laws.held_now()
+            self._samples.show_inputs(np.arange(inputs.size), inputs)
+            if not np.any(self._samples.sampler.hold.taken):  # modes follow from the first ones
+                self._samples.take(run.time, state)
         if self._modes is not None:
             settled = self._modes.settle(run.time, state[:-1])
             state[:-1] = settled.x
@@ -269,8 +274,6 @@ class HybridSteps(CompiledSteps):
         np.asarray(run.numbers.inputs)[:] = inputs
         if exists(run.projection):
             np.asarray(run.projection.numbers.inputs)[:] = inputs
-        if self._samples is not None:
-            self._samples.show_inputs(np.arange(inputs.size), inputs)
 
     def _run(self, end: float, watch: EventWatch | None) -> RawRun:
         """Run the loop to a time, beginning with the step that the last run would have taken."""
