@@ -264,7 +264,7 @@ class HybridSteps(CompiledSteps):
         if self._samples is not None:
             inputs = self.motion_problem.laws.held_now()
             self._samples.show_inputs(np.arange(inputs.size), inputs)
-            if not np.any(self._samples.sampler.hold.taken):  # modes follow from the first ones
+            if not np.asarray(self._samples.sampler.hold.taken).any():  # modes follow from the first ones
                 self._samples.take(run.time, state)
         if self._modes is not None:
             settled = self._modes.settle(run.time, state[:-1])
