@@ -37,7 +37,7 @@ from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.strikes import Strike
-from symbody.simulation.pieces import MotionInstant, Pieces, one_state
+from symbody.simulation.pieces import MotionInstant, Pieces, one_state, work_at_end
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -152,7 +152,7 @@ class _MotionByPieces:
             while stage is not None:
                 x = self._settle(stage)
                 until = self._next_instant(stage.t)
-                stage = self._end_piece(self._move(x, stage.t, until), until)
+                stage = self._end_piece(*self._move(x, stage.t, until))
         except DeadEndError as end:
             return self._dead_end(end)
         return self._whole()
@@ -191,14 +191,22 @@ class _MotionByPieces:
                 found = MotionInstant("jump", jump, before, behind)
         return found
 
-    def _move(self, x: Floats, t: float, until: MotionInstant) -> MotionPiece:
-        """Add the piece from a state to an instant, or to what ends it before."""
+    def _move(self, x: Floats, t: float, until: MotionInstant) -> tuple[MotionPiece, MotionInstant]:
+        """Add the piece from a state to an instant, or to what ends it before; return it and when it ends."""
         modes = self._modes
         problem = self._held.problem if modes is None else modes.problem
-        motion = self._pieces.plan(problem, x, t, until)
-        piece = execute(replace(motion, modes=modes))
+        piece = execute(replace(self._pieces.plan(problem, x, t, until), modes=modes))
+        end = None if modes is None else self._end_of_shares(piece, modes)
+        if end is not None:
+            until = MotionInstant("modes", end, end, end)
+            piece = execute(replace(self._pieces.plan(problem, x, t, until), modes=modes))
         self._pieces.add(piece, until)
-        return piece
+        return piece, until
+
+    def _end_of_shares(self, piece: MotionPiece, modes: SwitchingModes) -> float | None:
+        """Return when joints that hold together no longer do so in a piece that ends in other modes [s]."""
+        dense = piece.run.dense_output
+        return None if dense is None else modes.end_of_shares(dense)
 
     def _end_piece(self, piece: MotionPiece, until: MotionInstant) -> PieceStart | None:
         """Let happen what ends a piece; return the state with which the motion goes on, if it does."""
@@ -213,13 +221,19 @@ class _MotionByPieces:
         if run.status is not Status.SUCCESS:
             return None
         x = np.zeros(0) if run.dense_output is None else run.dense_output.at_end()
+        if piece.behind is not None:
+            self._pieces.add_energy(float(piece.behind[-1]) - work_at_end(run))
+            x = piece.behind[:-1]
         if until.happens == "end":
             self._held.sample_signals(until.at, x)
             return None
         if until.happens == "jump":
             self._passed += 1
             return PieceStart(until.behind, self._jump(x, until), is_changed=True)
-        self._report(until.at)
+        if until.happens == "modes":
+            self._check_chatter(until.at)
+        else:
+            self._report(until.at)
         return PieceStart(until.behind, x)
 
     def _act(self, t: float, piece: MotionPiece, after: Floats) -> PieceStart:
