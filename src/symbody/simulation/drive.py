@@ -38,7 +38,7 @@ from symbody.simulation.methods.closed_loops.change_point import samples_on_the_
 from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import takes_steps_compiled
 from symbody.simulation.motion import Motion
-from symbody.simulation.pieces import MotionInstant, Pieces, one_state
+from symbody.simulation.pieces import MotionInstant, Pieces, one_state, work_at_end
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -159,7 +159,7 @@ class _MotionByPieces:
                     continue
                 x = self._settle(stage)
                 until = self._next_instant(stage.t)
-                stage = self._end_piece(self._move(x, stage.t, until), until)
+                stage = self._end_piece(*self._move(x, stage.t, until))
         except DeadEndError as end:
             return self._dead_end(end)
         return self._whole()
@@ -167,8 +167,7 @@ class _MotionByPieces:
     def _act_behind(self, stage: PieceStart) -> PieceStart | None:
         """Let events act whose values have jumped through zero with the rates, before samples are taken."""
         until = MotionInstant("events", stage.t, stage.t, stage.t)
-        piece = self._move(stage.x, stage.t, until)
-        return self._end_piece(piece, until)
+        return self._end_piece(*self._move(stage.x, stage.t, until))
 
     def _settle(self, stage: PieceStart) -> Floats:
         """Take the samples that are due, and decide the modes; return the state with which a piece begins."""
@@ -204,16 +203,29 @@ class _MotionByPieces:
                 found = MotionInstant("jump", jump, before, behind)
         return found
 
-    def _move(self, x: Floats, t: float, until: MotionInstant) -> MotionPiece:
-        """Add the piece from a state to an instant, or to what ends it before."""
+    def _move(self, x: Floats, t: float, until: MotionInstant) -> tuple[MotionPiece, MotionInstant]:
+        """Add the piece from a state to an instant, or to what ends it before; return it and when it ends."""
         modes = self._modes
         problem = self._held.problem if modes is None else modes.problem
-        motion = self._pieces.plan(problem, x, t, until)
-        piece = execute(replace(motion, modes=modes, integrator=self._integrator))
+        piece = self._execute(problem, x, t, until)
         if piece.goes_on is not None and takes_steps_compiled(self._motion) and self._integrator is None:
             self._integrator = Stiff()  # which was chosen on the way: the loop itself goes on in other modes
+        end = None if modes is None else self._end_of_shares(piece, modes)
+        if end is not None:
+            until = MotionInstant("modes", end, end, end)
+            piece = self._execute(problem, x, t, until)
         self._pieces.add(piece, until)
-        return piece
+        return piece, until
+
+    def _execute(self, problem: SimulationProblem, x: Floats, t: float, until: MotionInstant) -> MotionPiece:
+        """Return the piece from a state to an instant."""
+        motion = self._pieces.plan(problem, x, t, until)
+        return execute(replace(motion, modes=self._modes, integrator=self._integrator))
+
+    def _end_of_shares(self, piece: MotionPiece, modes: SwitchingModes) -> float | None:
+        """Return when joints that hold together no longer do so in a piece that ends in other modes [s]."""
+        dense = piece.run.dense_output
+        return None if dense is None else modes.end_of_shares(dense)
 
     def _end_piece(self, piece: MotionPiece, until: MotionInstant) -> PieceStart | None:
         """Let happen what ends a piece; return the state with which the motion goes on, if it does."""
@@ -228,6 +240,9 @@ class _MotionByPieces:
         if run.status is not Status.SUCCESS:
             return None
         x = np.zeros(0) if run.dense_output is None else run.dense_output.at_end()
+        if piece.behind is not None:
+            self._pieces.add_energy(float(piece.behind[-1]) - work_at_end(run))
+            x = piece.behind[:-1]
         if until.happens == "end":
             self._held.sample_signals(until.at, x)
             return None
@@ -237,7 +252,10 @@ class _MotionByPieces:
         if until.happens == "events":
             self._pieces.leave_out(until.at)
             return PieceStart(until.at, x, is_changed=True)
-        self._report(until.at)
+        if until.happens == "modes":
+            self._check_chatter(until.at)
+        else:
+            self._report(until.at)
         return PieceStart(until.behind, x)
 
     def _act(self, t: float, piece: MotionPiece, after: Floats) -> PieceStart:

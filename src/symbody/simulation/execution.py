@@ -35,6 +35,8 @@ class MotionPiece(NamedTuple):
         The state (u, q, s, work) that actions set at its end, if they are to be followed outside.
     goes_on : float or None
         When modes are to be decided outside for the motion to go on [s].
+    behind : (n + 1,) array or None
+        The state that actions set at the very end of a motion that goes on by itself.
     """
 
     run: Trajectory
@@ -42,6 +44,7 @@ class MotionPiece(NamedTuple):
     sides: tuple[EventSide, ...] = ()
     after: Floats | None = None
     goes_on: float | None = None
+    behind: Floats | None = None
 
 
 def execute(motion: Motion) -> MotionPiece:
@@ -60,7 +63,8 @@ def execute(motion: Motion) -> MotionPiece:
     after = watch.acted_state
     goes_on = watch.last_time if after is not None or watch.has_ended_mode else None
     goes_on = goes_on if run.raw.status is Status.STOPPED else None
-    return MotionPiece(trajectory, watch.occurrences, watch.sides_at(run.raw.reached), after, goes_on)
+    behind = watch.state_behind(run.raw.reached) if run.raw.status is Status.SUCCESS else None
+    return MotionPiece(trajectory, watch.occurrences, watch.sides_at(run.raw.reached), after, goes_on, behind)
 
 
 def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:

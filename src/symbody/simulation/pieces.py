@@ -29,8 +29,8 @@ class MotionInstant(NamedTuple):
     Attributes
     ----------
     happens : str
-        "jump", "sample" or "end"; "start" where a piece is one state, which is a sample; "events" where
-        events act on one state.
+        "jump", "sample", "modes" or "end"; "start" where a piece is one state, which is a sample; "events"
+        where events act on one state.
     at : float
         The time [s].
     before, behind : float
@@ -204,7 +204,7 @@ def concatenate(
     last = parts[-1]
     done = [jumps.get(0, 0.0)]
     for k, part in enumerate(parts[:-1], start=1):
-        done.append(done[-1] + _work_at_end(part) + jumps.get(k, 0.0))
+        done.append(done[-1] + work_at_end(part) + jumps.get(k, 0.0))
     works = [part.stored["work"] + before for part, before in zip(parts, done, strict=True)]
     evaluate = [part.evaluate for part in parts if part.evaluate is not None]
     starts = np.array([part.dense_output.breaks[0] if part.dense_output else part.t[0] for part in parts])
@@ -234,7 +234,7 @@ def at_times_asked(run: Trajectory, times: Floats, width: float) -> Trajectory:
     return replace(run, t=t)
 
 
-def _work_at_end(part: Trajectory) -> float:
+def work_at_end(part: Trajectory) -> float:
     """Return the work done until a part ends [J]."""
     if part.dense_output is None:
         return 0.0

@@ -17,6 +17,8 @@ from symbody.kernels.modes.mode_problem import ModeProblem
 DEPENDENT: Final = 1e-11
 # Of the largest response: less is rounding of a row that cannot move.
 IMMOVABLE: Final = 1e-12
+# The square of the part of a unit effort that accelerates nothing: less is rounding.
+SHARED: Final = 1e-9
 # Of the accelerations of rows that hold: more cannot be held.
 UNHELD: Final = 1e-7
 
@@ -100,6 +102,31 @@ def factor_gram(n: int, rank: int, L: Reals, G: Reals) -> None:
                 G[i * rank + i] = sqrt(total)
             else:
                 G[i * rank + j] = total / G[j * rank + j]
+
+
+def shares_effort(problem: ModeProblem, i: int, y: Reals) -> int:
+    """Return 1 if others of the rows that hold can take over some effort of the one at place i, else 0.
+
+    That is so unless it is orthogonal to all efforts that accelerate nothing; y is scratch.
+    """
+    n = problem.held_count
+    rank = problem.rank
+    L = problem.factor
+    G = problem.gram
+    if rank == n:
+        return 0
+    own = 0.0
+    for a in range(rank):
+        total = 0.0
+        if a <= i:
+            total = L[i * n + a]
+        for b in range(a):
+            total = total - G[a * rank + b] * y[b]
+        y[a] = total / G[a * rank + a]
+        own = own + y[a] * y[a]
+    if 1.0 - own > SHARED:
+        return 1
+    return 0
 
 
 def solve_lower(n: int, width: int, L: Reals, x: Reals) -> None:

@@ -32,6 +32,7 @@ class SwitchingElement(RecordLayout):
     length: float
     impulse: float  # in the last shock [N s]
     level: float  # what is taken from the value whose fall to zero ends the mode
+    shares: float  # whether others that hold can take over some of the effort that holds it
 
 
 class ModeSwitch(RecordLayout):
@@ -56,6 +57,7 @@ class ModeSwitch(RecordLayout):
     fastest: float  # speeds over displacements as large as the mechanism so far [1/s]
     known: float  # whether modes have been decided
     changed: float  # whether the last decision changed a mode or a speed
+    shares: int  # elements that share efforts
     verdict: int  # of `find_modes`
     culprit: int  # the element that is to blame, from 1
     fault: int  # status of a function

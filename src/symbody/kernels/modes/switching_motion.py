@@ -24,10 +24,10 @@ from symbody.kernels.block import (
 from symbody.kernels.configurations.strike_problem import RateJumps
 from symbody.kernels.configurations.struck_motion import pass_watched_jump
 from symbody.kernels.events.event_interruptions import watch_again
-from symbody.kernels.events.event_location import compute_values
+from symbody.kernels.events.event_location import add_zero, compute_values
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.events.watched_motion import go_on
-from symbody.kernels.language import Function, Reals
+from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.modes.switch_modes import (
     FUNCTION_FAULT,
@@ -35,16 +35,23 @@ from symbody.kernels.modes.switch_modes import (
     NO_MODES,
     NO_SPEEDS,
     SETTLED,
+    find_end_of_shares,
     find_long_rope,
     forget_modes,
     note_rates,
     settle_modes,
+    shares_hold,
     show_modes,
 )
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.samples.sample_hold import SampleHold
-from symbody.kernels.samples.sampled_motion import happen_or_step, show_watch
+from symbody.kernels.samples.sampled_motion import (
+    advance_unless_resumed,
+    sample_watched,
+    show_watch,
+    watch_unless_due,
+)
 from symbody.kernels.samples.sampling import is_due, show_values, take_samples
 from symbody.kernels.step_machine import begin
 
@@ -86,7 +93,7 @@ def note_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
     for k in range(modes.count):
         event = monitor.events[modes.first_event + k]
         modes.elements[k].ended = 0.0
-        if monitor.ended == modes.first_event + k + 1:
+        if monitor.ended == modes.first_event + k + 1 and modes.elements[k].shares == 0.0:
             modes.elements[k].ended = 1.0
         if event.just_happened != 0.0:
             event.just_happened = 0.0
@@ -138,8 +145,10 @@ def switch_at_cut(
     return code
 
 
-def have_ended(e: Function, run: Run, monitor: EventMonitor, modes: ModeSwitch) -> int:
+def have_ended(e: Function, d: Function, run: Run, monitor: EventMonitor, modes: ModeSwitch) -> int:
     """Return 1 if a mode does not last at the present state, else 0."""
+    if modes.shares != 0 and shares_hold(d, modes, run.time, run.state_old) == 0:
+        return 1
     compute_values(e, monitor, run.time, run.state_old)
     for k in range(modes.count):
         if not monitor.values[modes.first_event + k] > 0.0:
@@ -153,11 +162,14 @@ def switch_at_sample(
 ) -> int:  # fmt: skip
     """Go on behind a sample in the modes that are decided there; return a code of `block`.
 
-    Where modes are decided outside, what jumps through zero at the sample hands over.
+    Where modes are decided outside, what jumps through zero at the sample hands over in the next step.
     """
-    if monitor.hands_over != 0.0 or have_ended(e, run, monitor, modes) == 0:
-        return RUNNING
     show_values(held, modes.numbers)
+    if have_ended(e, d, run, monitor, modes) == 0:
+        return RUNNING
+    if monitor.hands_over != 0.0:
+        end_shares(modes, monitor, run.time)
+        return RUNNING
     code = settle_modes(d, w, modes, Z, run.time, run.state_old)
     if code != SETTLED:
         return run_code(code)
@@ -228,6 +240,36 @@ def begin_in_modes(
     return code
 
 
+def watch_shares(
+    d: Function, run: Run, monitor: EventMonitor, modes: ModeSwitch, breaks: Reals, pieces: Reals
+) -> None:
+    """Let a mode end in the last step where no shares of efforts hold any more."""
+    last = run.counts.steps - 1
+    if modes.shares == 0 or last < 0:
+        return
+    size = monitor.piece_rows * run.states
+    step = part(pieces, last * size, size)
+    t = find_end_of_shares(d, modes, monitor.piece_rows, part(breaks, last, 2), step, modes.fitted)
+    if t < INFINITY:
+        end_shares(modes, monitor, t)
+
+
+def end_shares(modes: ModeSwitch, monitor: EventMonitor, t: float) -> None:
+    """Let the mode of one of the elements that share efforts, if there are any, end at a time."""
+    for k in range(modes.count):
+        if modes.elements[k].shares != 0.0:
+            add_zero(monitor, t, modes.first_event + k, -1.0)
+            return
+
+
+def note_end_of_shares(
+    d: Function, modes: ModeSwitch, rows: int, breaks: Reals, piece: Reals, found: Reals
+) -> int:
+    """Store when shares of efforts no longer hold in one step; see `find_end_of_shares`."""
+    found[0] = find_end_of_shares(d, modes, rows, breaks, piece, modes.fitted)
+    return 0
+
+
 def advance_switching(
     f: Function, g: Function, e: Function, a: Function, c: Function, h: Function, d: Function, w: Function,
     run: Run, monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals,
@@ -241,7 +283,16 @@ def advance_switching(
         if modes.recorded + MOST_ROWS > modes.room:
             return NO_MODE_ROOM
         is_sample = is_due(held, run.time)
-        code = happen_or_step(f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y)
+        if is_sample != 0:
+            code = sample_watched(
+                f, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y
+            )  # fmt: skip
+        else:
+            code = advance_unless_resumed(f, g, run, monitor, held, times, t, x, breaks, pieces)
+            if monitor.resumed == 0 and monitor.hands_over == 0.0:
+                watch_shares(d, run, monitor, modes, breaks, pieces)
+            monitor.resumed = 0
+            code = watch_unless_due(e, a, c, run, monitor, held, code, t, x, breaks, pieces, H)
         note_rates(modes, run.state_old)
         if is_sample != 0 and code == RUNNING:
             code = switch_at_sample(f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, Z)

@@ -130,20 +130,36 @@ def sample_watched(
     return code
 
 
+def advance_unless_resumed(
+    f: Function, g: Function, run: Run, monitor: EventMonitor, held: SampleHold, times: Reals, t: Reals,
+    x: Reals, breaks: Reals, pieces: Reals,
+) -> int:  # fmt: skip
+    """Try one step, unless the search in the last one goes on; return a code of `block`."""
+    if monitor.resumed != 0:
+        return monitor.resumed - 1
+    if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
+        return advance_to_sample(f, g, run, held, times, t, x, breaks, pieces)
+    return FULL
+
+
+def watch_unless_due(
+    e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor, held: SampleHold, code: int,
+    t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
+) -> int:  # fmt: skip
+    """Let events happen in a step that ended with a code, unless samples are due; return a code of `block`."""
+    if code == RUNNING and is_due(held, run.time) != 0:
+        return code
+    return watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)
+
+
 def step_watched(
     f: Function, g: Function, e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor,
     held: SampleHold, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
 ) -> int:  # fmt: skip
     """Try one step, and let events happen unless samples are due at its end; return a code of `block`."""
-    code = monitor.resumed - 1
+    code = advance_unless_resumed(f, g, run, monitor, held, times, t, x, breaks, pieces)
     monitor.resumed = 0
-    if code < 0:
-        code = FULL
-        if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
-            code = advance_to_sample(f, g, run, held, times, t, x, breaks, pieces)
-    if code == RUNNING and is_due(held, run.time) != 0:
-        return code
-    return watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)
+    return watch_unless_due(e, a, c, run, monitor, held, code, t, x, breaks, pieces, H)
 
 
 def happen_or_step(

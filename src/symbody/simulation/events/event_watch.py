@@ -13,6 +13,7 @@ from symbody.kernels import block as run_at
 from symbody.kernels.block import Run
 from symbody.kernels.events.event_monitor import RESTS, ZEROS_PER_EVENT, EventMonitor
 from symbody.kernels.record_layout import exists
+from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import Event, EventSide, ModeEnd, Occurrence
 from symbody.simulation.events.watch_arrays import with_cut_fit
@@ -128,6 +129,16 @@ class EventWatch:
         """The state in which a motion goes on outside after actions at its end; None without any."""
         own = self._monitor
         return np.array(own.after) if own.hands_over and own.has_acted and not own.culprit else None
+
+    def state_behind(self, t: float) -> Floats | None:
+        """Return the state (u, q, s, work) that actions set at the end of a run [s]; None without any there."""
+        own = self._monitor
+        if own.culprit or own.cut != t:
+            return None
+        rows = self._happened[: own.happened, :2].tolist()
+        width = ONE_INSTANT * abs(t)
+        acted = any(self._functions.events[int(k)].mapping for k, when in rows if abs(when - t) <= width)
+        return np.array(own.after) if acted else None
 
     @property
     def actor(self) -> str:

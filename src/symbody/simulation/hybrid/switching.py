@@ -43,6 +43,7 @@ from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.blocks import function_numbers
+from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import NO_TABLES, LoopCall, RightHandSide
 from symbody.simulation.native.segments import HeldValues
 from symbody.simulation.simulation_problem import OutputName, SimulationProblem
@@ -233,6 +234,28 @@ class SwitchingModes:
             raise self._dead_end(t, code)
         struck = self.record.rows[first : self.switch.recorded, 0] == SHOCK
         return SettledState(state[:-1], float(state[-1]), bool(struck.any()))
+
+    def end_of_shares(self, motion: DenseOutput) -> float | None:
+        """Return when no shares hold any more of joints that hold together, in a motion in present modes [s].
+
+        None if they do to its end. The compiled loop looks for that by itself.
+        """
+        if not self.switch.shares or motion.breaks[0] == motion.breaks[-1]:
+            return None
+        laws = self._source.laws
+        steps, rows, n = motion.pieces.shape
+        pieces = np.zeros((steps, rows, n + 1))  # the work is the last state
+        pieces[:, :, :n] = motion.pieces
+        found = np.full(1, np.inf)
+        for k in range(steps):
+            breaks = motion.breaks[k : k + 2].copy()
+            for place, law in laws.held_laws.items():
+                self.switch.numbers.inputs[place] = float(law.values_at(breaks.mean(keepdims=True))[0])
+            arrays = map(address, (breaks, pieces[k], found))
+            _kernel("note_end_of_shares")(self._decides, address(self._block), rows, *arrays)
+            if np.isfinite(found[0]):
+                return float(found[0])
+        return None
 
     def _dead_end(self, t: float, code: int) -> DeadEndError:
         """Return why a motion ends, for a code of `switch_modes`."""
@@ -478,6 +501,7 @@ def _library() -> Mapping[str, Callable[..., int]]:
         "settle_modes": [*[_POINTER] * 4, real, _POINTER],
         "find_long_rope": [_POINTER, _POINTER, real, _POINTER],
         "advance_switching": [*[_POINTER] * 21, integer],
+        "note_end_of_shares": [*[_POINTER] * 2, integer, *[_POINTER] * 3],
     }
     addresses = load_kernels("switching_motion", tuple(kinds), light=True)
     return {name: ctypes.CFUNCTYPE(integer, *kind)(addresses[name]) for name, kind in kinds.items()}

@@ -189,7 +189,10 @@ class SundialsStepper:
         if self._is_fresh:
             call_quietly(partial(self._begin, begin, self._x))
             self._is_fresh = False
-        result = self._call_solver(self._end, "onestep", stop)
+        try:
+            result = self._call_solver(self._end, "onestep", stop)
+        except KeyError:  # a flag that scikit-sundae has no words for
+            return self._watch.failure(COLLAPSED)
         if result.status < 0:
             return self._watch.failure(result.status)
         n, length = self._x.size, result.t - begin
