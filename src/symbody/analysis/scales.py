@@ -8,7 +8,7 @@ powers of two change no digit of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Final, NamedTuple
@@ -21,6 +21,7 @@ from symbody.codegen.formation.bound_function import evaluate_once
 from symbody.codegen.formation.formula_values import FormulaValues
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import ParameterSet, parameter_set
+from symbody.codegen.formation.quantities import Quantities
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.model.constraints.couplings import Constraint
@@ -140,8 +141,12 @@ class Scales:
 
     def fit_span(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""
-        span = abs(end - start)
-        return self if self.has_time or span == 0.0 else replace(self, time=TIME_OF_SPAN * span)
+        span, are_many = abs(end - start), isinstance(self.time, np.ndarray)
+        if span == 0.0 or (not are_many and self.has_time):
+            return self
+        time: Any = TIME_OF_SPAN * span
+        time = np.where(self.has_time, self.time, time) if are_many else time
+        return replace(self, time=time)
 
     def notes(
         self, eqs: EquationSet, atol: float | None = None, rtol: float | None = None
@@ -203,16 +208,45 @@ def _scales_of_length(
     values: ParameterSet, length: float, chosen: Mapping[str, float], signals: Mapping[str, float]
 ) -> Scales:
     """Return the scales of a mechanism of a length, 0 if it has none."""
-    eqs, (_, pulls, masses, moments) = values.original, values.quantities
-    scales = Scales(length or 1.0, has_length=bool(length), signals=signals)
-    gravity = math.hypot(*pulls)
-    fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
-    scales = replace(scales, time=chosen.get("time", fallen), has_time="time" in chosen or gravity > 0.0)
-    mass = (
-        chosen.get("mass", largest_magnitude(masses) or largest_magnitude(moments) / scales.length**2) or 1.0
-    )
+    eqs = values.original
+    scales = scales_of_quantities(values.quantities, length, chosen, signals)
     numbers = values.floats if eqs.signal_state_names else scales.numbers
-    return replace(scales, mass=mass, equations=_equations(eqs, values.given, scales), numbers=numbers)
+    equations = _equations(eqs, values.given, scales)
+    return replace(scales, has_length=bool(length), equations=equations, numbers=numbers)
+
+
+def scales_of_quantities(
+    quantities: Quantities, length: float, chosen: Mapping[str, float], signals: Mapping[str, float]
+) -> Scales:
+    """Return the scales of a mechanism of a length, 0 if it has none, without its constraints.
+
+    Of N motions the length and all quantities are arrays (N,).
+    """
+    _, pulls, masses, moments = quantities
+    length, gravity = _or(length, 1.0), _norm(pulls)
+    fallen = _or(_root(length / _or(gravity, math.inf)), 1.0)
+    mass = chosen.get("mass", _or(largest_magnitude(masses), largest_magnitude(moments) / length**2))
+    has_time = ("time" in chosen) | (gravity > 0.0)
+    time = chosen.get("time", fallen)
+    return Scales(length, time, _or(mass, 1.0), has_time=has_time, signals=signals)
+
+
+def _or(first: Any, second: Any) -> Any:
+    """Return the first of two sizes unless it is 0, then the second; of N motions arrays (N,)."""
+    return np.where(first > 0.0, first, second) if isinstance(first, np.ndarray) else first or second
+
+
+def _root(x: Any) -> Any:
+    return np.sqrt(x) if isinstance(x, np.ndarray) else math.sqrt(x)
+
+
+def _norm(vector: Sequence[Any]) -> Any:
+    return np.sqrt(sum(x**2 for x in vector)) if _are_arrays(vector) else math.hypot(*vector)
+
+
+def _are_arrays(sizes: Sequence[Any]) -> bool:
+    """Return whether sizes are those of several motions: all are, or none."""
+    return isinstance(sizes[0], np.ndarray)
 
 
 def state_tolerances(
@@ -358,9 +392,10 @@ def _unit_plan(eqs: EquationSet) -> _UnitPlan:
     return plan
 
 
-def largest_magnitude(values: Iterable[float]) -> float:
-    """Return the largest absolute value, 0 if there is none."""
-    return max(map(abs, values), default=0.0)
+def largest_magnitude(values: Iterable[Any]) -> Any:
+    """Return the largest absolute value, 0 if there is none; of arrays (N,) that of each motion."""
+    sizes = list(map(abs, values))
+    return np.maximum.reduce(sizes) if sizes and _are_arrays(sizes) else max(sizes, default=0.0)
 
 
 def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales) -> dict[str, float]:
@@ -376,8 +411,14 @@ def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales
     point = {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []}
     entries = evaluate_once(eqs, "jacobian", parameters, silent, point)[0]
     rows = np.array([float(x) for x in entries]).reshape(len(eqs.formed.rows), -1)
-    sizes = np.abs(rows * scales.displacements(eqs)).max(axis=1, initial=0.0)
-    return {eqs.multiplier_names[k]: float(sizes[k]) for k in written if 0.0 < sizes[k] < math.inf}
+    return equation_sizes(eqs, rows, scales)
+
+
+def equation_sizes(eqs: EquationSet, rows: Floats, scales: Scales) -> dict[str, Any]:
+    """Return the sizes of constraints with units of their own, from J (n_c, n_u) or (N, n_c, n_u)."""
+    changes = np.abs(rows * scales.displacements(eqs)[..., np.newaxis, :]).max(axis=-1, initial=0.0)
+    sizes = np.where((changes > 0.0) & (changes < math.inf), changes, scales.constraints(eqs))
+    return {eqs.multiplier_names[k]: sizes.T[k] for k in own_equations(eqs)}
 
 
 def own_equations(eqs: EquationSet) -> list[int]:

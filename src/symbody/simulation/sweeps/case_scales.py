@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -11,16 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import (
-    TIME_OF_SPAN,
     Scales,
     checked_sizes,
+    equation_sizes,
     geometry,
+    largest_magnitude,
     number_formulas,
     own_equations,
     pose_share,
+    scales_of_quantities,
 )
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.quantities import Quantities
 from symbody.codegen.formation.values import formula_function
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
@@ -48,7 +50,7 @@ def scales_of_cases(
         Scales, and sizes of states of signals, that the caller chose.
     """
     signals, bodies, units = checked_sizes(eqs, given), eqs.model.bodies, eqs.units
-    chosen = {name: np.full(table.count, size) for name, size in given.items() if name not in signals}
+    chosen: Any = {name: np.full(table.count, size) for name, size in given.items() if name not in signals}
     groups: list[dict[str, Value]] = [
         geometry(eqs), number_formulas(eqs.model.gravity), number_formulas([body.mass for body in bodies]),
         number_formulas([moment for body in bodies for moment in body.inertia]),
@@ -57,37 +59,26 @@ def scales_of_cases(
     groups.append({name: name for name in names})
     together = {f"{k} {name}": formula for k, group in enumerate(groups) for name, formula in group.items()}
     columns = iter(case_values(eqs, table, together).values())
-    geometric, pulls, masses, moments, numbers = ([next(columns) for _ in group] for group in groups)
-    lengths = _largest(geometric, table.count)
-    displacements = _largest([x for name, x in near.items() if units.get(name) == "m"], table.count)
-    lengths = np.where(lengths > 0.0, lengths, displacements)
-    lengths = chosen.get("length", np.where(lengths > 0.0, lengths, 1.0))
-    gravity = np.sqrt(sum((pull**2 for pull in pulls), np.zeros(table.count)))
-    falls, usual = gravity > 0.0, TIME_OF_SPAN * abs(span[1] - span[0]) or 1.0
-    times = np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), usual)
-    largest = _largest(masses, table.count)
-    largest = np.where(largest > 0.0, largest, _largest(moments, table.count) / lengths**2)
-    sizes: Any = lengths, chosen.get("time", times), chosen.get("mass", np.where(largest > 0.0, largest, 1.0))
+    quantities: list[Any] = [[next(columns) for _ in group] for group in groups]
+    numbers = quantities.pop()
+    nothing = np.zeros(table.count)
+    length, moved = nothing, [x for name, x in near.items() if units.get(name) == "m"]
+    for sizes in (moved, quantities[0]):  # displacements count where there is no other length
+        largest = nothing + largest_magnitude(sizes)
+        length = np.where(largest > 0.0, largest, length)
+    made: Any = Quantities(*quantities), chosen.get("length", length), chosen, signals
     values: Any = dict(zip(names, numbers, strict=True))
-    scales = Scales(sizes[0], sizes[1], sizes[2], signals=signals, numbers=values)
-    return _with_equations(eqs, table, scales)
-
-
-def _with_equations(eqs: EquationSet, table: CaseTable, scales: Scales) -> Scales:
-    """Return scales with the sizes of constraints that have units of their own."""
-    written = own_equations(eqs)
-    if not written:
+    scales = replace(scales_of_quantities(*made).fit_span(*span), numbers=values)
+    if not own_equations(eqs):
         return scales
     silent: dict[str, Value] = dict.fromkeys(eqs.input_names, 0)
     function = bound_function(
         eqs, "jacobian", table.fixed_parameters, table.parameter_names, silent, quick=True
     )
-    q, moves = pose_share(eqs) * scales.coordinates(eqs), scales.displacements(eqs)
-    rows = function(0.0, q, np.zeros_like(moves), (), table.parameters) * moves[:, np.newaxis]
-    sizes, usual = np.abs(rows).max(axis=2, initial=0.0), scales.constraints(eqs)
-    sizes = np.where((sizes > 0.0) & (sizes < math.inf), sizes, usual)
-    equations: Any = {eqs.multiplier_names[k]: sizes[:, k] for k in written}
-    return replace(scales, equations=equations)
+    q, still = pose_share(eqs) * scales.coordinates(eqs), np.zeros((table.count, len(eqs.speed_names)))
+    return replace(
+        scales, equations=equation_sizes(eqs, function(0.0, q, still, (), table.parameters), scales)
+    )
 
 
 def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value]) -> dict[str, Floats]:
@@ -102,8 +93,3 @@ def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value
         for name, column in zip(unknown, columns if len(unknown) > 1 else (columns,), strict=True):
             values[name] = np.broadcast_to(column, (table.count,))
     return {name: values[name] for name in formulas}
-
-
-def _largest(columns: Sequence[Floats], count: int) -> Floats:
-    """Return the largest absolute value in each case, 0 if there is none."""
-    return np.asarray(np.max(np.abs([np.zeros(count), *columns]), axis=0))
