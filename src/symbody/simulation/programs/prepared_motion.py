@@ -48,7 +48,7 @@ def motion_functions(motion: PosedMotion) -> dict[str, ProgramFunction]:
     return functions
 
 
-class StepFunction(ProjectingFunction, Protocol):
+class IntegratorFunction(ProjectingFunction, Protocol):
     """A function that the integrator calls, with its numbers."""
 
     @property
@@ -58,7 +58,7 @@ class StepFunction(ProjectingFunction, Protocol):
 
 
 def motion_block(
-    motion: PosedMotion, functions: Mapping[str, StepFunction], eqs: EquationSet | None = None
+    motion: PosedMotion, functions: Mapping[str, IntegratorFunction], eqs: EquationSet | None = None
 ) -> Floats:
     """Return the block of a motion at its first state, see `symbody.kernels.block`.
 
@@ -89,7 +89,7 @@ def method_bounds(
     return method.tableau, method.first_step, method.max_step, bounds
 
 
-def implicit_array(motion: PosedMotion, functions: Mapping[str, StepFunction]) -> Floats:
+def implicit_array(motion: PosedMotion, functions: Mapping[str, IntegratorFunction]) -> Floats:
     """Return the array of an `ImplicitStep`; empty for explicit methods."""
     method = motion.method
     if not isinstance(method, GeneralizedAlpha):
@@ -99,7 +99,7 @@ def implicit_array(motion: PosedMotion, functions: Mapping[str, StepFunction]) -
     return make_array(numbers, size, n_q, float(method.rho), one_length=motion.has_one_length)
 
 
-def _projector(motion: PosedMotion, function: StepFunction, eqs: EquationSet) -> Projector:
+def _projector(motion: PosedMotion, function: IntegratorFunction, eqs: EquationSet) -> Projector:
     scales = motion.integration.problem.scales
     projector = make_projector(function, eqs, scales, motion.projection, motion.request.atol)
     limit = math.inf if motion.has_one_length else projector.limit
