@@ -10,7 +10,7 @@ import sympy
 
 import symbody as sb
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.outputs.output_cures import frame_cure
+from symbody.equations.outputs.output_roots import frame_cure
 
 
 @pytest.fixture(scope="module")

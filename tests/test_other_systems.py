@@ -23,7 +23,7 @@ from symbody.errors import FormatError, ModelError
 from symbody.formats import find_mesh, robot_from_text
 from symbody.formats.urdf.file import meshes
 from symbody.formats.writing import write_text
-from symbody.model.tables.inner_path import inner_path, path_between
+from symbody.model.tables.inner_path import inner_path, path_from
 
 SOURCES = Path(sb.__file__).parent
 PENDULUM = """\
@@ -112,7 +112,7 @@ def another_drive(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_files_on_another_drive_are_named_whole_or_refused(tmp_path: Path) -> None:
     place = tmp_path / "a.csv"
     place.write_text("0,0\n1,1\n")
-    assert path_between(str(place), str(tmp_path / "other")) == place.as_posix()
+    assert path_from(str(place), "", str(tmp_path / "other")) == place.as_posix()
     with pytest.raises(ModelError, match="leaves the folder"):
         inner_path("a.csv", str(tmp_path), "table a")
 

@@ -14,8 +14,7 @@ from symbody.expr.language.formula import Formula
 from symbody.formats.schema import VERSION, check_structure
 from symbody.model.body import Body
 from symbody.model.checks.structure import free_joints
-from symbody.model.checks.symbols import Meaning, constraint_entries, joint_entries, signal_entries
-from symbody.model.constraint import ConstraintElement
+from symbody.model.checks.symbols import Meaning, element_entries, joint_entries
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.model import KINDS
@@ -23,7 +22,6 @@ from symbody.model.naming import GROUND
 from symbody.model.output_arguments import OutputScope, make_scope
 from symbody.model.output_names import read_output
 from symbody.model.registry import read_element
-from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 
 Wire = dict[str, Any]
@@ -119,14 +117,8 @@ def find_sources(data: Mapping[str, Any]) -> Sources:
 
 def _symbols_of(kind: str, entry: Mapping[str, Any], element: Element | None) -> Iterator[tuple[str, str]]:
     """Yield the symbols that an element brings, each with its root; of what is none yet, its name."""
-    if isinstance(element, Joint):
-        yield from _with_roots(joint_entries(element, ""))
-    elif isinstance(element, ConstraintElement):
-        yield from _with_roots(constraint_entries(element, ""))
-    elif isinstance(element, Signal):
-        yield from _with_roots(signal_entries(element, [element], ""))
-    elif isinstance(element, SignalBlock):
-        yield from _with_roots(signal_entries(element, element.signals, ""))
+    if element is not None and kind != "table":
+        yield from _with_roots(element_entries(element, ""))
     elif kind in ("signal", "block", "table"):
         yield str(entry.get("name")), str(entry.get("name"))
 

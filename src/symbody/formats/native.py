@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -26,7 +26,7 @@ from symbody.model.parts.expansion import model_content, own_content
 from symbody.model.parts.include import Include
 from symbody.model.registry import read_element, write_element
 from symbody.model.shapes.shape import GROUND_SHAPES
-from symbody.model.tables.inner_path import inner_path, path_between
+from symbody.model.tables.inner_path import inner_path, saved_path
 
 _PACKAGE: Final = __name__.partition(".")[0]
 
@@ -133,6 +133,8 @@ def model_to_toml(
 ) -> str:
     """Return the TOML text of a model.
 
+    Raises FormatError if the layout holds something that TOML cannot say.
+
     Parameters
     ----------
     onto : str
@@ -143,11 +145,6 @@ def model_to_toml(
         Whether the text is to be read without the files that the model names: it then holds what is in them.
     folder : str
         Where `onto` stands, in which paths begin; "" leaves paths as they are.
-
-    Raises
-    ------
-    FormatError
-        If the layout holds something that TOML cannot say.
     """
     text = _toml_text(_content(model, folder or None, is_alone=is_alone), onto, folder or None)
     return text if layout is None else _with_layout(text, layout)
@@ -156,17 +153,14 @@ def model_to_toml(
 def from_data(data: object, where: str = "", folder: str = "") -> Model:
     """Return the model of JSON data with the structure of the file; null means left out.
 
+    Faults as of `load_model`, with JSON pointers such as ``#/joint/2/axis`` instead of lines.
+
     Parameters
     ----------
     where : str
         Stands before the pointers in messages.
     folder : str
         Where paths of meshes begin.
-
-    Raises
-    ------
-    FormatError, ModelError
-        As `load_model`, with JSON pointers such as ``#/joint/2/axis`` instead of lines.
     """
 
     def locate(path: Path) -> str:
@@ -196,16 +190,7 @@ def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, .
     content = check_structure(data, locate)
     parts = read_includes(content.get("include", []), locate, folder, reading, _model)
     locate = parts.locate
-    problems: list[Problem] = []
-    elements: list[Element] = []
-    paths: list[Path] = []
-    for kind in KINDS:
-        for k, entry in enumerate(content.get(kind, [])):
-            try:
-                elements.append(read_element(kind, entry, folder))
-                paths.append((kind, k))
-            except ModelError as error:
-                problems += relocate(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
+    elements, problems = read_elements(content, KINDS, locate, folder)
     arguments = Arguments("model")
     fixed = content.get("ground", {})
     frames: Any = GROUND_FRAMES.from_file(fixed.get("frames", {}), arguments, "ground.frames", folder)
@@ -213,15 +198,15 @@ def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, .
     problems += relocate(arguments.problems, {"model": ()}, locate)
     if problems:
         raise ModelError(*problems)
-    labels = element_labels(elements)
+    labels = element_labels(each for _, each in elements)
     bases: dict[str, Path] = {"model": (), **parts.paths}
-    bases |= {labels[k]: path for k, path in enumerate(paths)}
+    bases |= {labels[k]: path for k, (path, _) in enumerate(elements)}
     try:
         return Model(
             content["name"],
-            [*elements, *parts.includes],
+            [*(each for _, each in elements), *parts.includes],
             gravity=content.get("gravity", (0, 0, 0)),
-            parameters={name: None if v == "" else v for name, v in content.get("parameters", {}).items()},
+            parameters=read_parameters(content),
             inputs=content.get("inputs", ()),
             initial=content.get("initial", {}),
             ground=frames,
@@ -229,6 +214,36 @@ def _model(data: object, locate: Locate, folder: str = "", reading: tuple[str, .
         )
     except ModelError as error:
         raise ModelError(*relocate(error.problems, bases, locate)) from None
+
+
+def read_elements(
+    content: Mapping[str, Any],
+    kinds: Iterable[str],
+    locate: Locate,
+    folder: str = "",
+    translate: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda entry: entry,
+) -> tuple[list[tuple[Path, Element]], list[Problem]]:
+    """Return the elements of some kinds after their places in the file, and what is wrong with the others.
+
+    Parameters
+    ----------
+    translate : callable
+        Takes the table of an element, returns the one that is read.
+    """
+    elements: list[tuple[Path, Element]] = []
+    problems: list[Problem] = []
+    for kind in kinds:
+        for k, entry in enumerate(content.get(kind, [])):
+            try:
+                elements.append(((kind, k), read_element(kind, translate(entry), folder)))
+            except ModelError as error:
+                problems += relocate(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
+    return elements, problems
+
+
+def read_parameters(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parameters of a file; "" is none."""
+    return {name: None if x == "" else x for name, x in content.get("parameters", {}).items()}
 
 
 def _content(model: Model, folder: str | None = None, *, is_alone: bool = False) -> dict[str, Node]:
@@ -267,7 +282,6 @@ def _content(model: Model, folder: str | None = None, *, is_alone: bool = False)
 
 
 def _toml_text(content: Mapping[str, Node], onto: str, folder: str | None = None) -> str:
-    """Return the TOML text of a content, on an older text where that takes the changes."""
     merged = _merge(content, onto.replace("\r\n", "\n"), folder) if onto.strip() else None
     return merged or formats.write_toml(content)
 
@@ -310,16 +324,14 @@ def _drop_nulls(data: object) -> object:
     kept = {key: value for key, value in data.items() if value is not None}
     for kind in KINDS:
         if isinstance(kept.get(kind), list):
-            kept[kind] = [_drop_null_keys(entry) for entry in kept[kind]]
+            kept[kind] = [
+                {key: value for key, value in entry.items() if value is not None}
+                if isinstance(entry, Mapping) else entry
+                for entry in kept[kind]
+            ]  # fmt: skip
     if isinstance(parameters, Mapping):
         kept["parameters"] = {name: "" if value is None else value for name, value in parameters.items()}
     return kept
-
-
-def _drop_null_keys(entry: object) -> object:
-    if not isinstance(entry, Mapping):
-        return entry
-    return {key: value for key, value in entry.items() if value is not None}
 
 
 # Reads the model of JSON data: places, folder, and the files that are being read.
@@ -365,7 +377,8 @@ def read_includes(
         try:
             part, where = _read_part(entry, f"{locate((*path, 'file'))}, include {entry['prefix']}", folder,
                                      reading, read)  # fmt: skip
-            includes.append(_make(entry, part, folder))
+            given = {key: entry[key] for key in ("at", "connect", "share", "parameters") if key in entry}
+            includes.append(Include(part, entry["prefix"], **given, file=entry["file"], folder=folder))
             places.append(where)
         except ModelError as error:
             problems += _fault_places(error.problems, entry, path, locate)
@@ -415,32 +428,13 @@ def _read_part(
         raise ModelError(*error.problems) from error
 
 
-def _make(entry: Mapping[str, Any], part: Model, folder: str) -> Include:
-    return Include(
-        part,
-        entry["prefix"],
-        entry.get("at", "ground"),
-        entry.get("connect", {}),
-        entry.get("share", ()),
-        entry.get("parameters", {}),
-        file=entry["file"],
-        folder=folder,
-    )
-
-
 def include_entry(include: Include, folder: str | None) -> dict[str, Node]:
     """Return the table of an include; its path leads from `folder`, None leaves it as it is.
 
     Raises FormatError if the part lies outside of the folder.
     """
-    place = include.file
-    if folder is not None and os.path.realpath(folder) != os.path.realpath(include.folder):
-        place = path_between(os.path.join(include.folder, include.file), folder)
-    if place.startswith("..") or os.path.isabs(place):
-        what = f"{include.file!r} is outside the folder in which the model is saved"
-        why = "a model file may only refer to files in its own folder"
-        fix = "copy the part into the folder first, or save the model next to it"
-        raise FormatError(Problem("file.outside", f"include {include.prefix}, file", what, why, fix))
+    where = f"include {include.prefix}, file"
+    place = saved_path(include.file, include.folder, folder, where, "part", "it")
     entry: dict[str, Node] = {"file": place, "prefix": include.prefix}
     if include.at.full_name != "ground":
         entry["at"] = include.at.full_name

@@ -28,7 +28,8 @@ def model_to_script(model: Model) -> str:
     arguments = [_text(model.name), _list(elements)]
     arguments += [f"gravity={_value(list(model.gravity))}"]
     if model.parameters:
-        arguments.append(f"parameters={_parameters(model.parameters)}")
+        values = {name: "None" if x is None else _value(x) for name, x in model.parameters.items()}
+        arguments.append(f"parameters={_dict_text(values)}")
     if model.inputs:
         arguments.append(f"inputs={list(model.inputs)!r}")
     if model.initial:
@@ -42,7 +43,6 @@ def model_to_script(model: Model) -> str:
 
 
 def _initial(model: Model) -> str:
-    """Return first values; those that hold say so."""
     values = {name: _value(formula) for name, formula in model.initial.items()}
     held = {name: _call("sb.Initial", [values[name], 'priority="hold"']) for name in model.held_initial}
     return _dict_text({**values, **held})
@@ -62,12 +62,6 @@ def _element(element: Element) -> str:
     entry.pop("name", None)
     arguments += [f"{'shapes' if key == 'shape' else key}={_value(node)}" for key, node in entry.items()]
     return _call(f"sb.{type(element).__name__}", arguments)
-
-
-def _parameters(parameters: Mapping[str, Formula | None]) -> str:
-    return _dict_text(
-        {name: "None" if value is None else _value(value) for name, value in parameters.items()}
-    )
 
 
 def _value(node: object) -> str:

@@ -148,7 +148,6 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
 
 
 def _syntax_problem(text: str, where: str, message: str) -> Problem:
-    """Return the problem of a text that is not TOML, with the line in question."""
     found = _PLACE.search(message)
     what = message[: found.start()] if found else message
     if found is None or found.group(1) is None:

@@ -149,14 +149,14 @@ class Entries(FileRole):
     def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
         """Return the misfits of each table."""
         example = f"[[{self.kind}]] instead of [{self.kind}]" if isinstance(entry, Mapping) else ""
-        return list_misfits(entry, path, self._entry_misfits, example=example)
+        choices = self.choices or {}
+        return list_misfits(
+            entry, path, lambda item, at: typed_misfits(item, at, self.kind, choices), example=example
+        )
 
     def tables(self) -> Iterable[FileTable]:
         """Return all tables."""
         return (self.choices or {}).values()
-
-    def _entry_misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
-        return typed_misfits(entry, path, self.kind, self.choices or {})
 
 
 _GROUND: Final = FileTable(
@@ -269,7 +269,8 @@ def check_structure(data: object, locate: Locate) -> Mapping[str, Any]:
 
 def _problem(misfit: Misfit, data: object, locate: Locate) -> Problem:
     path = misfit.path
-    shown = ", ".join(part for part in (locate(path), _element(path, data), _inner(path)) if part)
+    inner = words(path[2:] if _is_inside(path) else path)
+    shown = ", ".join(part for part in (locate(path), _element(path, data), inner) if part)
     return Problem(f"file.{misfit.code}", shown, misfit.what, misfit.why, misfit.fix)
 
 
@@ -281,10 +282,6 @@ def _element(path: Path, data: object) -> str:
     entry = entries[int(path[1])] if isinstance(entries, list) else None
     name = entry.get("name") if isinstance(entry, Mapping) else None
     return f"{path[0]} {name}" if isinstance(name, str) else f"{path[0]} {int(path[1]) + 1}"
-
-
-def _inner(path: Path) -> str:
-    return words(path[2:] if _is_inside(path) else path)
 
 
 def _is_inside(path: Path) -> bool:

@@ -110,9 +110,8 @@ def _merge_in_order(entries: AoT, olds: list[Tree], news: list[Tree]) -> bool:
 
 
 def _item(key: str, node: Node) -> Item:
-    """Return a value as tomlkit holds it."""
     if isinstance(node, dict):
-        return _table(node) if key in _HEADED else _inline(node)
+        return _table(node, key not in _HEADED)
     if isinstance(node, list):
         if node and all(
             isinstance(entry, dict) and {"name", "type", "prefix"} & set(entry) for entry in node
@@ -122,19 +121,16 @@ def _item(key: str, node: Node) -> Item:
                 tables.append(_table(cast("Tree", entry)))
             return tables
         return _array(node)
-    return _scalar(node)
+    if isinstance(node, Formula):
+        number = _number(node)
+        return tomlkit.string(node.text) if number is None else number
+    return tomlkit.item(node)
 
 
-def _table(content: Tree) -> Table:
+def _table(content: Tree, is_inline: bool = False) -> Table | InlineTable:
     # A table of tables only needs no header: [body.frames.tip] says it all.
-    table = tomlkit.table(is_super_table=set(content) <= {"frames", "shape"})
-    for key, node in content.items():
-        table.append(key, _item(key, node))
-    return table
-
-
-def _inline(content: Tree) -> InlineTable:
-    table = tomlkit.inline_table()
+    is_super = set(content) <= {"frames", "shape"}
+    table = tomlkit.inline_table() if is_inline else tomlkit.table(is_super_table=is_super)
     for key, node in content.items():
         table.append(key, _item(key, node))
     return table
@@ -149,13 +145,6 @@ def _array(nodes: list[Node]) -> Array:
         plain = isinstance(node, Formula) and as_text
         array.append(tomlkit.string(node.text) if plain and isinstance(node, Formula) else _item("", node))
     return array
-
-
-def _scalar(node: Formula | str | bool | int) -> Item:
-    if isinstance(node, Formula):
-        number = _number(node)
-        return tomlkit.string(node.text) if number is None else number
-    return tomlkit.item(node)
 
 
 def _number(formula: Formula) -> Item | None:

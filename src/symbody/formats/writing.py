@@ -33,16 +33,12 @@ def write_text(path: str | os.PathLike[str], text: str, keep: bool = True) -> No
     """Write UTF-8 text in one step: afterwards the file holds all of it, or is as it was.
 
     A symbolic link stays one.
+    Raises FormatError if it cannot be written.
 
     Parameters
     ----------
     keep : bool
         Whether the content before is kept beside it with ``.bak`` appended.
-
-    Raises
-    ------
-    FormatError
-        If it cannot be written.
     """
     try:
         content = text.encode("utf-8")

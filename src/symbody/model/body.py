@@ -17,10 +17,9 @@ from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.naming import CENTRE, element_problem
 from symbody.model.shapes.shape import Shapes
 
-
-def _frame() -> DeclaredPart[Frame]:
-    refusal = Refusal("model.not_a_frame", what="{value} is not a frame", fix="write Frame(at=(x, y, z))")
-    return DeclaredPart(kind=Frame, refusal=refusal)
+_NO_FRAME: Final = Refusal(
+    "model.not_a_frame", what="{value} is not a frame", fix="write Frame(at=(x, y, z))"
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,7 +32,7 @@ class Frames(ByName[Mapping[str, Frame] | None, Frame]):
 
     _: KW_ONLY
     default: Any = None
-    item: Any = field(default_factory=_frame)
+    item: Any = field(default_factory=lambda: DeclaredPart(kind=Frame, refusal=_NO_FRAME))
 
     def read(self, owner: object, arguments: Arguments, value: object, path: str) -> FrozenMapping[Frame]:
         """Return the frames; none may have the name of the centre of mass."""

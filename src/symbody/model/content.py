@@ -67,11 +67,7 @@ def _is_data(kind: type) -> bool:
     return kind in (dict, list, tuple) or kind.__module__.startswith(_OURS)
 
 
-def _repr(value: object) -> str:
-    return repr(value)
-
-
 # Each begins in its own way, and none contains the end of a line.
 _PLAIN: Final[Mapping[type, Callable[[object], str]]] = {
-    kind: _repr for kind in (bool, float, Fraction, int, str, type(None))
+    kind: repr for kind in (bool, float, Fraction, int, str, type(None))
 }

@@ -64,19 +64,14 @@ class FirstValues(FrozenMapping[Formula]):
         self.held = tuple(name for name in held if name in self)
 
 
-def _from_table(arguments: Arguments, table: Mapping[str, Any]) -> Initial:
-    """Return a first value as a model file writes it."""
-    made = arguments.attempt(lambda: Initial(table["value"], table.get("priority", "guess")))
-    return Initial(ZERO) if made is None else made
-
-
 def read_initial(arguments: Arguments, values: Mapping[str, Value | Initial]) -> FirstValues:
     """Return the formulas of first values, with the names of those that hold."""
     held: list[str] = [*values.held] if isinstance(values, FirstValues) else []
 
     def read(value: object, path: str) -> Formula:
         if isinstance(value, Mapping) and "value" in value and {*value} <= {"value", "priority"}:
-            value = _from_table(arguments, value)
+            table: Mapping[str, Any] = value
+            value = arguments.attempt(lambda: Initial(**table)) or Initial(ZERO)
         if isinstance(value, Initial):
             if value.priority == "hold":
                 held.append(path.removeprefix("initial."))

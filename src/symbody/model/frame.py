@@ -207,13 +207,13 @@ def _euler_turns(matrix: tuple[Triple, Triple, Triple]) -> tuple[SimpleRotation,
     if sum(map(len, numbers)) < 9:
         angles: tuple[Formula, ...] = _formulas(matrix)
     else:
-        angles = tuple(_angle(angle) for angle in _numbers(numbers))
+        angles = tuple(_angle(angle) for angle in rotation_angles(numbers))
     pairs = zip("zyx", angles, strict=True)
     return tuple(SimpleRotation(LETTERS[letter], angle) for letter, angle in pairs if angle.text != "0")
 
 
-def _numbers(r: list[list[float]]) -> tuple[float, float, float]:
-    """Return the three angles of R = Rz Ry Rx."""
+def rotation_angles(r: list[list[float]]) -> tuple[float, float, float]:
+    """Return the three angles of R = Rz Ry Rx; the first is 0 where only its sum with the third counts."""
     horizontal = math.hypot(r[0][0], r[1][0])
     second = math.atan2(-r[2][0], horizontal)
     if horizontal < 1e-9:  # z and x turn about one line: let x do it

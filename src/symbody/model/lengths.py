@@ -27,7 +27,6 @@ def model_lengths(model: Model) -> Iterator[Formula]:
 
 
 def _own_lengths(element: Element) -> Iterator[Formula]:
-    """Yield the formulas of an element that are lengths."""
     if isinstance(element, ConstraintElement) and element.multiplier_unit == "N":
         yield from (
             site.formula for site in element.formula_sites() if site.path.partition("[")[0] in _LENGTHS
@@ -43,7 +42,6 @@ def _own_lengths(element: Element) -> Iterator[Formula]:
 
 
 def _law_lengths(free: Formula, law: Law) -> Iterator[Formula]:
-    """Yield the lengths of the law of a spring."""
     yield free
     if isinstance(law, Curve):
         yield from law.x

@@ -258,15 +258,12 @@ class Model(Displayed):
 def resolve_parameters(model: Model, overrides: Mapping[str, Value] | None = None) -> dict[str, Constant]:
     """Return the value of every parameter: exact where its formula is, a float otherwise.
 
+    Raises ModelError listing all parameters without value, or all names that are not parameters.
+
     Parameters
     ----------
     overrides : mapping of name to number or formula
         Take the place of the model's values; what depends on them follows.
-
-    Raises
-    ------
-    ModelError
-        Listing all parameters without value, or all names that are not parameters.
     """
     return resolve(model.parameters, overrides or {})
 

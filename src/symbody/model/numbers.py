@@ -18,15 +18,12 @@ class _Unknown(Exception):
 def formula_value(formula: Formula, values: Mapping[str, Constant] | None = None) -> Constant | None:
     """Return the value of a formula, or None if it contains a name that has none.
 
+    Raises ExpressionError if the formula divides by zero.
+
     Parameters
     ----------
     values : mapping of name to number
         Values of the parameters; ``pi`` needs none.
-
-    Raises
-    ------
-    ExpressionError
-        If the formula divides by zero.
     """
     named = values or {}
     if formula.text in named:  # most formulas are the name of a parameter

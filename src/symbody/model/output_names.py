@@ -167,7 +167,6 @@ def _has_axes(words: Words) -> bool:
 
 
 def _elements(kind: str, letter: str, *, is_needed: bool = True) -> ElementWord:
-    """Return the argument for the elements that have outputs of a kind."""
     return ElementWord(letter, methodcaller("output_words", kind), is_needed)
 
 

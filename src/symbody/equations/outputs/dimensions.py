@@ -242,10 +242,6 @@ def unit_text(value: _Quantity) -> str:
 
 
 def _word(name: str, exponent: Fraction) -> str:
-    return (
-        name
-        if exponent == 1
-        else f"{name}^{exponent}"
-        if exponent.denominator == 1
-        else f"{name}^({exponent})"
-    )
+    if exponent == 1:
+        return name
+    return f"{name}^{exponent}" if exponent.denominator == 1 else f"{name}^({exponent})"

@@ -49,7 +49,9 @@ def equation_lines(
     """
     sections = written_sections(textbook, latex, limit, digits)
     blocks = [_block(section, latex, len(sections) > 1) for section in sections]
-    lines = [_with_greek(line) if greek else line for block in blocks for line in block]
+    lines = [line for block in blocks for line in block]
+    if greek:
+        lines = [_NAME.sub(lambda match: greek_name(match[0]), line) for line in lines]
     return lines if latex else [row for line in lines for row in wrap_formula(line, width)]
 
 
@@ -58,10 +60,6 @@ def equation_text(
 ) -> str:
     """Return `equation_lines` as one text, on demand with Greek letters for their names."""
     return "\n".join(equation_lines(textbook, False, limit, width, greek, digits))
-
-
-def _with_greek(line: str) -> str:
-    return _NAME.sub(lambda match: greek_name(match[0]), line)
 
 
 def equation_latex(

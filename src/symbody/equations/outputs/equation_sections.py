@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.outputs.textbook import Textbook
 from symbody.expr.canonical import ZERO, add, sub
-from symbody.expr.graph import Constant, Graph, SymbolKind
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import ADD, LEAVES, NEG, SUB, SYMBOL
 from symbody.expr.printing.numerals import ALL_DIGITS, Numerals, written_numbers
 from symbody.expr.rewrite import dependence, tree_sizes
@@ -118,7 +118,9 @@ def _all_sections(textbook: Textbook, limit: int) -> list[EquationSection]:
 def motion_section(textbook: Textbook, limit: int) -> EquationSection:
     """Return the equations of motion, one a speed."""
     formed = textbook.formed
-    plain = list(zip(textbook.inertial_side.nodes, textbook.shown_forcing_side.nodes, strict=True))
+    plain = list(
+        zip(textbook.inertial_side.nodes, textbook.forcing_side(has_signals=True).nodes, strict=True)
+    )
     sizes = tree_sizes(formed.graph, [node for pair in plain for node in pair])
     sides = equation_sides(textbook) if max(sizes, default=0) <= limit else plain
     accelerations = [formed.graph.symbol(symbol.derivative) for symbol in formed.u]
@@ -177,11 +179,9 @@ def has_rounded(textbook: Textbook, nodes: Sequence[int], numerals: Numerals) ->
     """Return whether numbers of formulas have more digits than are printed."""
     graph = textbook.formed.graph
     values = (graph.number(node) for node in graph.reachable(nodes) if graph.ops[node] in LEAVES - {SYMBOL})
-    return any(_is_rounded(numerals, value) for value in values)
-
-
-def _is_rounded(numerals: Numerals, value: Constant | None) -> bool:
-    return value is not None and bool(numerals.round_number(value if value >= 0 else -value))
+    return any(
+        value is not None and numerals.round_number(value if value >= 0 else -value) for value in values
+    )
 
 
 _MOVING = frozenset({SymbolKind.COORDINATE, SymbolKind.SPEED, SymbolKind.MULTIPLIER})
@@ -190,7 +190,7 @@ _MOVING = frozenset({SymbolKind.COORDINATE, SymbolKind.SPEED, SymbolKind.MULTIPL
 def equation_sides(textbook: Textbook) -> list[tuple[int, int]]:
     """Return the nodes of the left and the right side of each equation."""
     graph = textbook.formed.graph
-    pairs = zip(textbook.inertial_side.nodes, textbook.shown_forcing_side.nodes, strict=True)
+    pairs = zip(textbook.inertial_side.nodes, textbook.forcing_side(has_signals=True).nodes, strict=True)
     return [_sides(graph, sub(graph, inertial, driving)) for inertial, driving in pairs]
 
 

@@ -21,11 +21,7 @@ def input_formula(value: FormulaLike, name: str) -> Formula:
     """Return the law of an input as a formula.
 
     Outputs stand in single quotes, ``"-k*'length S'"``; the whole name of one needs none.
-
-    Raises
-    ------
-    ExpressionError
-        If it is not a formula.
+    Raises ExpressionError if it is not a formula.
     """
     where = f"input {name}"
     if isinstance(value, str) and kind_of(value) is not None and "'" not in value:
@@ -39,12 +35,8 @@ def input_formula(value: FormulaLike, name: str) -> Formula:
 def input_law_nodes(formed: EquationsOfMotion, laws: Mapping[str, FormulaLike]) -> dict[str, int]:
     """Return the node of each input's law, in which other laws stand in place of their inputs.
 
-    Raises
-    ------
-    ExpressionError
-        If a law reads what does not exist.
-    FormulationError
-        If a law reads what follows from its own input, naming what it reads.
+    Raises ExpressionError if a law reads what does not exist, FormulationError if it reads what follows from
+    its own input, naming what it reads.
     """
     nodes = {name: _law_node(formed, input_formula(law, name), name) for name, law in laws.items()}
     read = {name: _inputs_read(formed, node, nodes) for name, node in nodes.items()}

@@ -26,6 +26,8 @@ def reaction_wrench(
 ) -> Wrench:
     """Return the reaction of a joint as a formula in u' and the multipliers.
 
+    Raises FormulationError if joint or frame do not exist, or the joint does not act on the body.
+
     Parameters
     ----------
     on : str, optional
@@ -34,11 +36,6 @@ def reaction_wrench(
         The frame whose origin the moment is about; by default the end frame, or the point of contact.
     totals : mapping of joint to Wrench, optional
         The total wrenches; by default the formulas of those of the motion.
-
-    Raises
-    ------
-    FormulationError
-        If the joint or the frame does not exist, or the joint does not act on the body.
     """
     owner = formed.topology.link(joint)
     if owner is None:

@@ -1,8 +1,9 @@
-"""Outputs by name: the roots behind every word that compile, generate_code and results accept."""
+"""Outputs by name: the roots behind every word that compile, generate_code and results accept; and cures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -24,7 +25,6 @@ from symbody.equations.outputs.friction_outputs import (
     rope_tension,
 )
 from symbody.equations.outputs.joint_outputs import effort_output, reaction_output, total_power
-from symbody.equations.outputs.output_cures import frame_cure, quotation_cure
 from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
 from symbody.equations.recursive.udot_derivatives import columns_of_slopes
 from symbody.equations.solving.drift_correction import (
@@ -48,6 +48,7 @@ from symbody.expr.sequences.sequence import Roots
 from symbody.model.output_names import (
     DERIVATIVE_GROUPS,
     FRAME_OUTPUT,
+    MOTION_WORDS,
     MULTIPLIER,
     OUTPUT_KINDS,
     DerivativeRequest,
@@ -76,11 +77,7 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     Whole names come first, then derivatives, names with arguments, then symbols and expressions in them;
     parentheses reach a symbol that bears the name of an output. In expressions, outputs stand in single
     quotes: ``sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)``.
-
-    Raises
-    ------
-    FormulationError
-        If the name means nothing, with the nearest names.
+    Raises FormulationError, with the nearest names, if the name means nothing.
     """
     asked = parse_derivative(name)
     if asked is not None:
@@ -107,7 +104,6 @@ def raw_output(formed: EquationsOfMotion, name: str) -> Output:
 
 
 def _named_output(formed: EquationsOfMotion, asked: OutputName, name: str) -> Output:
-    """Return the shape and values of an output of a kind."""
     try:
         shape, values = MAKERS[asked.kind.word](formed, asked.words)
     except FormulationError as error:
@@ -131,7 +127,6 @@ def _multiplier(formed: EquationsOfMotion, name: str) -> Expr | None:
 
 
 def _expression(formed: EquationsOfMotion, name: str) -> Output:
-    """Return the value of a symbol or expression."""
     try:
         formula = Formula.from_value(name, has_outputs=True)
         value = formed.readable_names.expression(formula, outputs=quoted_output(formed, formula))
@@ -151,7 +146,6 @@ def _put_in_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[
 
 
 def _dropped_problem(formed: EquationsOfMotion, name: str) -> Problem:
-    """Return the problem of a multiplier whose equation was dropped."""
     kept = ", ".join(row.name for row in (*formed.coupled.rows, *formed.rows))
     cure = f"read those of the remaining constraints: {kept}" if kept else "leave it out"
     if formed.coupled.rows:
@@ -405,16 +399,12 @@ def derivative_roots(
     """Return the derivatives of `values`, the roots of the output; the last axis counts the symbols.
 
     All other symbols are held fixed; components of a quaternion count as independent.
+    Raises FormulationError if a word is none of ``q``, ``u``, ``r``, ``s`` and no symbol of the equations.
 
     Parameters
     ----------
     side_by_side : bool
         Whether programs for several columns may be among the nodes: faster as code, but for nothing else.
-
-    Raises
-    ------
-    FormulationError
-        If a word is none of ``q``, ``u``, ``r``, ``s`` and no symbol of the equations, with the nearest ones.
     """
     by = tuple(chain.from_iterable(_symbols(formed, name, word) for word in asked.by))
     rows = differentiate_output(formed, asked.output, values.nodes, by, side_by_side=side_by_side)
@@ -456,3 +446,57 @@ def _symbols(formed: EquationsOfMotion, name: str, word: str) -> tuple[Symbol, .
     what = f"cannot differentiate by {word!r}"
     why = "it is not a symbol of these equations, or is replaced by an expression"
     raise FormulationError(Problem("equations.derivative_by", name, what, why, nearest(inner, known)))
+
+
+_KINDS: Final = MappingProxyType({word: kind for kind, words in MOTION_WORDS.items() for word in words})
+_FRAME: Final = rf"{FRAME_OUTPUT} (?:{'|'.join(MOTION_WORDS)})(?: [^\W\d][\w.]*){{1,4}}"
+
+
+def frame_cure(name: str, frames: Collection[str]) -> str:
+    """Return the output of a frame's motion that was probably meant, or ``""``.
+
+    Parameters
+    ----------
+    frames : collection of str
+        Bodies and frames as outputs name them: ``"Arm"``, ``"Arm.tip"``.
+
+    >>> frame_cure("position tip", ["ground", "Arm", "Arm.tip"])
+    "did you mean 'frame r Arm.tip'?"
+    """
+    if place := _full_name(name, frames):
+        return f"did you mean 'frame r {place}'?"
+    words = name.split()
+    for count in (2, 1):
+        kind, rest = _KINDS.get(" ".join(words[:count])), " ".join(words[count:])
+        if kind is None or not rest:
+            continue
+        place = _full_name(rest, frames)
+        if place:
+            return f"did you mean 'frame {kind} {place}'?"
+        return f"write 'frame {kind} END' with a body or frame for END: {nearest(rest, frames)}"
+    return ""
+
+
+def _full_name(name: str, frames: Collection[str]) -> str:
+    """Return the frame of this name, with its body in front; empty if there is none or more than one."""
+    if name in frames:
+        return name
+    ending = [frame for frame in frames if frame.endswith(f".{name}")]
+    return ending[0] if len(ending) == 1 else ""
+
+
+def quotation_cure(text: str, outputs: Iterable[str]) -> str:
+    """Return what to type where outputs inside a formula lack their quotes; empty where none do.
+
+    >>> quotation_cure("2*reaction A Fx", ["reaction A", "reaction A Fx"])
+    "inside a formula, write outputs in single quotes: 2*'reaction A Fx'"
+    >>> quotation_cure("[reaction A Fx]^2", ["reaction A", "reaction A Fx"])
+    "inside a formula, write outputs in single quotes: 'reaction A Fx'^2"
+    """
+    if re.search(r"[-+*/^(<>,]", text) is None:
+        return ""
+    names = sorted((name for name in outputs if " " in name), key=len, reverse=True)
+    words = "|".join([*map(re.escape, names), _FRAME])
+    bare = rf"(?<![\w'])(?:\"({words})\"|\[({words})\]|({words}))(?![\w'])"
+    quoted = re.sub(bare, lambda found: f"'{found[1] or found[2] or found[3]}'", text)
+    return "" if quoted == text else f"inside a formula, write outputs in single quotes: {quoted}"

@@ -39,8 +39,7 @@ def substitute_signals(
     graph, states = formed.graph, frozenset(formed.signal_states)
 
     def open_symbols(expression: Expr) -> list[Symbol]:
-        symbols = [graph.symbols[graph.left[node]] for node in symbols_of(graph, [expression.index])]
-        return [s for s in symbols if s.kind is SymbolKind.SIGNAL and s not in states]
+        return [s for s in _symbols(expression) if s.kind is SymbolKind.SIGNAL and s not in states]
 
     definitions: dict[Symbol, Expr] = {}
     waiting = [symbol for value in values for symbol in open_symbols(value)]
@@ -94,17 +93,14 @@ def explicit_outputs(
 ) -> dict[str, Expr]:
     """Return signals of outputs that loads read, in t, q, u and s.
 
+    Raises FormulationError if one needs accelerations or reactions, or if they need each other in a ring.
+
     Parameters
     ----------
     formed : EquationsOfMotion
         With these signals as symbols.
     ways : mapping of signal to texts
         By which loads read each.
-
-    Raises
-    ------
-    FormulationError
-        If one needs accelerations or reactions, or if they need each other in a ring.
     """
     graph = formed.graph
     signals = {signal.name: signal for signal in formed.topology.model.signals}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from random import Random
 from types import MappingProxyType
-from typing import Final, Literal, NamedTuple
+from typing import Final, NamedTuple
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.curve_names import curve_functions, name_curves
@@ -120,7 +120,7 @@ class Textbook:
         if name in _SIDES:
             graph = self.formed.graph
             rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
-            return {"inertial": self.inertial_side, "driving": self.forcing_side}.get(
+            return {"inertial": self.inertial_side, "driving": self.forcing_side()}.get(
                 name, Roots(name, (len(rates),), rates)
             )
         return self.readable(name)
@@ -170,18 +170,9 @@ class Textbook:
         rows = [_sum_of_products(graph, mass[i * n : i * n + n], accelerations).index for i in range(n)]
         return Roots("inertial", (n,), tuple(rows))
 
-    @property
-    def forcing_side(self) -> Roots:
-        """``F + J^T lambda`` in the expression graph, one root a speed."""
-        return self._forcing_side("readable")
-
-    @property
-    def shown_forcing_side(self) -> Roots:
-        """``F + J^T lambda`` with signals that loads read by their names."""
-        return self._forcing_side("shown")
-
-    def _forcing_side(self, form: Literal["readable", "shown"]) -> Roots:
-        roots = self.display if form == "shown" else self.readable
+    def forcing_side(self, *, has_signals: bool = False) -> Roots:
+        """Return ``F + J^T lambda``, one root a speed; on demand signals that loads read have their names."""
+        roots = self.display if has_signals else self.readable
         graph, n = self.formed.graph, len(self.formed.u)
         multipliers = self.formed.expressions(self.formed.multipliers)
         jacobian = [Expr(graph, node) for node in roots("jacobian").nodes]
@@ -282,11 +273,6 @@ def check_rewriting(
         The output.
     computed, shown : sequence of int
         Roots as they are compiled, and as they are shown; curves shown by name are compared by their pieces.
-
-    Raises
-    ------
-    FormulationError
-        If a formula is another function than its root.
     """
     entries = zip(computed, write_out(formed.graph, shown), strict=True)
     _check(formed, [_Pair(f"{name}[{k}]", a, b) for k, (a, b) in enumerate(entries)])
@@ -317,9 +303,7 @@ def check_dynamics(formed: EquationsOfMotion) -> None:
 
 def _products(formed: EquationsOfMotion, udot: Sequence[Expr]) -> list[Expr]:
     """Return ``M u'``."""
-    zero = Expr(formed.graph, 0)
-    rows = formed.dynamics.mass_matrix
-    return [sum((a * b for a, b in zip(row, udot, strict=True)), zero) for row in rows]
+    return [_sum_of_products(formed.graph, row, udot) for row in formed.dynamics.mass_matrix]
 
 
 def _check(formed: EquationsOfMotion, pairs: Sequence[_Pair]) -> None:

@@ -77,18 +77,13 @@ def output_units(formed: EquationsOfMotion) -> Units:
     own = {part.name: part.multiplier_unit for part in formed.topology.model.constraints}
     rows = (*formed.rows, *formed.coupled.rows)
     units |= {row.name: own[row.element] for row in rows if own.get(row.element)}
-    return Units(units | _signal_units(formed, Units(units)))
-
-
-def _signal_units(formed: EquationsOfMotion, listed: Units) -> dict[str, str]:
-    """Return the units of signals that name outputs."""
-    outputs = {signal.name: signal.output or "" for signal in formed.topology.model.signals}
-    units = {name: listed.get(output, "") for name, output in outputs.items() if output}
-    return {name: unit for name, unit in units.items() if unit}
+    listed = Units(units)
+    outputs = {signal.name: signal.output for signal in formed.topology.model.signals if signal.output}
+    of_signals = {name: listed.get(output, "") for name, output in outputs.items()}
+    return Units(units | {name: unit for name, unit in of_signals.items() if unit})
 
 
 def _joint_units(joint: Joint) -> dict[str, str]:
-    """Return the units of a joint's coordinates and speeds."""
     units: dict[str, str] = {}
     turning = joint.rotation_coordinates if joint.quaternion is None else ()
     for names, of_kind in ((joint.translation_coordinates, _TRANSLATION), (turning, _ROTATION)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Set
 from typing import Final
 
 from symbody.errors import Problem, nearest
@@ -125,12 +125,26 @@ def initial_problems(
     states = [name for name, meaning in symbols.meanings.items() if meaning.word == "signal"]
     problems = []
     for name in initial:
+        where = f"model, initial.{name}"
         if name in prescribed:
-            problems.append(_prescribed_problem(name, prescribed[name]))
+            problems.append(
+                Problem("initial.prescribed", where,
+                        f"the prescribed motion of joint {prescribed[name].name} determines {name}",
+                        "a prescribed coordinate is not an unknown and starts where its motion starts",
+                        "remove the initial value or the motion")
+            )  # fmt: skip
         elif name in states:
-            problems.append(_signal_problem(name, symbols.meanings[name].where))
+            problems.append(
+                Problem("signal.initial", where, f"{name} is a signal ({symbols.meanings[name].where})",
+                        "the initial value of a signal with a rate is part of the signal",
+                        f'write [[signal]] name = "{name}", rate = .., initial = ..')
+            )  # fmt: skip
         elif name not in legal:
-            problems.append(_unknown_problem(name, legal))
+            problems.append(
+                Problem("initial.unknown", where, f"there is no coordinate, rate or speed {name!r}",
+                        "initial values can be set for coordinates, their rates x_dot, and speeds",
+                        nearest(name, legal))
+            )  # fmt: skip
     return problems
 
 
@@ -138,40 +152,14 @@ def check_initial(check: NumericChecks, initial: Mapping[str, Formula], joints: 
     """Check the values; four that form a quaternion must not all be zero."""
     values = {name: check.value(formula, f"model, initial.{name}") for name, formula in initial.items()}
     for joint in joints:
-        names = joint.quaternion or ()
+        names: tuple[str, ...] = joint.quaternion or ()
         numbers = [value for name in names if (value := values.get(name)) is not None]
-        if len(numbers) == 4:
-            _check_quaternion(check, joint.name, names, numbers)
-
-
-def _check_quaternion(
-    check: NumericChecks, joint: str, names: Sequence[str], values: Sequence[float]
-) -> None:
-    listed = ", ".join(names)
-    norm = math.hypot(*values)
-    if norm == 0:
-        what = f"{listed} are all zero"
-        why = "a quaternion of norm zero is not a rotation"
-        fix = f"write 1 for {names[0]}, or leave all four out: no rotation"
-        check.refuse("initial.zero_quaternion", f"model, initial.{names[0]}", what, why, fix)
-    elif abs(norm - 1) > _NORM:
-        check.note(f"joint {joint}: the initial quaternion {listed} of norm {norm:g} is normalized")
-
-
-def _unknown_problem(name: str, known: Iterable[str]) -> Problem:
-    what = f"there is no coordinate, rate or speed {name!r}"
-    why = "initial values can be set for coordinates, their rates x_dot, and speeds"
-    return Problem("initial.unknown", f"model, initial.{name}", what, why, nearest(name, known))
-
-
-def _signal_problem(name: str, where: str) -> Problem:
-    why = "the initial value of a signal with a rate is part of the signal"
-    fix = f'write [[signal]] name = "{name}", rate = .., initial = ..'
-    return Problem("signal.initial", f"model, initial.{name}", f"{name} is a signal ({where})", why, fix)
-
-
-def _prescribed_problem(name: str, joint: Joint) -> Problem:
-    what = f"the prescribed motion of joint {joint.name} determines {name}"
-    why = "a prescribed coordinate is not an unknown and starts where its motion starts"
-    fix = "remove the initial value or the motion"
-    return Problem("initial.prescribed", f"model, initial.{name}", what, why, fix)
+        norm = math.hypot(*numbers) if len(numbers) == 4 else 1.0
+        listed = ", ".join(names)
+        if norm == 0:
+            what = f"{listed} are all zero"
+            why = "a quaternion of norm zero is not a rotation"
+            fix = f"write 1 for {names[0]}, or leave all four out: no rotation"
+            check.refuse("initial.zero_quaternion", f"model, initial.{names[0]}", what, why, fix)
+        elif abs(norm - 1) > _NORM:
+            check.note(f"joint {joint.name}: the initial quaternion {listed} of norm {norm:g} is normalized")

@@ -10,11 +10,13 @@ from typing import Final, NamedTuple
 
 from symbody.errors import Problem, nearest
 from symbody.expr.language.formula import Formula
+from symbody.model.checks.signals import collect_signals
 from symbody.model.constraint import ConstraintElement
 from symbody.model.declarations.formula_site import FormulaSite, Scope
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
+from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 from symbody.model.tables.lookup import Lookup
 
@@ -88,24 +90,33 @@ def collect_symbols(entries: Iterable[tuple[str, Meaning]]) -> tuple[Symbols, li
     return Symbols({name: meanings[0] for name, meanings in found.items()}), problems
 
 
+def element_entries(element: Element, label: str) -> Iterator[tuple[str, Meaning]]:
+    """Return what an element adds to the symbols, unless it is a table."""
+    if isinstance(element, Joint):
+        yield from joint_entries(element, label)
+    elif isinstance(element, ConstraintElement):
+        for name in element.coordinates:
+            yield from coordinate_entries(name, f"{label}, parameter")
+    elif isinstance(element, Signal | SignalBlock):
+        yield from signal_entries(element, collect_signals([element]), label)
+
+
 def joint_entries(joint: Joint, label: str) -> Iterator[tuple[str, Meaning]]:
     """Return what a joint adds to the symbols: coordinates and speeds, their rates and accelerations."""
     given = joint.given_names
     for k, name in enumerate(joint.coordinates):
         path = "name" if given[k] is None else "coordinate" if len(given) == 1 else f"coordinates[{k}]"
-        for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
-            yield f"{name}{suffix}", Meaning(word, f"{label}, {path}")
+        yield from coordinate_entries(name, f"{label}, {path}")
     for k, name in enumerate(joint.quasi_speed_names):
         path = "name" if joint.speed_names is None else f"speed_names[{k}]"
         yield name, Meaning("speed", f"{label}, {path}")
         yield f"{name}_dot", Meaning("acceleration", f"{label}, {path}")
 
 
-def constraint_entries(condition: ConstraintElement, label: str) -> Iterator[tuple[str, Meaning]]:
-    """Return what a constraint adds to the symbols: its own coordinates, their rates and accelerations."""
-    for name in condition.coordinates:
-        for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
-            yield f"{name}{suffix}", Meaning(word, f"{label}, parameter")
+def coordinate_entries(name: str, where: str) -> Iterator[tuple[str, Meaning]]:
+    """Return a coordinate, its rate and its acceleration."""
+    for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
+        yield f"{name}{suffix}", Meaning(word, where)
 
 
 def signal_entries(element: Element, signals: Sequence[Signal], label: str) -> Iterator[tuple[str, Meaning]]:

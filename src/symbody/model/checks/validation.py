@@ -21,13 +21,11 @@ from symbody.model.checks.structure import (
 from symbody.model.checks.symbols import (
     Meaning,
     collect_symbols,
-    constraint_entries,
+    element_entries,
     joint_entries,
     scope_problems,
-    signal_entries,
     table_entries,
 )
-from symbody.model.constraint import ConstraintElement
 from symbody.model.constraints.couplings import JointCoupling
 from symbody.model.declarations.element_fields import Connection
 from symbody.model.declarations.formula_site import FormulaSite, Scope, Triple, component_sites
@@ -40,8 +38,6 @@ from symbody.model.joint import Joint
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.parameters import cycle_problems, parameter_values
 from symbody.model.shapes.shape import BodyShape
-from symbody.model.signals.block import SignalBlock
-from symbody.model.signals.signal import Signal
 from symbody.model.tables.lookup import Lookup
 
 
@@ -98,7 +94,6 @@ def check_draft(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element
 
 
 def _name_problems(draft: Draft, elements: Mapping[str, Element]) -> list[Problem]:
-    """Return what is wrong with symbols and with the names in formulas."""
     symbols, problems = collect_symbols(_symbol_entries(draft, elements))
     problems += cycle_problems(draft.parameters)
     problems += scope_problems("model", _model_sites(draft), symbols)
@@ -134,20 +129,14 @@ def _symbol_entries(draft: Draft, elements: Mapping[str, Element]) -> Iterator[t
     for k, name in enumerate(draft.inputs):
         yield name, Meaning("input", f"model, inputs[{k}]")
     for label, element in elements.items():
-        if isinstance(element, Joint):
-            yield from joint_entries(element, label)
-        elif isinstance(element, ConstraintElement):
-            yield from constraint_entries(element, label)
-        elif isinstance(element, Signal | SignalBlock):
-            yield from signal_entries(element, collect_signals([element]), label)
-        elif isinstance(element, Lookup) and element.name not in draft.inputs:
+        yield from element_entries(element, label)
+        if isinstance(element, Lookup) and element.name not in draft.inputs:
             yield from table_entries(element, label, draft.parameters.keys())
     for joint in draft.free_joints:
         yield from joint_entries(joint, f"body {joint.name}")
 
 
 def _model_sites(draft: Draft) -> Iterator[FormulaSite]:
-    """Return where the formulas of the model itself stand."""
     yield from component_sites("gravity", draft.gravity, Scope.CONSTANT)
     for name, formula in draft.parameters.items():
         if formula is not None:
@@ -188,7 +177,6 @@ def _degree_problems(draft: Draft, elements: Mapping[str, Element]) -> list[Prob
 
 
 def _check_numbers(draft: Draft, elements: Mapping[str, Element]) -> NumericChecks:
-    """Return what the values of the parameters say."""
     values, problems = parameter_values(draft.parameters)
     check = NumericChecks(values)
     check.problems += problems
@@ -206,7 +194,6 @@ def _check_numbers(draft: Draft, elements: Mapping[str, Element]) -> NumericChec
 
 
 def _assumptions(draft: Draft) -> list[str]:
-    """Return what was assumed because it was left out."""
     notes = [
         f"body {joint.name} has no joint and moves freely, with coordinates {joint.coordinates[0]} "
         f"to {joint.coordinates[-1]}"

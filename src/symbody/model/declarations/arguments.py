@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import reprlib
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from decimal import Decimal
 from numbers import Real
 from typing import Final, SupportsFloat, TypeGuard, TypeVar, cast
@@ -108,12 +109,10 @@ class Arguments:
         try:
             return make()
         except SymbodyError as error:
-            if path is None:
-                self.problems.extend(error.problems)
-            for problem in () if path is None else error.problems:
+            for problem in error.problems:
                 rest = problem.where.partition(", ")[2]
-                place = f"{path}.{rest}" if rest else path
-                self.add(problem.code, place, problem.what, problem.why, problem.fix)
+                where = problem.where if path is None else self.where(f"{path}.{rest}" if rest else path)
+                self.problems.append(replace(problem, where=where))
             return None
 
     def raise_all(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, ClassVar, Final, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.field import (
@@ -22,7 +22,6 @@ from symbody.model.frozen_mapping import FrozenMapping
 
 G = TypeVar("G")
 K = TypeVar("K")
-NULL: Final = {"type": "null"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,8 +32,6 @@ class OptionalField(Field[Given | None, Kept | None], Generic[Given, Kept]):
     ----------
     inner : Field
         The role.
-    is_nullable : bool
-        Whether JSON data may have null in its place.
     """
 
     role: ClassVar[str]
@@ -42,7 +39,6 @@ class OptionalField(Field[Given | None, Kept | None], Generic[Given, Kept]):
     _: KW_ONLY
     default: Any = None
     inner: Any = None
-    is_nullable: bool = False
 
     def __post_init__(self) -> None:
         """Take over the words of the role."""
@@ -61,12 +57,11 @@ class OptionalField(Field[Given | None, Kept | None], Generic[Given, Kept]):
 
     def schema(self) -> Schema:
         """Return the schema of the role."""
-        schema = self._inner().schema()
-        return {"anyOf": [schema, NULL]} if self.is_nullable else schema
+        return self._inner().schema()
 
     def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
         """Return the misfits of a value."""
-        return () if entry is None and self.is_nullable else self._inner().misfits(entry, path)
+        return self._inner().misfits(entry, path)
 
     def tables(self) -> Iterable[FileTable]:
         """Return the tables of the role."""

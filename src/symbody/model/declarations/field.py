@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass
+from types import MappingProxyType
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -19,6 +20,7 @@ from typing import (
     overload,
 )
 
+from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.formula_site import FormulaSite
@@ -35,14 +37,12 @@ from symbody.model.simple_rotation import Axis
 
 if TYPE_CHECKING:
     from symbody.model.element import FrameRef
-from types import MappingProxyType
-
-from symbody.errors import nearest
 
 Given = TypeVar("Given", contravariant=True)
 Kept = TypeVar("Kept", covariant=True)
 
 REQUIRED: Final = object()
+NULL: Final = {"type": "null"}
 
 # What a model file consists of; formulas become text or numbers when it is written.
 Node = Formula | str | bool | int | list["Node"] | dict[str, "Node"]
@@ -118,6 +118,8 @@ class FileRole(ABC):
         Of the value; "" if it has none, or several, which the sentence then contains.
     example : str
         What to write where something else than a list is found.
+    is_nullable : bool
+        Whether JSON data may have null in its place.
     """
 
     sentence: str = ""
@@ -125,6 +127,7 @@ class FileRole(ABC):
     default: Any = REQUIRED
     unit: str = ""
     example: str = ""
+    is_nullable: bool = False
 
     @abstractmethod
     def schema(self) -> Schema:
@@ -293,7 +296,8 @@ class FileTable:
         for key, field in fields.items():
             if key in entry:
                 count += 1
-                misfits += field.misfits(entry[key], (*path, key))
+                if entry[key] is not None or not field.is_nullable:
+                    misfits += field.misfits(entry[key], (*path, key))
             elif field.is_required:
                 misfits.append(missing_key(path, key))
         if count < len(entry):
@@ -302,7 +306,7 @@ class FileTable:
 
 
 def _key_schema(key: str, field: FileRole) -> Schema:
-    schema = dict(field.schema())
+    schema: Schema = {"anyOf": [field.schema(), NULL]} if field.is_nullable else dict(field.schema())
     choices = schema.get("anyOf", [schema])
     if not any("$ref" in choice for choice in (choices if isinstance(choices, list) else [])):
         schema["title"] = key.replace("_", " ").title()

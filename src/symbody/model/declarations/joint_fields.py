@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments, Value
-from symbody.model.declarations.combinators import NULL, AlongCoordinate, ByCoordinate, ListOf, OptionalField
+from symbody.model.declarations.combinators import AlongCoordinate, ByCoordinate, ListOf, OptionalField
 from symbody.model.declarations.element_fields import Directions
 from symbody.model.declarations.field import FileTarget, Node, PlainField
 from symbody.model.declarations.fields import (
@@ -114,18 +114,11 @@ class Coordinates(ListOf[Iterable[str] | None, tuple[str, ...]]):
     _: KW_ONLY
     default: Any = None
     item: Any = field(default_factory=SymbolName)
+    is_nullable: bool = True
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return the names."""
         return read_names(arguments, value, path, owner.default_coordinates)
-
-    def schema(self) -> Schema:
-        """Return a list of names, or null."""
-        return {"anyOf": [ListOf.schema(self), NULL]}
-
-    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
-        """Return the misfits of a list."""
-        return () if entry is None else ListOf.misfits(self, entry, path)
 
 
 def _drive() -> DeclaredPart[Drive]:
@@ -148,16 +141,11 @@ class CoordinateDrive(AlongCoordinate[Drive | None, Drive]):
     _: KW_ONLY
     default: Any = None
     item: Any = field(default_factory=_drive)
-
-    def schema(self) -> Schema:
-        """Return a drive, or null."""
-        return {"anyOf": [self.item.schema(), NULL]}
+    is_nullable: bool = True
 
     def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
         """Return the misfits of a drive."""
-        if isinstance(entry, str):
-            return _applied_alone(entry, path)
-        return () if entry is None else self.item.misfits(entry, path)
+        return _applied_alone(entry, path) if isinstance(entry, str) else self.item.misfits(entry, path)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -176,17 +164,15 @@ class CoordinateDrives(ByCoordinate[Mapping[str, Drive] | None, Drive]):
         """Return the misfits of the drives; one that does not say which coordinate it drives is one."""
         if isinstance(entry, str):
             return _applied_alone(entry, path)
-        if isinstance(entry, dict) and _is_drive(entry):
+        if isinstance(entry, dict) and any(
+            key in Drive.fields and not isinstance(item, dict) for key, item in entry.items()
+        ):
             return wrong_type(entry, path, "a table by coordinate, such as { theta = { stiffness = .. } }")
         return ByCoordinate.misfits(self, entry, path)
 
 
 def _applied_alone(entry: str, path: Path) -> Iterable[Misfit]:
     return wrong_type(entry, path, "a table", f'write {path[-1]} = {{ applied = "{entry}" }}')
-
-
-def _is_drive(entry: Mapping[str, object]) -> bool:
-    return any(key in Drive.fields and not isinstance(item, dict) for key, item in entry.items())
 
 
 def _prescribed_formula() -> Quantity:
@@ -242,10 +228,8 @@ class Armature(AlongCoordinate[Value, Formula]):
         return FrozenMapping({name: inertia for name, inertia in inertias.items() if inertia.constant() != 0})
 
 
-def _friction() -> DeclaredPart[Friction]:
-    refusal = Refusal("model.not_friction", what="{value} is not friction",
-                      fix="write Friction(mu=.., v0=..), or Friction(force=.., v0=..)")  # fmt: skip
-    return DeclaredPart(kind=Friction, refusal=refusal)
+_NO_FRICTION: Final = Refusal("model.not_friction", what="{value} is not friction",
+                              fix="write Friction(mu=.., v0=..), or Friction(force=.., v0=..)")  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -253,7 +237,7 @@ class DryFriction(OptionalField[Friction, Friction]):
     """Dry friction along the only coordinate."""
 
     _: KW_ONLY
-    inner: Any = field(default_factory=_friction)
+    inner: Any = field(default_factory=lambda: DeclaredPart(kind=Friction, refusal=_NO_FRICTION))
     is_nullable: bool = True
 
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> Friction | None:

@@ -9,8 +9,9 @@ from typing import Any, ClassVar, Final, Literal, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.combinators import NULL, OptionalField, list_of
+from symbody.model.declarations.combinators import OptionalField, list_of
 from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.field import NULL
 from symbody.model.declarations.fields import Direction, Flag, SymbolName, TextField
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.declarations.joint_fields import (

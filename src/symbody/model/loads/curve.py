@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from itertools import pairwise
-from typing import Any, ClassVar, Final, Literal, TypeAlias, cast, final
+from typing import Any, ClassVar, Final, Literal, TypeAlias, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import ZERO, Arguments, Value
@@ -84,7 +84,8 @@ def segment_pieces(
     last_x, last_y = parts[-1]
     first_slope = inner[0][3] if slope and len(parts[0][0]) > 1 else 0.0
     width = last_x[-1] - inner[-1][1]
-    last_slope = _polynomial_slope(inner[-1][2:], width) if slope and len(last_x) > 1 else 0.0
+    terms = enumerate(inner[-1][2:] if slope and len(last_x) > 1 else ())
+    last_slope = sum((k * c * width ** (k - 1) for k, c in terms if k), 0.0)
     rest = (0.0,) * (size - 4)
     before = (-math.inf, x[0], y[0], first_slope, *rest)
     return [before, *inner, (last_x[-1], last_x[-1], last_y[-1], last_slope, *rest)]
@@ -170,14 +171,9 @@ def read_law(arguments: Arguments, value: object, path: str) -> Law:
         fix = "write { x = [..], y = [..] }, with kind and outside if needed"
         arguments.add("model.curve_words", path, f"{', '.join(sorted(wrong))} {fault} in a curve", "", fix)
         return ZERO
-    made = arguments.attempt(lambda: _make_curve(value), path)
+    table: dict[str, Any] = {str(word): item for word, item in value.items()}
+    made = arguments.attempt(lambda: Curve(**table), path)
     return ZERO if made is None else made
-
-
-def _make_curve(table: Mapping[str, object]) -> Curve:
-    x, y = (cast("Iterable[Value]", table[word]) for word in ("x", "y"))
-    kind = cast("Literal['linear', 'pchip']", table.get("kind", "linear"))
-    return Curve(x, y, kind, cast("Literal['hold', 'slope']", table.get("outside", "hold")))
 
 
 def _check_points(arguments: Arguments, x: Sequence[float], y: Sequence[float]) -> None:
@@ -242,8 +238,3 @@ def _end_slope(h0: float, h1: float, d0: float, d1: float) -> float:
     if slope * d0 <= 0:
         return 0.0
     return 3 * d0 if d0 * d1 <= 0 and abs(slope) > 3 * abs(d0) else slope
-
-
-def _polynomial_slope(coefficients: Sequence[float], width: float) -> float:
-    """Return the slope of ``c0 + c1 x + ..`` at `width`."""
-    return sum(k * c * width ** (k - 1) for k, c in enumerate(coefficients) if k)

@@ -222,11 +222,9 @@ def _six_misfits(entry: object, path: Path) -> Iterable[Misfit]:
     rows = [item for item in entry if isinstance(item, list)]
     if any(len(row) != len(_NONE) for row in rows):
         return wrong_type(entry, path, "rows of six numbers or expressions")
-    return list_misfits(entry, path, _row_misfits if rows else formula_misfits)
-
-
-def _row_misfits(entry: object, path: Path) -> Iterable[Misfit]:
-    return list_misfits(entry, path, formula_misfits)
+    if not rows:
+        return list_misfits(entry, path, formula_misfits)
+    return list_misfits(entry, path, lambda row, place: list_misfits(row, place, formula_misfits))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -68,7 +68,14 @@ class Friction(Declared):
 
     def check(self, arguments: Arguments) -> None:
         """Note arguments of both laws given together."""
-        _check_laws(self, arguments)
+        if self.force is None and self.static is not None:
+            _refuse_mixture(arguments, "static", "force")
+        if self.force is not None:
+            for name in ("mu_static", "radius"):
+                if getattr(self, name) is not None:
+                    _refuse_mixture(arguments, name, "mu")
+            if self.mu.constant() != 0:
+                _refuse_mixture(arguments, "force", "mu = 0")
 
     @property
     def reads_reaction(self) -> bool:
@@ -100,21 +107,10 @@ def check_friction(check: NumericChecks, friction: Friction, where: str, turns: 
             fix = f"give a value of at least {low:g}, or leave {resting} out"
             check.refuse("model.static_friction", f"{where}.{resting}", what, why, fix)
     if turns and friction.reads_reaction and not friction.is_none and friction.radius is None:
-        what = "the radius of the bearing is missing"
-        why = "friction in a rotating joint is a torque: mu * radius * reaction"
-        check.refuse("model.friction_radius", f"{where}.radius", what, why, "give radius = .. in m")
-
-
-def _check_laws(friction: Friction, arguments: Arguments) -> None:
-    """Refuse words of both laws together."""
-    if friction.force is None and friction.static is not None:
-        _refuse_mixture(arguments, "static", "force")
-    if friction.force is not None:
-        for name in ("mu_static", "radius"):
-            if getattr(friction, name) is not None:
-                _refuse_mixture(arguments, name, "mu")
-        if friction.mu.constant() != 0:
-            _refuse_mixture(arguments, "force", "mu = 0")
+        check.refuse(
+            "model.friction_radius", f"{where}.radius", "the radius of the bearing is missing",
+            "friction in a rotating joint is a torque: mu * radius * reaction", "give radius = .. in m",
+        )  # fmt: skip
 
 
 def _refuse_mixture(arguments: Arguments, word: str, partner: str) -> None:

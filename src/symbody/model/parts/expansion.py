@@ -206,7 +206,7 @@ def model_content(model: Model) -> Draft:
 
 def own_content(model: Model) -> tuple[Draft, tuple[Include, ...]]:
     """Return the content of a model's file: parts from files that are unchanged stay includes."""
-    own, includes = model_content(model), []
+    own, includes = model_content(model), list[Include]()
     names = [element.name for element in model.elements]
     for include in reversed(model.includes):
         part = place_part(include, model_content(model), names, [])
@@ -319,10 +319,9 @@ class Renaming:
         if asked.alone:
             (word,) = (self._output_symbol(word) for word in asked.by)
             return f"d {output}/d({word})" if word in DERIVATIVE_GROUPS else f"d {output}/d {word}"
-        return f"d {output}/d({', '.join(map(self._derivative_word, asked.by))})"
-
-    def _derivative_word(self, word: str) -> str:
-        return word if word in DERIVATIVE_GROUPS else self._output_symbol(word.strip("() "))
+        groups = DERIVATIVE_GROUPS
+        words = (word if word in groups else self._output_symbol(word.strip("() ")) for word in asked.by)
+        return f"d {output}/d({', '.join(words)})"
 
     def address(self, word: str) -> str:
         """Return the new address of a frame, or of a contact, which has one of its own."""
@@ -358,7 +357,8 @@ def place_on(base: Frame, item: P) -> P:
     """
     if base == Frame():
         return item
-    at = _sum(base.at, _rotate(base, item.at))
+    x, y, z = (_sum_of(pair) for pair in zip(base.at, _rotate(base, item.at), strict=True))
+    at: Triple = (x, y, z)
     if base.matrix is not None and not item.rotate and item.matrix is None:
         return replace(item, at=at, matrix=base.matrix)
     if item.matrix is not None and not base.rotate and base.matrix is None:
@@ -380,7 +380,6 @@ def _rotate(base: Frame, vector: Triple) -> Triple:
 
 
 def _turn(axis: str, angle: Formula, vector: Triple) -> Triple:
-    """Return a vector turned about a letter's axis."""
     k = "xyz".index(axis)
     i, j = (k + 1) % 3, (k + 2) % 3
     c, s = Formula.from_value(f"cos({angle.text})"), Formula.from_value(f"sin({angle.text})")
@@ -388,11 +387,6 @@ def _turn(axis: str, angle: Formula, vector: Triple) -> Triple:
     entries[i] = _difference(_product(c, vector[i]), _product(s, vector[j]))
     entries[j] = _sum_of((_product(s, vector[i]), _product(c, vector[j])))
     x, y, z = entries
-    return (x, y, z)
-
-
-def _sum(a: Triple, b: Triple) -> Triple:
-    x, y, z = (_sum_of(pair) for pair in zip(a, b, strict=True))
     return (x, y, z)
 
 

@@ -126,7 +126,9 @@ class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
 
     def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
         """Return the misfits of each table by its type."""
-        return list_misfits(entry, path, self._shape_misfits)
+        return list_misfits(
+            entry, path, lambda item, place: typed_misfits(item, place, "shape", _shape_tables())
+        )
 
     def tables(self) -> Iterable[FileTable]:
         """Return the tables of all shapes."""
@@ -148,9 +150,6 @@ class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
     def rename(self, value: Any, names: NewNames) -> tuple[BodyShape, ...]:
         """Return the shapes in the new names."""
         return tuple(shape.rename(names) for shape in value)
-
-    def _shape_misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
-        return typed_misfits(entry, path, "shape", _shape_tables())
 
 
 # The shapes of the ground, which has no declaration of its own.

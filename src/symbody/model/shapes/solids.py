@@ -29,7 +29,7 @@ from symbody.model.declarations.misfits import (
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.numeric_checks import FINITE
 from symbody.model.shapes.shape import CENTRE, COLOR, MATRIX, OPACITY, ROTATE, SIZES, BodyShape, Color
-from symbody.model.tables.inner_path import path_between
+from symbody.model.tables.inner_path import path_from
 
 
 @final
@@ -218,7 +218,5 @@ class Mesh(BodyShape):
 
     def path_from(self, folder: str) -> str:
         """Return the path from another folder, with slashes; absolute paths and addresses do not change."""
-        is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
-        if is_same or os.path.isabs(self.path) or "://" in self.path:
-            return self.path
-        return path_between(self.place, folder)
+        is_fixed = os.path.isabs(self.path) or "://" in self.path
+        return self.path if is_fixed else path_from(self.path, self.folder, folder)

@@ -76,7 +76,8 @@ class Signal(Element):
             arguments.add(problem.code, "sample", problem.what, problem.why, problem.fix)
         if self.sample is not None and self.rate is not None:
             why = "a rate is integrated continuously, but a sampled value stays constant between samples"
-            cure = f"write the value after one sample: value = {self._next_value!r}, or leave sample out"
+            following = f"{self.name} + {self.sample}*({self.rate})"
+            cure = f"write the value after one sample: value = {following!r}, or leave sample out"
             arguments.add("signal.sampled_rate", "sample", "a state with a rate is not sampled", why, cure)
         if (given == ["value"] or given == ["output"]) and self.sample is None:
             if self.initial.constant() != 0:
@@ -84,7 +85,3 @@ class Signal(Element):
                 cure = "remove initial, or give a rate or a sample time"
                 what = "only states and sampled values have an initial value"
                 arguments.add("signal.initial", "initial", what, why, cure)
-
-    @property
-    def _next_value(self) -> str:
-        return f"{self.name} + {self.sample}*({self.rate})"

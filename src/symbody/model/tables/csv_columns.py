@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import chain, pairwise
 from types import MappingProxyType
 from typing import Final
 
@@ -45,6 +45,8 @@ def read_points(place: str, where: str, columns: Sequence[Column], units: Sequen
 
     The separator is the first of semicolon, tab and comma that the first row has; empty lines and lines that
     begin with ``#`` are passed over.
+    Raises ModelError, with lines, if the file cannot be read, columns are missing, or values are none; also
+    where the first column falls, or has a value three times.
 
     Parameters
     ----------
@@ -56,12 +58,6 @@ def read_points(place: str, where: str, columns: Sequence[Column], units: Sequen
         Names in the first row, or numbers counted from 1.
     units : (2,) str
         Units of the columns; "" is SI.
-
-    Raises
-    ------
-    ModelError
-        If the file cannot be read, columns are missing, or values are none, with their lines; also where the
-        first column falls, or has a value three times.
     """
     factors = [unit_factor(unit, where) for unit in units]
     rows = _rows(place, where)
@@ -72,7 +68,7 @@ def read_points(place: str, where: str, columns: Sequence[Column], units: Sequen
     problems: list[Problem] = []
     points: list[Point] = []
     lines: list[int] = []
-    for number, row in _value_rows((line, first), rows, has_header):
+    for number, row in rows if has_header else chain([(line, first)], rows):
         values = [_number(row, k, f"{where}:{number}", problems) for k in chosen]
         if len(problems) >= _MOST_PROBLEMS:
             break
@@ -134,14 +130,6 @@ def _rows(place: str, where: str) -> Iterator[tuple[int, list[str]]]:
 def _separator(lines: Iterator[str]) -> str:
     first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
     return next((mark for mark in _SEPARATORS if mark in first), ",")
-
-
-def _value_rows(
-    first: tuple[int, list[str]], rows: Iterator[tuple[int, list[str]]], has_header: bool
-) -> Iterator[tuple[int, list[str]]]:
-    if not has_header:
-        yield first
-    yield from rows
 
 
 def _places(first: list[str], columns: Sequence[Column], where: str) -> tuple[list[int], bool]:

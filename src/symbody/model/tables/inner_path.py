@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Final
 
-from symbody.errors import ModelError, Problem, nearest
+from symbody.errors import FormatError, ModelError, Problem, nearest
 
 _DRIVE: Final = re.compile(r"[A-Za-z]:")
 _WHY: Final = (
@@ -19,6 +19,8 @@ _WHY: Final = (
 def inner_path(path: str, folder: str, where: str) -> str:
     """Return where a file is that a model file names.
 
+    Raises ModelError if the path is absolute, leaves the folder, also by a link, or if there is no such file.
+
     Parameters
     ----------
     path : str
@@ -27,11 +29,6 @@ def inner_path(path: str, folder: str, where: str) -> str:
         Of the model file; "" is the working directory.
     where : str
         What messages call the place of the path.
-
-    Raises
-    ------
-    ModelError
-        If the path is absolute, leaves the folder, also by a link, or if there is no such file.
     """
     _check_words(path, where)
     root = os.path.realpath(folder or os.curdir)
@@ -57,12 +54,26 @@ def lies_within(place: str, root: str) -> bool:
         return False
 
 
-def path_between(place: str, folder: str) -> str:
-    """Return the path of a place from a folder, with slashes; the whole path where it is on another drive."""
+def path_from(path: str, home: str, folder: str) -> str:
+    """Return a path that begins in `home` from a folder, with slashes; the whole path if on another drive."""
+    if os.path.realpath(folder) == os.path.realpath(home):
+        return path
+    place = os.path.join(home, path)
     try:
         return FilePath(os.path.relpath(place, folder)).as_posix()
     except ValueError:
         return FilePath(os.path.abspath(place)).as_posix()
+
+
+def saved_path(path: str, home: str, folder: str | None, where: str, word: str, it: str) -> str:
+    """Return a path as `path_from`, unchanged without a folder; a FormatError if it leaves that."""
+    place = path if folder is None else path_from(path, home, folder)
+    if place.startswith("..") or os.path.isabs(place):
+        what = f"{path!r} is outside the folder in which the model is saved"
+        why = "a model file may only refer to files in its own folder"
+        fix = f"copy the {word} into the folder first, or save the model next to {it}"
+        raise FormatError(Problem("file.outside", where, what, why, fix))
+    return place
 
 
 def _check_words(path: str, where: str) -> None:

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
 from numbers import Integral
-from typing import Any, ClassVar, Final, Literal, dataclass_transform, final
+from typing import Any, ClassVar, Final, Literal, final
 
-from symbody.errors import FormatError, ModelError, Problem
+from symbody.errors import ModelError
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments
-from symbody.model.declarations.combinators import NULL, ListOf, list_of
-from symbody.model.declarations.declaration import declare
-from symbody.model.declarations.field import Field, FileTarget, Node, PlainField
+from symbody.model.declarations.combinators import ListOf, list_of
+from symbody.model.declarations.element_fields import element
+from symbody.model.declarations.field import FileTarget, Node, PlainField
 from symbody.model.declarations.fields import Folder, Quantity, SymbolElementName, Text, WordChoice
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.declarations.misfits import Misfit, Path, Schema, list_misfits, wrong_type
 from symbody.model.element import Element
 from symbody.model.loads.curve import KINDS, OUTSIDE, segment_pieces
 from symbody.model.tables.csv_columns import Column, Point, order_problems, read_points
-from symbody.model.tables.inner_path import inner_path, path_between
+from symbody.model.tables.inner_path import inner_path, saved_path
 
 
 class ColumnChoice(PlainField[Iterable[str | int], tuple[Column, ...]]):
@@ -96,13 +95,8 @@ class TableFile(Text):
         """Return the path from the folder of the file that is written; a FormatError if it lies outside."""
         if target.folder is None:
             return Text.to_file(self, owner, value, target)
-        place: str = owner.path_from(target.folder)
-        if place.startswith("..") or os.path.isabs(place):
-            what = f"{value!r} is outside the folder in which the model is saved"
-            why = "a model file may only refer to files in its own folder"
-            fix = "copy the file into the folder first, or save the model next to the file"
-            raise FormatError(Problem("file.outside", f"table {owner.name}, file", what, why, fix))
-        return place
+        where = f"table {owner.name}, file"
+        return saved_path(value, owner.folder, target.folder, where, "file", "the file")
 
 
 class TablePoints(PlainField[Iterable[Iterable[float]] | None, tuple[Point, ...]]):
@@ -134,12 +128,12 @@ class TablePoints(PlainField[Iterable[Iterable[float]] | None, tuple[Point, ...]
         return tuple(points)
 
     def schema(self) -> Schema:
-        """Return a list of pairs, or null."""
-        return {"anyOf": [_PAIRS.schema(), NULL]}
+        """Return a list of pairs."""
+        return _PAIRS.schema()
 
     def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
         """Return the misfits of a list of pairs."""
-        return () if entry is None else _PAIRS.misfits(entry, path)
+        return _PAIRS.misfits(entry, path)
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
         """Return a list of pairs."""
@@ -153,13 +147,8 @@ class TablePoints(PlainField[Iterable[Iterable[float]] | None, tuple[Point, ...]
 _PAIRS: Final = list_of(list_of(Quantity(), 2))
 
 
-@dataclass_transform(field_specifiers=(Field, SymbolElementName))
-def _lookup(kind: type[Lookup]) -> type[Lookup]:
-    return declare(kind)
-
-
 @final
-@_lookup
+@element
 class Lookup(Element):
     """A name for a function of one variable given by points: two columns of a CSV file, or points given here.
 
@@ -198,7 +187,9 @@ class Lookup(Element):
     folder: Folder = Folder(
         'Directory that the path is relative to: that of the model file; "" is the working directory.'
     )
-    points: TablePoints = TablePoints("Arguments and values [[x, y], ..], instead of a file.", default=None)
+    points: TablePoints = TablePoints(
+        "Arguments and values [[x, y], ..], instead of a file.", default=None, is_nullable=True
+    )
 
     def check(self, arguments: Arguments) -> None:
         """Note a table without points and without a file."""
@@ -223,12 +214,6 @@ class Lookup(Element):
         """Return the pieces from left to right, those outside included; see `Curve.pieces`."""
         x, y = zip(*self.points, strict=True)
         return segment_pieces(x, y, self.interpolation, self.outside)
-
-    def path_from(self, folder: str) -> str:
-        """Return the path of the file from another folder, with slashes."""
-        place = os.path.join(self.folder, self.file)
-        is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
-        return self.file if is_same else path_between(place, folder)
 
 
 def _points_of_file(owner: Lookup, arguments: Arguments) -> tuple[Point, ...]:

@@ -27,6 +27,7 @@ from symbody.model.body import Body
 from symbody.model.declarations.arguments import Value
 from symbody.model.frame import Frame
 from symbody.model.inertia import is_possible_inertia
+from symbody.model.naming import GROUND
 from symbody.model.shapes import BodyShape, Box, Capsule, Cylinder, Mesh, Sphere
 
 ENTRIES = ("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
@@ -62,15 +63,8 @@ class BodyPlan:
 
     def body(self, frames: Mapping[str, Frame], shapes: Sequence[BodyShape]) -> Body:
         """Return the body."""
-        return Body(
-            self.name,
-            self.mass,
-            self.inertia[:3],
-            self.inertia[3:],
-            frames,
-            unphysical=self.unphysical,
-            shapes=shapes,
-        )
+        moments, products = self.inertia[:3], self.inertia[3:]
+        return Body(self.name, self.mass, moments, products, frames, self.unphysical, shapes)
 
 
 def rotation(place: FramePlacement) -> list[tuple[str, str]]:
@@ -78,35 +72,22 @@ def rotation(place: FramePlacement) -> list[tuple[str, str]]:
     return [(letter, angle.text) for letter, angle in place.turns]
 
 
-def ground_frame(place: FramePlacement) -> Frame:
-    """Return a frame fixed on the ground, which the root link is."""
-    return Frame(at=[numeral(x) for x in place.at], rotate=rotation(place))
+# The ground, which the root link is unless it floats.
+GROUND_PLAN: Final = BodyPlan(GROUND, {}, 0, (0, 0, 0), (0,) * 6, False)
 
 
 def plan_body(robot: Robot, lump: Lump, name: str, symbols: Sequence[str] | None) -> BodyPlan:
     """Return a body of a lump; `symbols` are the names of m, cx, cy, cz, Ixx .. Iyz, where they stay."""
     unphysical = not possible(lump.inertia)
     if symbols is None:
-        return BodyPlan(
-            name,
-            {},
-            numeral(lump.mass),
-            lump.centre,
-            tuple(numeral(i) for i in lump.inertia),
-            unphysical,
-        )
+        inertia = tuple(numeral(i) for i in lump.inertia)
+        return BodyPlan(name, {}, numeral(lump.mass), lump.centre, inertia, unphysical)
     link = robot.links[lump.root]
     I = in_link_axes(link)
     tensor = (I[0][0], I[1][1], I[2][2], I[0][1], I[0][2], I[1][2])
     values = (link.mass, *link.centre.at, *tensor)
-    return BodyPlan(
-        name,
-        {symbol: numeral(value) for symbol, value in zip(symbols, values, strict=True)},
-        symbols[0],
-        tuple(symbols[1:4]),
-        tuple(symbols[4:]),
-        unphysical,
-    )
+    known = {symbol: numeral(value) for symbol, value in zip(symbols, values, strict=True)}
+    return BodyPlan(name, known, symbols[0], tuple(symbols[1:4]), tuple(symbols[4:]), unphysical)
 
 
 def symbol_names(name: str) -> list[str]:
@@ -251,7 +232,6 @@ def _path(robot: Robot, visual: Shape, folder: Path) -> str:
 
 
 def _color(rgba: tuple[Constant, ...] | None) -> tuple[str, str]:
-    """Return a colour in hexadecimal, and its opacity."""
     if rgba is None or len(rgba) != 4:
         return "", "1"
     red, green, blue, alpha = (min(1.0, max(0.0, float(share))) for share in rgba)

@@ -7,15 +7,15 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 from fractions import Fraction
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.graph import Constant
 from symbody.expr.language.tokens import MAX_NAME, normalize
 from symbody.formats.urdf.building.bodies import (
+    GROUND_PLAN,
     BodyPlan,
     Lump,
-    ground_frame,
     lump_links,
     plan_body,
     possible,
@@ -49,8 +49,8 @@ class Parts:
     ----------
     links : mapping of link to FrameRef
         The frame of each link.
-    homes : mapping of link to (BodyPlan or None, FramePlacement)
-        The body each link is part of, None for the ground, and its frame from that of the first link.
+    homes : mapping of link to (BodyPlan, FramePlacement)
+        The body each link is part of, and its frame from that of the first link.
     lines : mapping of label to int
         Of the file, for each element, by "body NAME" or "joint NAME".
     """
@@ -62,7 +62,7 @@ class Parts:
     inputs: tuple[str, ...]
     notes: tuple[str, ...]
     links: Mapping[str, FrameRef]
-    homes: Mapping[str, tuple[BodyPlan | None, FramePlacement]]
+    homes: Mapping[str, tuple[BodyPlan, FramePlacement]]
     lines: Mapping[str, int]
 
 
@@ -84,8 +84,8 @@ def convert_robot(robot: Robot, floating_base: bool, symbolic: Collection[str]) 
     lines |= {f"body {plan.name}": robot.links[lump.root].line for lump, plan in draft.plans}
     return Parts(
         tuple(elements),
-        draft.frames.get("", {}),
-        draft.shapes.get("", ()),
+        draft.frames.get(GROUND, {}),
+        draft.shapes.get(GROUND, ()),
         {name: value for _, plan in draft.plans for name, value in plan.values.items()},
         tuple(name for joint in joints for name in draft.inputs(joint)),
         notes,
@@ -97,13 +97,13 @@ def convert_robot(robot: Robot, floating_base: bool, symbolic: Collection[str]) 
 
 @dataclass(frozen=True, slots=True)
 class _Draft:
-    """Names and frames while a model is put together; the body "" is the ground."""
+    """Names and frames while a model is put together."""
 
     robot: Robot
     naming: Naming
     floats: bool
     plans: list[tuple[Lump, BodyPlan]] = field(default_factory=list)
-    homes: dict[str, tuple[BodyPlan | None, FramePlacement]] = field(default_factory=dict)
+    homes: dict[str, tuple[BodyPlan, FramePlacement]] = field(default_factory=dict)
     links: dict[str, FrameRef] = field(default_factory=dict)
     frames: dict[str, dict[str, Frame]] = field(default_factory=dict)
     shapes: dict[str, list[BodyShape]] = field(default_factory=dict)
@@ -116,10 +116,11 @@ class _Draft:
         """Give every link its body and its frame."""
         names = {name: self.naming.element(name, "_link", "link") for name in self.robot.links}
         for k, lump in enumerate(lumps):
-            grounded = k == 0 and not self.floats
-            plan = None
-            if not grounded:
-                symbols = self._symbols(names[lump.root]) if lump.root in symbolic else None
+            plan = GROUND_PLAN
+            if k or self.floats:
+                symbols = [
+                    self.naming.symbol(symbol, "parameter") for symbol in symbol_names(names[lump.root])
+                ] if lump.root in symbolic else None  # fmt: skip
                 plan = plan_body(self.robot, lump, names[lump.root], symbols)
                 self.plans.append((lump, plan))
             elif lump.root in symbolic:
@@ -183,29 +184,19 @@ class _Draft:
             fixed = None if factor else offset
         return Moving(joint, name, self.symbols[joint.name], self.inputs(joint), start, end, fixed)
 
-    def _stand(self, plan: BodyPlan | None, name: str, place: FramePlacement) -> FrameRef:
-        """Put a frame on a body, or on the ground."""
-        frame = ground_frame(place) if plan is None else plan.frame(place)
-        self.frames.setdefault("" if plan is None else plan.name, {})[name] = frame
-        return FrameRef("ground" if plan is None else plan.name, name)
+    def _stand(self, plan: BodyPlan, name: str, place: FramePlacement) -> FrameRef:
+        self.frames.setdefault(plan.name, {})[name] = plan.frame(place)
+        return FrameRef(plan.name, name)
 
-    def _show(self, plan: BodyPlan | None, link: UrdfLink, place: FramePlacement) -> None:
-        """Put the visuals of a link on its body, or on the ground."""
-        shapes = self.shapes.setdefault("" if plan is None else plan.name, [])
+    def _show(self, plan: BodyPlan, link: UrdfLink, place: FramePlacement) -> None:
+        shapes = self.shapes.setdefault(plan.name, [])
         for visual in link.visuals:
-            inside = place.then(visual.origin)
-            shape = visual_shape(
-                self.robot, visual, ground_frame(inside) if plan is None else plan.frame(inside)
-            )
+            shape = visual_shape(self.robot, visual, plan.frame(place.then(visual.origin)))
             if shape is None:
-                self.notes.append(
-                    f"line {link.line}: link {link.name}: a visual of impossible size is ignored"
-                )
+                note = f"line {link.line}: link {link.name}: a visual of impossible size is ignored"
+                self.notes.append(note)
             else:
                 shapes.append(shape)
-
-    def _symbols(self, name: str) -> list[str]:
-        return [self.naming.symbol(symbol, "parameter") for symbol in symbol_names(name)]
 
 
 def _check_symbolic(robot: Robot, symbolic: Collection[str]) -> None:
@@ -246,7 +237,6 @@ def _heavy(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterable[str]:
 
 
 def _weight_notes(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterator[str]:
-    """Return notes on links without mass, and on mass without influence."""
     base = lumps[0]
     if not floats and base.mass:
         yield f"the base {base.root} is fixed: its mass of {float(base.mass):g} kg has no effect"
@@ -432,30 +422,19 @@ def normal_turn(joint: UrdfJoint) -> FramePlacement:
     return FramePlacement(turns=(("z", about_z), ("y", about_y)))
 
 
-def _revolute(moving: Moving) -> Joint:
-    return Revolute(
-        moving.name,
-        moving.start,
-        moving.end,
-        axis=_axis(moving.joint),
-        coordinate=moving.symbol,
-        torque=_drive(moving),
-        motion=_motion(moving),
-        friction=_friction(moving.joint),
-    )
-
-
-def _prismatic(moving: Moving) -> Joint:
-    return Prismatic(
-        moving.name,
-        moving.start,
-        moving.end,
-        axis=_axis(moving.joint),
-        coordinate=moving.symbol,
-        force=_drive(moving),
-        motion=_motion(moving),
-        friction=_friction(moving.joint),
-    )
+def _hinge_or_slide(moving: Moving) -> Joint:
+    joint, applied = moving.joint, moving.inputs[0] if moving.inputs else 0
+    words: dict[str, Any] = {
+        "axis": _LETTERS.get(joint.axis) or [numeral(x) for x in joint.axis],
+        "coordinate": moving.symbol,
+        "motion": None if moving.fixed is None else numeral(moving.fixed),
+        "friction": Friction(force=numeral(joint.friction)) if joint.friction else None,
+    }
+    is_driven = bool(applied or joint.damping)
+    drive = Drive(applied=applied, damping=numeral(joint.damping)) if is_driven else None
+    if joint.kind == "prismatic":
+        return Prismatic(moving.name, moving.start, moving.end, force=drive, **words)
+    return Revolute(moving.name, moving.start, moving.end, torque=drive, **words)
 
 
 def _planar(moving: Moving) -> Joint:
@@ -472,40 +451,13 @@ def _planar(moving: Moving) -> Joint:
     )
 
 
-def _floating_joint(moving: Moving) -> Joint:
-    return make_free_joint(moving.name, moving.symbol, moving.start, moving.end)
-
-
-def _weld(moving: Moving) -> Joint:
-    return Weld(moving.name, moving.start, moving.end)
-
-
 _MAKERS: Final[Mapping[str, Callable[[Moving], Joint]]] = MappingProxyType(
     {
-        "revolute": _revolute,
-        "continuous": _revolute,
-        "prismatic": _prismatic,
+        "revolute": _hinge_or_slide,
+        "continuous": _hinge_or_slide,
+        "prismatic": _hinge_or_slide,
         "planar": _planar,
-        "floating": _floating_joint,
-        "fixed": _weld,
+        "floating": lambda moving: make_free_joint(moving.name, moving.symbol, moving.start, moving.end),
+        "fixed": lambda moving: Weld(moving.name, moving.start, moving.end),
     }
 )
-
-
-def _axis(joint: UrdfJoint) -> str | list[str]:
-    return _LETTERS.get(joint.axis) or [numeral(x) for x in joint.axis]
-
-
-def _drive(moving: Moving) -> Drive | None:
-    applied = moving.inputs[0] if moving.inputs else 0
-    if not applied and not moving.joint.damping:
-        return None
-    return Drive(applied=applied, damping=numeral(moving.joint.damping))
-
-
-def _friction(joint: UrdfJoint) -> Friction | None:
-    return Friction(force=numeral(joint.friction)) if joint.friction else None
-
-
-def _motion(moving: Moving) -> str | None:
-    return None if moving.fixed is None else numeral(moving.fixed)

@@ -124,8 +124,8 @@ def product(a: Rows, b: Rows) -> Rows:
         return b
     if b == ONE and _is_exact(a):
         return a
-    x, y, z = (_row(row, b) for row in a)
-    return (x, y, z)
+    x, y, z = (apply(a, column) for column in zip(*b, strict=True))
+    return transpose((x, y, z))
 
 
 def transpose(a: Rows) -> Rows:
@@ -158,12 +158,6 @@ def numeral(value: Constant) -> str:
     if value == int(value) and -(10**15) < value < 10**15:
         return str(int(value))
     return repr(float(value))
-
-
-def _row(row: Numbers, b: Rows) -> Numbers:
-    columns = zip(*b, strict=True)
-    x, y, z = (total(_times(p, q) for p, q in zip(row, column, strict=True)) for column in columns)
-    return (x, y, z)
 
 
 def _is_exact(rows: Rows) -> bool:

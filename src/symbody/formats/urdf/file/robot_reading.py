@@ -52,7 +52,8 @@ def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> 
     root = parse_xml(text, where)
     if root.tag != "robot":
         what = f"the file is not URDF: it begins with <{root.tag}>"
-        why = _other_format(root.tag)
+        known = {"sdf": "this is SDF", "mujoco": "this is MuJoCo's format", "COLLADA": "this is a mesh"}
+        why = known.get(root.tag, "")
         fix = 'give a file that begins with <robot name="..">'
         raise FormatError(Problem("urdf.not_a_robot", f"{where}:{root.line}", what, why, fix))
     _refuse_templates(read, root)
@@ -75,11 +76,6 @@ def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> 
         MappingProxyType({joint.name: joint for joint in joints}),
         (*read.notes(), *_ignored_notes(root)),
     )
-
-
-def _other_format(tag: str) -> str:
-    known = {"sdf": "this is SDF", "mujoco": "this is MuJoCo's format", "COLLADA": "this is a mesh"}
-    return known.get(tag, "")
 
 
 def _refuse_templates(read: Attributes, root: XmlNode) -> None:

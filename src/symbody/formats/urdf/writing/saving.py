@@ -27,10 +27,9 @@ from symbody.formats.urdf.file.placement import (
 from symbody.formats.writing import write_text
 from symbody.model.body import Body
 from symbody.model.constraints import Gear, RackPinion
-from symbody.model.constraints.couplings import JointCoupling
 from symbody.model.declarations.arguments import Value
 from symbody.model.element import FrameRef
-from symbody.model.frame import Frame
+from symbody.model.frame import Frame, rotation_angles
 from symbody.model.joint import Joint
 from symbody.model.joints import Free, Planar, Prismatic, Revolute, Weld
 from symbody.model.model import Model, resolve_parameters
@@ -88,7 +87,7 @@ def model_to_urdf(
     model: Model, parameters: Mapping[str, Value] = MappingProxyType({}), folder: str = ""
 ) -> str:
     """Return the URDF text of a model; paths of meshes lead from `folder`; faults as of `save_urdf`."""
-    values = Values.from_model(model, parameters)
+    values = Values(resolve_parameters(model, parameters))
     joints, problems = hang_joints(model, values)
     problems += unsupported_problems(model)
     if problems:
@@ -214,7 +213,6 @@ def _visual_lines(shape: BodyShape, centre: UrdfPose, values: Values, folder: st
 
 
 def _geometry(shape: BodyShape, values: Values, folder: str) -> str:
-    """Return the form of a shape."""
     if isinstance(shape, Mesh):
         scale = " ".join(values.text(factor) for factor in shape.scale)
         return f'<mesh filename={quoteattr(shape.path_from(folder))} scale="{scale}"/>'
@@ -246,7 +244,8 @@ class UrdfPose:
 
     def origin(self) -> str:
         """Return the element of URDF."""
-        words = {"xyz": self.at, "rpy": roll_pitch_yaw(self.rows)}
+        yaw, pitch, roll = rotation_angles([[float(x) for x in row] for row in self.rows])
+        words = {"xyz": self.at, "rpy": (roll, pitch, yaw)}
         inside = "".join(
             f' {key}="{" ".join(map(numeral, value))}"' for key, value in words.items() if any(value)
         )
@@ -260,16 +259,6 @@ def frame_pose(frame: Frame, values: Values) -> UrdfPose:
         rows = product(rows, _rotation_rows([values.number(x) for x in turn.axis], values.number(turn.angle)))
     x, y, z = map(values.number, frame.at)
     return UrdfPose((x, y, z), rows)
-
-
-def roll_pitch_yaw(R: Rows) -> Numbers:
-    """Return the angles about fixed x, y, z of a rotation; yaw is 0 where only its sum with roll counts."""
-    cosine = math.hypot(float(R[0][0]), float(R[1][0]))
-    pitch = math.atan2(-float(R[2][0]), cosine)
-    if cosine > 1e-9:
-        return math.atan2(float(R[2][1]), float(R[2][2])), pitch, math.atan2(float(R[1][0]), float(R[0][0]))
-    roll = math.atan2(-float(R[1][2]), float(R[1][1]))
-    return roll, math.copysign(math.pi / 2, pitch), 0
 
 
 def _rotation_rows(axis: Sequence[float], angle: float) -> Rows:
@@ -292,17 +281,6 @@ class Values:
     """The values of the parameters of a model."""
 
     known: Mapping[str, Constant]
-
-    @classmethod
-    def from_model(cls, model: Model, parameters: Mapping[str, Value]) -> Values:
-        """Return the values of all parameters.
-
-        Raises
-        ------
-        ModelError
-            Listing all that have none.
-        """
-        return cls(resolve_parameters(model, parameters))
 
     def number(self, formula: Formula) -> float:
         """Return the value of a formula in parameters."""
@@ -454,13 +432,9 @@ def _mimics(model: Model, values: Values, problems: list[Problem]) -> dict[str, 
             fix = "write it so that each joint is the first of one coupling"
             problems.append(Problem("urdf.cannot_say", f"constraint {coupling.name}", what, why, fix))
             continue
-        mimics[follower] = _mimic(coupling, leader, values)
+        factor, offset = numeral(-values.number(coupling.factors[1])), values.text(coupling.offset)
+        mimics[follower] = f'<mimic joint={quoteattr(leader)} multiplier="{factor}" offset="{offset}"/>'
     return mimics
-
-
-def _mimic(coupling: JointCoupling, leader: str, values: Values) -> str:
-    factor, offset = -values.number(coupling.factors[1]), values.number(coupling.offset)
-    return f'<mimic joint={quoteattr(leader)} multiplier="{numeral(factor)}" offset="{numeral(offset)}"/>'
 
 
 def _refusal(joint: str, what: str, why: str, fix: str) -> Problem:

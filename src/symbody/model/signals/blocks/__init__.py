@@ -1,4 +1,4 @@
-"""Blocks, one a file: each is nothing but the signals that it expands into."""
+"""Blocks, one family a file: each is nothing but the signals that it expands into."""
 
 import lazy_loader
 

@@ -1,8 +1,8 @@
 from .dc_motor import DCMotor as DCMotor
-from .delay import Delay as Delay
-from .first_order import FirstOrder as FirstOrder
-from .hysteresis import Hysteresis as Hysteresis
+from .limits import Hysteresis as Hysteresis
+from .limits import RateLimit as RateLimit
+from .linear_blocks import Delay as Delay
+from .linear_blocks import FirstOrder as FirstOrder
+from .linear_blocks import StateSpace as StateSpace
+from .linear_blocks import TransferFunction as TransferFunction
 from .pid import PID as PID
-from .rate_limit import RateLimit as RateLimit
-from .state_space import StateSpace as StateSpace
-from .transfer_function import TransferFunction as TransferFunction

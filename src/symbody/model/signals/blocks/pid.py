@@ -173,7 +173,6 @@ class PID(SignalBlock):
         return (*before, *self._output(terms), *after)
 
     def _lead_back(self, gains: dict[str, str]) -> str:
-        """Return what leads the integral back."""
         if self.limits is None:
             return ""
         cut = f"({self.name} - {self.name}_unlimited)"
