@@ -56,8 +56,12 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     --------
     >>> import symbody as sb
     >>> rail = sb.Prismatic("rail", "ground", sb.Body("Cart", mass=2), axis="x", coordinate="x")
-    >>> sb.save_model(sb.Model("cart", [rail]), "cart.toml")  # doctest: +SKIP
-    >>> sb.load_model("cart.toml")  # doctest: +SKIP
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "cart.toml")
+    ...     sb.save_model(sb.Model("cart", [rail]), path)
+    ...     sb.load_model(path)
     Model('cart': 1 body, 1 joint)
     """
     where = os.fsdecode(path)

@@ -26,19 +26,22 @@ def generate_code(
     eqs : EquationSet
         The equations of the mechanism.
     outputs : str or iterable of str
-        Names of outputs, or expressions in them, as for `compile`.
+        Names of outputs, or expressions in them, as for `compile`; ``eqs.outputs()`` lists the names.
     language : str
         "c" for C99, "python" for a module that needs NumPy alone, "fortran" for Fortran 2008, "matlab"
         (or "octave"), "julia", "rust", "javascript" for an ES module, "jax", "casadi", or "modelica" for a
         model with states and their derivatives, of which the outputs may be none; each text explains itself
         at its head.
     parameters : mapping, optional
-        Values to put in; None leaves every parameter an argument, in the order of ``eqs.parameters``.
+        Values to put in; an empty mapping puts in those of the model, None leaves every parameter an
+        argument, in the order of ``eqs.parameters``.
 
     Returns
     -------
     str
-        The text of one file.
+        The text of one file with a function ``f`` of time, coordinates q, speeds u, inputs r and parameters
+        p, in the orders of ``eqs.coordinate_names``, ``eqs.speed_names``, ``eqs.input_names`` and
+        ``eqs.parameter_names``.
 
     Raises
     ------
@@ -55,8 +58,10 @@ def generate_code(
     >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
     >>> eqs = sb.form_equations(model)
     >>> text = sb.generate_code(eqs, "udot", language="python")
-    >>> "def " in text
-    True
+    >>> module = {}
+    >>> exec(text, module)
+    >>> module["f"](0.0, [0.1], [0.0], [3.0])  # x'' = (F - 8 x) / 2
+    array([1.1])
     """
     if isinstance(language, str) and language.lower() == "modelica":
         return modelica_model(eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), parameters)

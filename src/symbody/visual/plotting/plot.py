@@ -244,7 +244,13 @@ def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
     ...                     force=sb.Drive(applied="F", stiffness=8))
     >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
     >>> eqs = sb.form_equations(model)
-    >>> sb.save_plot(sb.plot(sb.simulate(eqs, 1.0), "x"), "x.svg")  # doctest: +SKIP
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "x.svg")
+    ...     sb.save_plot(sb.plot(sb.simulate(eqs, 1.0), "x"), path)
+    ...     path.read_text(encoding="utf-8").count("<svg")
+    1
     """
     canvas = ax.figure.canvas
     suffix = pathlib.Path(path).suffix.lstrip(".").lower()
