@@ -16,7 +16,7 @@ def ball() -> None:
     model = sb.Model("ball", [lift], gravity=(0, -9.81, 0), initial={"h": 1.0})
     bounce = sb.Event("h", direction=-1, action={"h_dot": "-0.8*h_dot"}, name="bounce")
     run = sb.simulate(sb.form_equations(model), 2.5, times=[0.0, 2.5], events=bounce)
-    sb.save_plot(sb.plot(run, "h", "h_dot", panels=True), PICTURES / "plot_ball.svg")
+    sb.save_plot(sb.plot(run, "h", "h_dot"), PICTURES / "plot_ball.svg")
 
 
 def slider_crank() -> None:
@@ -24,7 +24,7 @@ def slider_crank() -> None:
     eqs = sb.form_equations(sb.load_model(EXAMPLES / "slider_crank" / "slider_crank.toml"))
     run = sb.simulate(eqs, 2.0)
     force = "sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)"
-    ax = sb.plot(run, force, "0.5*m3*s_dot^2", "180/pi*theta_dot", panels=True)
+    ax = sb.plot(run, force, "0.5*m3*s_dot^2", "180/pi*theta_dot")
     sb.save_plot(ax, PICTURES / "plot_expressions.svg")
 
 

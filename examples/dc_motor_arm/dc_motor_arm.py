@@ -48,7 +48,7 @@ for ax in (upper, middle, lower):
 upper.legend()
 fig.savefig("dc_motor_arm.png", dpi=120)
 
-curves = sb.plot(step, "theta", "height", "error", title="Angle, height of the tip and error", panels=True)
+curves = sb.plot(step, "theta", "height", "error", title="Angle, height of the tip and error")
 sb.save_plot(curves, "dc_motor_arm_height.png")
 
 # Check

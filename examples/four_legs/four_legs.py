@@ -30,7 +30,7 @@ run = sb.simulate(eqs, 4.0, times=times, rtol=1e-6)
 print(f"{run.status.name}: {run['x'][-1]:.3f} m in {times[-1]:g} s, {run.statistics.evaluations} evaluations")
 labels = ["x [m]", "z [m]", "pitch [rad]", *(f"foot {leg} [N]" for leg in legs)]
 pressures = [f"{leg}_N" for leg in legs]
-ax = sb.plot(run, "x", "z", "pitch", *pressures, panels=True, labels=labels, title="From rest to a trot")
+ax = sb.plot(run, "x", "z", "pitch", *pressures, labels=labels, title="From rest to a trot")
 sb.save_plot(ax, "four_legs_motion.png")
 
 # One period of the rhythm in six pictures, side by side.

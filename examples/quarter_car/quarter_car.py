@@ -31,7 +31,7 @@ wheel = f"z_w + {sag}"  # from where it rests on a flat road
 body = f"'{height}' + m_b*g/k_s + {sag}"
 labels = ["road [m]", "wheel [m]", "body [m]", "tyre force [N]"]
 title = "Over the road at 20 m/s, heights from rest on a flat road"
-ax = sb.plot(run, "road", wheel, body, force, panels=True, labels=labels, title=title)
+ax = sb.plot(run, "road", wheel, body, force, labels=labels, title=title)
 sb.save_plot(ax, "quarter_car_ride.png")
 acceleration = run["frame vdot Body ground ground z"]
 comfort = float(np.sqrt(np.mean(acceleration**2)))

@@ -9,6 +9,7 @@ from sympy.physics.vector import dynamicsymbols
 
 import symbody as sb
 from tests.analysis.test_assembly import slider_crank
+from tests.mechanisms import example
 
 SLIDER_CRANK = sb.form_equations(slider_crank())
 # Places are found where a determinant changes its sign; 1e-6 is what is promised.
@@ -127,9 +128,19 @@ def test_questions_without_a_path_are_refused() -> None:
             sb.Body("P", mass=1), sb.Body("Q", mass=1),
             sb.Prismatic("J", "ground", "P", coordinate="x"), sb.Prismatic("K", "P", "Q", coordinate="y"),
         ])), {"x": [0, 1]})  # fmt: skip
-    assert caught.value.problems[0].code == "kinematics.freedoms_left"
+    (problem,) = caught.value.problems
+    assert problem.code == "kinematics.freedoms_left"
+    assert problem.what == "with x driven, 1 more can still move freely: y_dot"
     with pytest.raises(sb.UsageError):
         sb.trace_positions(SLIDER_CRANK, {"theta": [0, 1], "s": [1, 2, 3]})
+
+
+def test_a_rod_that_spins_between_two_balls_is_named() -> None:
+    """Face 2.2 B7: which of the degrees of freedom is left, not only that there is one."""
+    with pytest.raises(sb.UsageError) as caught:
+        sb.trace_positions(example("spatial_four_bar"), {"theta": [0.1, 0.2]}, guess={"phi": 0.3})
+    (problem,) = caught.value.problems
+    assert problem.what == "with theta driven, 1 more can still move freely: sigma_dot"
 
 
 def test_dead_centres_lock_the_slider_but_not_the_crank() -> None:

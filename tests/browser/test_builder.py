@@ -300,3 +300,14 @@ def test_axe_finds_nothing_in_equations_and_curves(visit: Any, size: tuple[int, 
     builder.page.locator(".equations h3").first.wait_for()
     found += accessibility_faults(builder.page)
     assert found == []
+
+
+@pytest.mark.exhaustive
+def test_axe_finds_nothing_in_any_panel_of_a_phone(visit: Any) -> None:
+    builder = visit(viewport={"width": 390, "height": 844}, color_scheme="dark")
+    found = accessibility_faults(builder.page)
+    builder.open_example("spring_mass_damper")
+    for panel in ("Diagram", "Picture", "Results", "Palette", "Properties"):
+        builder.show(panel)
+        found += accessibility_faults(builder.page)
+    assert found == []

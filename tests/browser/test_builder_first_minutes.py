@@ -160,7 +160,7 @@ def test_plots_follow_the_theme_of_the_system_and_of_the_button(visit: Any) -> N
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("width", [390, 1024, 1440])
+@pytest.mark.parametrize("width", [390, 1024, 1280, 1440])
 def test_no_window_is_wider_than_it_is(visit: Any, width: int) -> None:
     builder = visit(viewport={"width": width, "height": 800})
     page = builder.page
@@ -168,6 +168,7 @@ def test_no_window_is_wider_than_it_is(visit: Any, width: int) -> None:
     page.get_by_test_id("live").wait_for()
     builder.wait_checked()
     assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.locator(".counts b").evaluate("each => each.scrollWidth <= each.clientWidth")
     button = page.locator(".topbar").get_by_role("button", name="Keys and gestures")
     box = button.bounding_box()
     assert box["x"] >= 0 and box["x"] + box["width"] <= width

@@ -18,6 +18,7 @@ WORDS = {
     "units": "how_to/units.html",
     "gravity": "tutorial/1_spring_mass_damper.html",
     "spring": "forces.html",
+    "spring stiffness": "forces.html",
     "damper": "tutorial/1_spring_mass_damper.html",
     "friction": "friction.html",
     "stick": "friction.html",
@@ -90,6 +91,8 @@ def results(page: Any, site: Path, words: str) -> list[str]:
         "document.querySelector('#search-results p.search-summary').innerText.match(/found|did not match/i)",
     )
     links = page.locator("#search-results ul.search li a")
+    listed = [(str(link.get_attribute("href")).partition("#")[0], link.inner_text()) for link in links.all()]
+    assert len(listed) == len(set(listed)), f"{words}: a page is listed twice"
     return [str(link.get_attribute("href")).partition("?")[0].partition("#")[0] for link in links.all()]
 
 

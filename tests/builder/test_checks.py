@@ -269,3 +269,16 @@ def test_a_formula_is_echoed_or_its_fault_is_pointed_at(builder: Builder) -> Non
     assert "deg" not in builder.get("formula", text="30 deg")["mathml"]
     answer = builder.ask("formula", text="2*(a", pointer="/body/0/mass")
     assert answer.status == 422 and answer.data["problems"][0]["pointer"] == "/body/0/mass"
+
+
+def test_advice_is_in_the_words_of_the_page() -> None:
+    """Face 39: nothing of files and Python where neither is in sight."""
+    data = example("slider_crank")
+    data["body"][0]["mass"] = "q"
+    data["body"][1]["inertia"] = ["1", "1", "5"]
+    data["joint"][0]["between"] = ["ground.post", "Crank.A"]
+    cures = {each["code"]: each["fix"] for each in check(data)["problems"] if each["severity"] == "error"}
+    assert cures["names.unknown"].endswith(" Or make it a parameter.")
+    assert any(cure.endswith("Unphysical, if ticked, uses them unchanged") for cure in cures.values())
+    assert any(cure.endswith(" Or add this frame to the ground.") for cure in cures.values())
+    assert not any(word in cure for cure in cures.values() for word in ("Python", "in a file", "[ground"))

@@ -57,7 +57,7 @@ def test_elements_are_shown_as_the_calls_that_make_them(path: Path) -> None:
 def test_elements_show_what_was_given_with_units() -> None:
     (slider,) = oscillator().joints
     rows = cells(shown(slider))
-    assert ["force applied", "F", "N"] in rows and ["force damping", "d", "N s/m"] in rows
+    assert ["force applied", "F", "N"] in rows and ["force damping", "d", "N·s/m"] in rows
     assert not any("free" in row[0] for row in rows)
     body = sb.Body("<b>", mass="2*m", frames={"tip": sb.Frame(at=(0, "L", 0), rotate=[("z", "pi/2")])})
     assert "<b>" in "".join(shown(body).itertext())

@@ -122,3 +122,10 @@ def test_tustin_leads_back_to_the_continuous_filter() -> None:
 )  # fmt: skip
 def test_wrong_samples_are_refused(make, code: str, words: str) -> None:  # type: ignore[no-untyped-def]
     assert [found for found, _ in refused(make, words=words)] == [code]
+
+
+def test_a_derivative_without_a_filter_is_a_plain_quotient() -> None:
+    """Face 2.1 A8: no term times 0, no 0 added, in what people read."""
+    block = sb.PID("servo", "x", gains={"d": "D"}, sample=0.01)
+    part = {each.name: each.value for each in block.signals}["servo_derivative"]
+    assert str(part) == "D*(x - servo_error)/0.01"

@@ -8,10 +8,10 @@ from numpy.testing import assert_allclose
 
 from symbody.errors import UsageError
 from symbody.visual.film.camera import Camera, fit_camera
-from symbody.visual.film.connector_shapes import coil_points, rope_points
+from symbody.visual.film.connector_shapes import coil, coil_points, rope_points
 from symbody.visual.film.facets import Facets, facets_of, weld
 from symbody.visual.film.solid_facets import facets_of_solid, rotation_of
-from symbody.visual.scene.scene import SceneMesh, Solid
+from symbody.visual.scene.scene import Anchor, Connector, SceneMesh, Solid
 from tests.visual.film_scenes import scene_of
 
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
@@ -125,6 +125,14 @@ def test_views_that_do_not_exist(view: object) -> None:
     with pytest.raises(UsageError, match=r"\[film.view\]") as error:
         fit_camera(scene_of(), view, CORNERS, (100.0, 100.0), 0.0)  # type: ignore[arg-type]
     assert error.value.problems[0].fix
+
+
+def test_a_spring_shows_its_colour() -> None:
+    """Outlines as wide as the wire would leave nothing of it, and on dark paper nothing at all."""
+    ends = Anchor(0, (0.0, 0.0, 0.0)), Anchor(1, (0.0, 0.0, 0.0))
+    spring = Connector("spring", "spring", *ends, 0.1, 1.5, 8)
+    drawn = coil(np.zeros(3), np.array([0.0, 0.0, 1.0]), spring, np.array([1.0, 0.0, 0.0]))
+    assert len(drawn.triangles) > 0 and len(drawn.edges) == 0
 
 
 def test_coil_is_as_long_as_its_turns() -> None:

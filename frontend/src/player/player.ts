@@ -9,7 +9,7 @@ import { create, download, fileName, setText } from "./dom";
 import { helpDialog } from "./help";
 import { SelectionCard, Tooltip } from "./info";
 import { commandOf, targetOf, type Command } from "./keys";
-import { topInset, watchLayout } from "./layout";
+import { coveredParts, watchLayout } from "./layout";
 import { FrameLoop } from "./loop";
 import { watchPointer } from "./pointer";
 import { applySetting, OF_SCENE } from "./apply_setting";
@@ -182,7 +182,7 @@ export class Player {
       return new Viewer(this.stage, this.data.scene, this.data.source, {
         invalidate: () => { this.loop.wake(); },
         animate: () => !prefersReducedMotion(),
-        topInset: () => topInset(this.stage),
+        covered: () => coveredParts(this.stage),
         onHover: (element, x, y) => {
           const area = this.stage.getBoundingClientRect();
           this.tooltip?.showAt(element, x - area.left, y - area.top);

@@ -12,10 +12,30 @@ const ANGLE = 30; // of the perspective, degrees
 const PARALLEL_ANGLE = 1; // so small that parallels look parallel
 const MARGIN = 1.16;
 const TURN_SECONDS = 0.28;
+const LARGE = 0.6; // of the size at which a motion fills the picture: it is left as it is
+const CUT = 1.1; // of the picture: a pin that its edge cuts is no reason to jump
+const GAP = 12; // pixels that stay free beside what is shifted out of a corner
+
+/** What of the picture is not to be used, in pixels: the top, and a corner below on the left. */
+export interface Covered {
+  readonly top: number;
+  readonly corner: readonly [width: number, height: number];
+}
+
+export const NOTHING_COVERED: Covered = { top: 0, corner: [0, 0] };
 
 export interface Placement {
   readonly position: Vector3;
   readonly target: Vector3;
+}
+
+interface Reach {
+  readonly right: Vector3;
+  readonly above: Vector3;
+  readonly wide: number;
+  readonly high: number;
+  readonly across: readonly [right: number, left: number];
+  readonly along: readonly [up: number, down: number];
 }
 
 interface Turn {
@@ -61,7 +81,7 @@ export class CameraRig {
   private radius: number;
   private readonly up: Vector3;
   private height = 1;
-  private covered = 0;
+  private covered = NOTHING_COVERED;
   private readonly gone = new Vector3(); // how far the camera has gone along with the mechanism
 
   constructor(
@@ -85,12 +105,12 @@ export class CameraRig {
     });
   }
 
-  /** Take a scene of other sizes: who has moved the camera keeps the place. */
+  /** Take a scene of other sizes or another start: the camera stays while it holds the motion, or where the user moved it. */
   takeScene(scene: Scene, extent: Extent): void {
     this.scene = scene;
     this.extent = extent;
     this.radius = extent.box.getSize(new Vector3()).length() / 2;
-    if (this.fits) this.fit(true);
+    if (this.fits && !this.holds()) this.fit(true);
   }
 
   get distance(): number {
@@ -106,11 +126,10 @@ export class CameraRig {
     return this.camera.fov === PARALLEL_ANGLE;
   }
 
-  /** Take the size of the picture, of which `covered` pixels at the top are not to be used. */
-  resize(width: number, height: number, covered: number): void {
+  resize(width: number, height: number, covered: Covered): void {
     this.height = height;
     this.covered = covered;
-    this.camera.setViewOffset(width, height, 0, -covered / 2, width, height);
+    this.camera.setViewOffset(width, height, 0, -covered.top / 2, width, height);
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
     if (this.fits && this.turn === null) this.fit(true);
@@ -262,24 +281,46 @@ export class CameraRig {
     return part < 1;
   }
 
-  /** The target and the distance at which every point of the motion, or of a mechanism that is followed, is in the middle of the picture. */
-  private fitted(direction: Vector3): { target: Vector3; distance: number } {
+  /** Whether every point of the motion is in the free part of the picture, and fills enough of it. */
+  private holds(): boolean {
+    const direction = this.offset().normalize();
+    const reached = this.reach(direction, this.controls.target.clone().sub(this.gone));
+    return Math.max(...reached.across, ...reached.along) <= CUT * this.distance && this.fitted(direction).distance >= LARGE * this.distance;
+  }
+
+  /** How far a motion reaches from a place towards the four sides: a point at (x, y, z) is inside if |x| / tan + z <= distance. */
+  private reach(direction: Vector3, place: Vector3): Reach {
     const right = new Vector3().crossVectors(this.up, direction);
     if (right.lengthSq() < 1e-8) right.set(1, 0, 0);
     right.normalize();
     const above = new Vector3().crossVectors(direction, right);
     const tan = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
+    const [wide, high] = [tan * this.camera.aspect, tan * (1 - this.covered.top / this.height)];
+    return { right, above, wide, high, across: this.sides(right, direction, wide, place), along: this.sides(above, direction, high, place) };
+  }
+
+  /** The target and the distance at which every point of the motion, or of a mechanism that is followed, is in the middle of the picture. */
+  private fitted(direction: Vector3): { target: Vector3; distance: number } {
     const middle = this.extent.box.getCenter(new Vector3());
-    // a point at (x, y, z) is inside if |x - a| / tan + z <= distance: the planes of the four sides
-    const [toRight, toLeft] = this.sides(right, direction, tan * this.camera.aspect, middle);
-    const free = tan * (1 - this.covered / this.height);
-    const [upwards, downwards] = this.sides(above, direction, free, middle);
+    const { right, above, wide, high, across, along } = this.reach(direction, middle);
+    const [width, height] = [(across[0] + across[1]) / 2, (along[0] + along[1]) / 2];
+    const distance = Math.max(MARGIN * Math.max(width, height), 0.05 * this.scene.size);
+    const [left, down] = this.offCorner(width / distance, height / distance);
     const target = middle
-      .addScaledVector(right, ((toRight - toLeft) * tan * this.camera.aspect) / 2)
-      .addScaledVector(above, ((upwards - downwards) * free) / 2);
-    const distance = MARGIN * Math.max((toRight + toLeft) / 2, (upwards + downwards) / 2);
-    target.add(this.gone);
-    return { target, distance: Math.max(distance, 0.05 * this.scene.size) };
+      .addScaledVector(right, ((across[0] - across[1]) / 2 - left * distance) * wide)
+      .addScaledVector(above, ((along[0] - along[1]) / 2 - down * distance) * high)
+      .add(this.gone);
+    return { target, distance };
+  }
+
+  /** How far the target goes to the left or down, by halves of the free picture, for the motion to leave the corner, where there is room. */
+  private offCorner(width: number, height: number): [left: number, down: number] {
+    const half = [(this.height * this.camera.aspect) / 2, (this.height - this.covered.top) / 2] as const;
+    const beside = [(1 - width) * half[0], (1 - height) * half[1]] as const;
+    const needed = [this.covered.corner[0] - beside[0], this.covered.corner[1] - beside[1]] as const;
+    if (needed[0] <= 0 || needed[1] <= 0) return [0, 0];
+    if (needed[1] <= beside[1] - GAP) return [0, needed[1] / half[1]];
+    return needed[0] <= beside[0] - GAP ? [needed[0] / half[0], 0] : [0, 0];
   }
 
   /** The largest of z + x / tan and of z - x / tan over all points. */

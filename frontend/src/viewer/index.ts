@@ -2,7 +2,7 @@
 
 export { vectorGroup, type VectorGroup } from "./arrows";
 export { formatQuantity, roundDown } from "./arrow_scale";
-export { VIEW_NAMES, type ViewName } from "./camera_rig";
+export { VIEW_NAMES, type Covered, type ViewName } from "./camera_rig";
 export { Clock, SPEEDS } from "./clock";
 export { castOf } from "./contents";
 export type * from "./contract";

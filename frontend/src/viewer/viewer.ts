@@ -2,7 +2,7 @@
 
 import { Vector3 } from "three";
 import type { VectorArrows } from "./arrows";
-import { CameraRig, type ViewName } from "./camera_rig";
+import { CameraRig, NOTHING_COVERED, type Covered, type ViewName } from "./camera_rig";
 import type { Connectors } from "./connectors";
 import { Contents } from "./contents";
 import type { Scene, VectorKind } from "./contract";
@@ -50,8 +50,8 @@ export interface ViewerHooks {
   onHover?: (element: SceneElement | null, x: number, y: number) => void;
   /** Whether the camera may glide; not where reduced motion is preferred. */
   animate: () => boolean;
-  /** Pixels at the top that something covers: the mechanism is shown below them. */
-  topInset?: () => number;
+  /** What something covers: the mechanism is shown beside it. */
+  covered?: () => Covered;
 }
 
 export class Viewer {
@@ -392,7 +392,7 @@ export class Viewer {
     const { clientWidth, clientHeight } = this.host;
     if (clientWidth === 0 || clientHeight === 0) return;
     this.stage.resize(clientWidth, clientHeight);
-    this.rig.resize(clientWidth, clientHeight, this.hooks.topInset?.() ?? 0);
+    this.rig.resize(clientWidth, clientHeight, this.hooks.covered?.() ?? NOTHING_COVERED);
     this.hooks.invalidate();
   }
 }

@@ -17,6 +17,12 @@ _SUGGESTION: Final = re.compile(r"did you mean '([^']+)'\?")
 _UNKNOWN: Final = re.compile(r"there is no symbol '([^']+)'")
 _CYCLE: Final = re.compile(r"the joints (.+) form a cycle")
 _MISSPELLED: Final = re.compile(r"there is no [^']*'([^']+)'")
+# Advice on files and Python, in the words of the page.
+_ELSEWHERE: Final = (
+    (re.compile(r" ?Or define it: \[parameters\].*$"), " Or make it a parameter."),
+    (re.compile(r" ?Or define it: \[ground\.frames\].*$"), " Or add this frame to the ground."),
+    (re.compile(r"unphysical=True (.*) \(unphysical = true in a file\)"), r"Unphysical, if ticked, \1"),
+)
 
 
 def page_problem(problem: Problem, data: Mapping[str, Any], severity: str = "error") -> PageProblem:
@@ -38,7 +44,7 @@ def page_problem(problem: Problem, data: Mapping[str, Any], severity: str = "err
         "where": _words(problem.where),
         "what": problem.what,
         "why": problem.why,
-        "fix": problem.fix,
+        "fix": _cure(problem.fix),
         "line": int(line.group(1)) if line else None,
         "repair": _repair(problem, pointer, data),
     }
@@ -122,6 +128,13 @@ def _label(note: str, data: Mapping[str, Any]) -> str:
             if isinstance(name, str) and re.match(rf"{kind} {re.escape(name)}\b[ :,]", note):
                 return f"{kind} {name}"
     return ""
+
+
+def _cure(fix: str) -> str:
+    """Return advice without what is of files and Python."""
+    for pattern, words in _ELSEWHERE:
+        fix = pattern.sub(words, fix)
+    return fix
 
 
 def _words(where: str) -> str:

@@ -181,7 +181,7 @@ def simulate(
     with bar.stage("compiling"):
         motion = _motion(eqs, end, settings, samples, rtol, atol, bar)
     with bar.stage("drawing"):
-        ax = symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name, panels=True)
+        ax = symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name)
         symbody.save_plot(ax, picture)
         if csv is not None:
             motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()), names="outputs")

@@ -165,8 +165,8 @@ def reactions_section(setting: Setting) -> ReportSection:
 def _reactions(setting: Setting) -> Iterator[Block]:
     eqs, numerals = setting.eqs, setting.numerals
     yield Paragraph(
-        "Force [N] and moment [N\u00b7m] on the end body by the start body, at the joint and in the axes that "
-        "reaction outputs use, by multipliers and accelerations."
+        "Force [N] and moment [N\u00b7m] on the end body by the start body, at the joint and in the axes "
+        "that reaction outputs use, by multipliers and accelerations."
     )
     if eqs.undetermined_reactions:
         yield Paragraph(

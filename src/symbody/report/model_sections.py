@@ -130,7 +130,9 @@ def parts_section(setting: Setting) -> ReportSection:
     return ReportSection(
         "parts", "Bodies and joints",
         (
-            TextTable(("body", "mass [kg]", "inertia [kg\u00b7m\u00b2]"), tuple(map(_body_row, model.bodies))),
+            TextTable(
+                ("body", "mass [kg]", "inertia [kg\u00b7m\u00b2]"), tuple(map(_body_row, model.bodies))
+            ),
             _table(("frame", "origin [m]", "rotated about"), tuple(frames)),
             _table(("joint", "kind", "from \u2192 to", "coordinates", "more"), tuple(joints)),
             _table(("element", "kind", "from \u2192 to", "arguments"), tuple(others)),

@@ -146,7 +146,7 @@ def _way_out(name: str, along: Sequence[float]) -> float:
 def motion_picture(run: Trajectory, curves: Sequence[str], kind: PictureKind) -> bytes:
     """Return curves over time, each unit in a panel of its own."""
     with mpl.rc_context(_settings()):
-        axes = plot(run, *curves, panels=True)
+        axes = plot(run, *curves)
         return _content(axes.figure.canvas.figure, kind)
 
 

@@ -1,6 +1,6 @@
 /** Inputs of single values. */
 
-import { useEffect, useId, useState, type KeyboardEvent, type ReactElement } from "react";
+import { useEffect, useId, useState, type KeyboardEvent, type MouseEvent, type ReactElement } from "react";
 import { api } from "../api";
 import { textOf } from "../model/entries";
 import { withValue } from "../model/pointers";
@@ -84,11 +84,19 @@ export function NameInput({ value, change, list, disabled, ...rest }: NameProps)
     <div className="name-input">
       <input
         {...attributes({ ...rest, wrong, ...(refusal === "" ? {} : { describedBy: refused }) })} value={text} title={text} list={list} disabled={disabled}
-        onBlur={accept} onKeyDown={press} onChange={(event) => { setText(event.target.value); }}
+        onBlur={accept} onKeyDown={press} onChange={(event) => { setText(event.target.value); }} onMouseDown={selectAtFirst}
       />
       {refusal !== "" && <p id={refused} role="alert" className="field-problem error"><span>{refusal}</span></p>}
     </div>
   );
+}
+
+/** Select the whole name at the first click, as Tab does: who goes there writes another. */
+function selectAtFirst(event: MouseEvent<HTMLInputElement>): void {
+  if (event.button !== 0 || document.activeElement === event.currentTarget) return;
+  event.preventDefault();
+  event.currentTarget.focus();
+  event.currentTarget.select();
 }
 
 /** Return the mathematics of a formula: as the last check wrote it, else as the server writes it now. */

@@ -15,6 +15,12 @@ import { pictureNow } from "./shown";
 
 type Values = Readonly<Record<string, number>>;
 
+/** What turns in all directions, and moves along `places`. */
+interface Turning {
+  readonly owner: string;
+  readonly places: readonly string[];
+}
+
 const NOTHING: Values = {};
 const DEGREES_KEY = "symbody-degrees";
 const PLACES = ["x", "y", "z"] as const;
@@ -26,13 +32,14 @@ function move(values: Values): void {
   pose((data, guess, document) => api.pose(document, data, values, guess));
 }
 
-/** Return the coordinates in the order of the model, those of a body that moves freely together under its name. */
-function groupsOf(names: readonly string[]): readonly (readonly [string, readonly string[]])[] {
+/** Return the coordinates that stand alone, and what turns in all directions: bodies that move freely, spherical joints. */
+function groupsOf(names: readonly string[]): { readonly single: readonly string[]; readonly turning: readonly Turning[] } {
   const all = new Set(names);
-  const free = names.filter((each) => each.endsWith("_qw")).map((each) => each.slice(0, -3)).filter((body) => [...PLACES, ...PARTS].every((part) => all.has(`${body}_${part}`)));
-  const ownerOf = (name: string): string => free.find((body) => new RegExp(`^(?:[xyz]|q[wxyz])$`).test(name.slice(body.length + 1)) && name.startsWith(`${body}_`)) ?? "";
-  const single = names.filter((each) => ownerOf(each) === "").map((each) => ["", [each]] as const);
-  return [...single, ...free.map((body) => [body, names.filter((each) => ownerOf(each) === body)] as const)];
+  const has = (owner: string, parts: readonly string[]): boolean => parts.every((part) => all.has(`${owner}_${part}`));
+  const owners = names.filter((each) => each.endsWith("_qw")).map((each) => each.slice(0, -3)).filter((owner) => has(owner, PARTS));
+  const turning = owners.map((owner) => ({ owner, places: has(owner, PLACES) ? PLACES : [] }));
+  const grouped = new Set(turning.flatMap(({ owner, places }) => [...places, ...PARTS].map((part) => `${owner}_${part}`)));
+  return { single: names.filter((each) => !grouped.has(each)), turning };
 }
 
 export function Positions(): ReactElement {
@@ -51,10 +58,12 @@ export function Positions(): ReactElement {
     const base = summary?.units[name] ?? "";
     return <Row key={name} name={name} label={plainReading(name)} base={base} unit={base === "rad" && degrees ? "deg" : base} start={start[name]!} now={now[name] ?? 0} change={(value) => { move({ [name]: value }); }} />;
   };
+  const { single, turning } = groupsOf(names);
   return (
     <div className="positions" data-testid="positions">
       <label className="degrees"><input type="checkbox" checked={degrees} onChange={(event) => { choose(event.target.checked); }} /> Angles in degrees</label>
-      {groupsOf(names).map(([body, own]) => body === "" ? own.map(rowOf) : <FreeBody key={body} body={body} start={start} now={now} degrees={degrees} />)}
+      {single.map(rowOf)}
+      {turning.map((each) => <TurningRows key={each.owner} {...each} start={start} now={now} degrees={degrees} />)}
       {posed !== null && posed.problem !== "" && <p className="field-problem warning" role="alert">{posed.problem}</p>}
       <div className="row">
         <button type="button" className="button small" disabled={posed === null} onClick={backToStart}>Back to the start</button>
@@ -68,8 +77,8 @@ function quaternionIn(values: Values, body: string): Quaternion {
   return PARTS.map((part) => values[`${body}_${part}`] ?? 0) as unknown as Quaternion;
 }
 
-/** A body that nothing holds: where it is, and three turns; folded, as there may be many. */
-function FreeBody({ body, start, now, degrees }: { readonly body: string; readonly start: Values; readonly now: Values; readonly degrees: boolean }): ReactElement {
+/** A body that nothing holds, or a spherical joint: where it is, and three turns; folded, as there may be many. */
+function TurningRows({ owner: body, places, start, now, degrees }: Turning & { readonly start: Values; readonly now: Values; readonly degrees: boolean }): ReactElement {
   const [before, turns] = [turnsOf(quaternionIn(start, body)), turnsOf(quaternionIn(now, body))];
   const turn = (axis: number, value: number): void => {
     const next = turns.map((each, index) => (index === axis ? value : each)) as unknown as Turns;
@@ -78,8 +87,8 @@ function FreeBody({ body, start, now, degrees }: { readonly body: string; readon
   };
   return (
     <details className="free-body">
-      <summary>{body} <span className="soft">free: 6 degrees of freedom</span></summary>
-      {PLACES.map((part) => {
+      <summary>{body} <span className="soft">{places.length === 0 ? "turns in all directions" : "free: 6 degrees of freedom"}</span></summary>
+      {places.map((part) => {
         const name = `${body}_${part}`;
         return <Row key={part} name={name} label={part} base="m" unit="m" start={start[name] ?? 0} now={now[name] ?? 0} change={(value) => { move({ [name]: value }); }} />;
       })}

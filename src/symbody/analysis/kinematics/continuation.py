@@ -157,6 +157,17 @@ class Continuation:
         """Return unit speeds (n_u, f), in sizes, that rows of J leave."""
         return null_space(self.scaled_rows(jacobian), SHARP_RANK)
 
+    def free_speeds(self, basis: Floats) -> list[str]:
+        """Return a speed for each column of `freedoms`: together they say what is left to move."""
+        names, left = self.eqs.speed_names, basis.copy()
+        chosen = list[str]()
+        for _ in range(basis.shape[1]):
+            k = int(np.linalg.norm(left, axis=1).argmax())
+            chosen.append(names[k])
+            row = left[k] / np.linalg.norm(left[k])
+            left = left - np.outer(left @ row, row)
+        return chosen
+
     def speeds(self, s: float, q: Floats) -> Floats:
         """Return the speeds that follow from the driven coordinates."""
         jacobian, rate, _ = self.rows(s, q, np.zeros(self.speed_sizes.size))

@@ -255,15 +255,17 @@ def check_driven(driven: Continuation, s: float, q: Floats, notes: tuple[str, ..
     Raises
     ------
     UsageError
-        With their number.
+        With their number, and the speeds that show them.
     """
     jacobian = driven.rows(s, q, np.zeros(driven.speed_sizes.size))[0]
-    left = driven.freedoms(jacobian).shape[1]
+    basis = driven.freedoms(jacobian)
+    left = basis.shape[1]
     if left:
+        free = ", ".join(driven.free_speeds(basis))
         names = ", ".join(driven.driven) or "nothing"
         raise UsageError(
             Problem("kinematics.freedoms_left", "over",
-                    f"with {names} driven, {left} more can still move freely",
+                    f"with {names} driven, {left} more can still move freely: {free}",
                     "; ".join(("the driven coordinates do not determine the positions", *notes)),
                     "drive further coordinates, or hold them fixed: over={..., 'name': value}")
         )  # fmt: skip

@@ -80,7 +80,7 @@ class PrescribedMotion:
         jacobian, rate, _ = follower.rows(t, q, still)
         basis = follower.freedoms(jacobian)
         if basis.shape[1]:
-            raise UsageError(self._freedoms_left(t, q, basis * follower.speed_sizes[:, np.newaxis]))
+            raise UsageError(self._freedoms_left(t, q, basis))
         u, error = follower.solve(jacobian, rate)
         self._check(t, "speeds", error, rate)
         jacobian, _, acceleration = follower.rows(t, q, u)
@@ -105,14 +105,7 @@ class PrescribedMotion:
 
     def _freedoms_left(self, t: float, q: Floats, basis: Floats) -> Problem:
         """Return the refusal of a motion that leaves freedoms, with their number and speeds."""
-        names, left = self.eqs.speed_names, basis.copy()
-        speeds = []
-        for _ in range(basis.shape[1]):
-            scaled = np.linalg.norm(left / self.continuation.speed_sizes[:, np.newaxis], axis=1)
-            k = int(scaled.argmax())
-            speeds.append(names[k])
-            row = left[k] / np.linalg.norm(left[k])
-            left = left - np.outer(left @ row, row)
+        speeds = self.continuation.free_speeds(basis)
         count, driven = basis.shape[1], ", ".join(self.continuation.driven) or "nothing"
         near = dict(zip(self.eqs.coordinate_names, q, strict=True))
         generic = redundancy(self.eqs, self.parameters, near, scales=self.scales.sizes)

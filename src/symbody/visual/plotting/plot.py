@@ -47,7 +47,7 @@ def plot(
     title: str | None = None,
     labels: Sequence[str] | None = None,
     equal: bool | None = None,
-    panels: bool = False,
+    panels: bool | None = None,
     events: bool = True,
 ) -> Axes:
     """Draw outputs of a motion and return the axes, which notebooks show; no window opens.
@@ -76,17 +76,18 @@ def plot(
         One for each curve or path, in place of the names; a unit in brackets at the end is understood.
     equal : bool, optional
         Whether a unit is equally long on all axes; by default it is for paths of lengths.
-    panels : bool
+    panels : bool, optional
         Whether each unit has a panel of its own, in the order in which they come, below each other over one
         horizontal axis; outputs of unknown unit share one too. The uppermost axes are returned,
-        ``ax.figure.axes`` are all. By default all curves share a pair of axes.
+        ``ax.figure.axes`` are all. By default they have, except in given axes; False draws all curves over
+        each other whatever their units.
     events : bool
         Whether the events of the motion are marked by thin lines with their names, over time.
 
     Returns
     -------
     Axes
-        Of Matplotlib, to change or to save; with `panels` the uppermost ones.
+        Of Matplotlib, to change or to save; of several panels the uppermost ones.
 
     Raises
     ------
@@ -100,7 +101,7 @@ def plot(
     ...                     force=sb.Drive(applied="F", stiffness=8))
     >>> model = sb.Model("oscillator", [rail], inputs=["F"], initial={"x": 0.1})
     >>> eqs = sb.form_equations(model)
-    >>> ax = sb.plot(sb.simulate(eqs, 1.0), "x", "x_dot", panels=True)
+    >>> ax = sb.plot(sb.simulate(eqs, 1.0), "x", "x_dot")
     >>> len(ax.figure.axes)
     2
     """
@@ -111,7 +112,7 @@ def plot(
     curves = [item for item in chosen if isinstance(item, str)]
     if len(curves) == len(chosen):
         across, drawn = _pair_with_abscissa(run, curves, x)
-        axes = _curves(across, rename_curves(drawn, labels), ax, x, title, bool(equal), panels)
+        axes = _curves(across, rename_curves(drawn, labels), ax, x, title, bool(equal), panels is not False)
         if events and x == "t":
             mark_events(axes, panels_beside(axes).values(), run)
         return axes

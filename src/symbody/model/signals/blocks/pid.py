@@ -162,9 +162,12 @@ class PID(SignalBlock):
             summed = f"{name}_integral + {dt}*({gains['i']}*{error}{self._lead_back(gains)})"
             after.append(Signal(f"{name}_integral", summed, initial=self.initial, sample=self.sample))
         if self._has("d"):
-            time = gains["filter"] if self._has("filter") else "0"
-            change = f"{gains['d']}*({error} - {name}_error)"
-            part = f"({time}*{name}_derivative + {change})/({time} + {dt})"
+            part = f"{gains['d']}*({error} - {name}_error)"
+            if self._has("filter"):
+                time = gains["filter"]
+                part = f"({time}*{name}_derivative + {part})/({time} + {dt})"
+            else:
+                part = f"{part}/{dt}"
             before = [
                 Signal(f"{name}_derivative", part, sample=self.sample),
                 Signal(f"{name}_error", error, sample=self.sample),
