@@ -146,7 +146,7 @@ def look_behind(
     e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor, held: SampleHold, code: int,
     t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
 ) -> int:  # fmt: skip
-    """Let events happen in a step that ended with a code, unless samples are due; return a code of `block`."""
+    """Let events happen in a step that ended with a code, unless samples are due; return a code."""
     if run.counts.steps == 0 or (code == RUNNING and is_due(held, run.time) != 0):
         return code
     is_over = 1
