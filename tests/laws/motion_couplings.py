@@ -203,6 +203,81 @@ def struck() -> list[Fragment]:
     ]  # fmt: skip
 
 
+def parallelogram(*given: Any, torque: float | str, friction: sb.Friction | None = None) -> tuple[Any, ...]:
+    """A parallelogram that lies flat: crank and rocker of 0.5 m, 0.42 kg m^2 about the crank, a joint in each corner."""
+    dry = {"friction": friction} if friction else {}
+    tip = {"tip": sb.Frame(at=(0.5, 0, 0))}
+    return (
+        sb.Body("Post", mass=1, frames={"pin": sb.Frame(at=(1.2, 0, 0))}), sb.Weld("post", "ground", "Post"),
+        sb.Body("Left", mass=1, inertia=(0, 0.1, 0), frames=tip), sb.Body("Right", mass=1, inertia=(0, 0.12, 0), frames=tip),
+        sb.Body("Bar", mass=0.8, inertia=(0, 0.05, 0),
+                frames={"left": sb.Frame(at=(-0.6, 0, 0)), "right": sb.Frame(at=(0.6, 0, 0))}),
+        sb.Revolute("A", "ground", "Left", axis="y", coordinate="x", torque=sb.Drive(applied=torque), **dry),
+        sb.Revolute("B", "Left.tip", "Bar.left", axis="y", coordinate="xb", **dry),
+        sb.Revolute("C", "Bar.right", "Right.tip", axis="y", coordinate="xc", tree=False, **dry),
+        sb.Revolute("D", "Post.pin", "Right", axis="y", coordinate="xd", **dry), *given,
+    )  # fmt: skip
+
+
+PARALLELOGRAM = 0.1 + 0.12 + 0.8 * 0.5**2  # kg m^2
+DRY_PIN = sb.Friction(force=0.5, static=1.1)
+
+
+def shared() -> list[Fragment]:
+    """Four pins of one degree of freedom share what holds them: they break away together, at the sum of their strengths.
+
+    How they share the load follows from no law of rigid bodies, and when they break away does not depend on it.
+    """
+    steps, still = every(0.1), {"x": 0.7, "xb": -0.7, "xd": 0.7, "x_dot": 0.0}
+    strength = {"friction": (4 * 0.5 / PARALLELOGRAM, 4 * 1.1 / PARALLELOGRAM)}
+    pulse = sb.Signal("hold", "if(t < 0.95, 6*sin(9*t), 0)", sample=0.1)
+    sampled = Line(
+        lambda t, x, v: (6 * math.sin(9 * t) if t < 0.95 else 0.0) / PARALLELOGRAM, steps, 0.7, **strength
+    )  # fmt: skip
+    # 20 t is 4.4 at t = 0.22, and from then on the rate is 10 s^2 + 2.4 s over the inertia
+    start, end = 0.22, 0.4
+
+    def ramp(t: Array) -> Values:
+        s = np.clip(t - start, 0.0, end - start)
+        x = (10 * s**3 / 3 + 1.2 * s**2) / PARALLELOGRAM
+        rate = (10 * s**2 + 2.4 * s) / PARALLELOGRAM
+        r, brake = np.maximum(t - end, 0.0), 2.0 / PARALLELOGRAM
+        r = np.minimum(r, rate / brake)
+        return {"x": 0.7 + x + rate * r - brake * r**2 / 2}
+
+    return [
+        Fragment("sampled torque on four pins that share", parallelogram(pulse, torque="hold", friction=DRY_PIN),
+                 sampled.values("x"), {"x": 1.0, "x_dot": 5.0}, still),
+        Fragment("ramp on four pins that share",
+                 parallelogram(torque=f"if(t < {end}, 20*t, 0)", friction=DRY_PIN), ramp, {"x": 1.0}, still,
+                 force_jump=20.0),
+    ]  # fmt: skip
+
+
+def action_at_a_sample() -> Fragment:
+    """x'' = -9 x - 3 x' of every tenth of a second; at the sample at 0.4 an event that comes first sets x' = -1."""
+    x, v, rows = 0.5, 0.0, []
+    for k in range(11):
+        v = -1.0 if k == 4 else v
+        force = -9 * x - 3 * v
+        rows.append((x, v, force))
+        x, v = x + v / 10 + force / 200, v + force / 10
+    table = np.array(rows)
+
+    def reference(t: Array) -> Values:
+        k = np.minimum(np.floor(10 * t + 1e-9).astype(int), 10)
+        x, v, force = table[k].T
+        s = t - k / 10
+        return {"x": x + v * s + force * s**2 / 2, "x_dot": v + force * s}
+
+    return Fragment(
+        "action at a sample",
+        (*slide("way", "x", force=sb.Drive(applied="hold")), sb.Signal("hold", "-9*x - 3*x_dot", sample=0.1)),
+        reference, {"x": 1.0, "x_dot": 3.0}, {"x": 0.5, "x_dot": 0.0}, (0.4,),
+        events=(sb.Event("t - 0.4", 1, {"x_dot": "-1"}),),
+    )  # fmt: skip
+
+
 def lag_on_friction() -> Fragment:
     """A pull 4 (1 - exp(-t/0.3)) breaks a joint away where it is 0.3 g."""
     start = -0.3 * math.log(1 - STATIC / 4)
@@ -333,6 +408,7 @@ def stop_behind_a_bounce() -> Fragment:
 COUPLINGS = {
     coupling.name: coupling
     for coupling in (
-        *held(), *struck(), lag_on_friction(), *geared(), *turning(), action_in_a_loop(), stop_behind_a_bounce()
+        *held(), *struck(), lag_on_friction(), *geared(), *turning(), action_in_a_loop(), stop_behind_a_bounce(),
+        *shared(), action_at_a_sample(),
     )
 }  # fmt: skip

@@ -6,17 +6,19 @@ Each mechanism has a derivation of its own (`motion_couplings`). Meetings that a
 
 from __future__ import annotations
 
+import math
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import symbody as sb
 from tests.laws.motion_consumers import WAYS, Question, outcome
-from tests.laws.motion_couplings import COUPLINGS
-from tests.laws.motion_fragments import save_controller, slide
+from tests.laws.motion_couplings import COUPLINGS, PARALLELOGRAM, Line, every, parallelogram
+from tests.laws.motion_fragments import END, TIMES, save_controller, slide
 from tests.laws.test_combinations import ALWAYS
 
 pytestmark = [
@@ -48,6 +50,23 @@ def test_things_that_happen_to_one_coordinate(way: str, name: str, controller: P
 @pytest.mark.parametrize("name", [name for name in COUPLINGS if "geared" in name])
 def test_gears_without_their_row_are_alike(name: str, tmp_path: Path) -> None:
     assert outcome(Question((COUPLINGS[name],), tmp_path, None, substitute=True), "simulate") == "right"
+
+
+@pytest.mark.parametrize("constraints", [None, sb.Partition()], ids=["default", "Partition"])
+def test_dry_pins_and_a_sampled_torque_past_flat_poses(constraints: sb.Partition | None) -> None:
+    """A parallelogram passes four change points; what is computed again there begins with the first modes."""
+    friction = 4 * 0.15 / PARALLELOGRAM
+    line = Line(
+        lambda t, x, v: 3 * math.cos(7 * t) / PARALLELOGRAM, every(0.1), 0.7, 9.0, (friction, friction)
+    )
+    held = sb.Signal("hold", "3*cos(7*t)", sample=0.1)
+    eqs = sb.form_equations(
+        sb.Model("parallelogram", parallelogram(held, torque="hold", friction=sb.Friction(force=0.15)),
+                 initial={"x": 0.7, "xb": -0.7, "xd": 0.7, "x_dot": 9.0})
+    )  # fmt: skip
+    run = sb.simulate(eqs, END, times=TIMES, rtol=1e-9, constraints=constraints)
+    assert run.success and [change.t for change in run.modes] == [0.0] * 4
+    np.testing.assert_allclose(run["x"], line.values("x")(TIMES)["x"], atol=50e-9 * 9.0)
 
 
 def test_a_stop_at_a_sample_ends_a_stepper() -> None:

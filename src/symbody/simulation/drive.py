@@ -125,6 +125,7 @@ class _MotionByPieces:
         self._passed = 0  # of the jumps
         self._modes = switching_modes(held.problem)
         self._integrator = motion.integrator
+        self._decided = 0  # rows of the record of modes where the piece begins
         self._changes: list[float] = []
         if self._modes is not None:
             check_backwards(span)
@@ -184,6 +185,7 @@ class _MotionByPieces:
         if is_struck:
             self._pieces.begin_behind(t, self._pieces.plan(modes.problem, stage.x, t, one_state(t)))
         self._pieces.add_energy(work)
+        self._decided = modes.switch.recorded
         return x
 
     def _next_instant(self, t: float) -> MotionInstant:
@@ -223,9 +225,9 @@ class _MotionByPieces:
         return execute(replace(motion, modes=self._modes, integrator=self._integrator))
 
     def _end_of_shares(self, piece: MotionPiece, modes: SwitchingModes) -> float | None:
-        """Return when joints that hold together no longer do so in a piece that ends in other modes [s]."""
+        """Return when joints no longer hold together in a piece whose modes are decided here [s]."""
         dense = piece.run.dense_output
-        return None if dense is None else modes.end_of_shares(dense)
+        return None if dense is None or modes.switch.recorded != self._decided else modes.end_of_shares(dense)
 
     def _end_piece(self, piece: MotionPiece, until: MotionInstant) -> PieceStart | None:
         """Let happen what ends a piece; return the state with which the motion goes on, if it does."""

@@ -11,15 +11,13 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.block import FunctionNumbers
-from symbody.kernels.dense_output import interpolate
 from symbody.kernels.events.event_location import sign
-from symbody.kernels.language import INFINITY, Function, Reals, is_finite, part
-from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, find_modes, overload_of
-from symbody.kernels.modes.held_rows import factor_held, shares_effort
-from symbody.kernels.modes.held_shares import held_place
+from symbody.kernels.language import Function, Reals, is_finite, part
+from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, find_modes
 from symbody.kernels.modes.mode_problem import BOUNDED, HOLDS, LOOSE, UNILATERAL, ModeElement
+from symbody.kernels.modes.mode_shares import note_shares
 from symbody.kernels.modes.mode_switch import DECIDED, SHOCK, ModeSwitch, SwitchingElement
-from symbody.kernels.modes.mode_trial import SOLVED, is_held, list_held, solve_modes
+from symbody.kernels.modes.mode_trial import SOLVED, solve_modes
 from symbody.kernels.runge_kutta import call, copy
 
 # What `settle_modes` returns.
@@ -31,10 +29,7 @@ LONG_ROPE: Final = 4  # an action left a rope longer than it can be
 
 AT_REST: Final = 1e-9  # of the largest rates so far, `symbody.tolerances`
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
-TWO: Final = 2
 NEVER: Final = 1e100  # a value that does not come to zero
-SHARE_NODES: Final = 8  # places of a step at which shares are looked for
-SHARE_HALVINGS: Final = 50
 UNWRITTEN: Final = 2  # no mode: the next one is written down
 FAST: Final = 1e6  # ends that approach so many times faster than at rest do not come back at once
 
@@ -488,83 +483,6 @@ def fit_speeds(d: Function, w: Function, modes: ModeSwitch, t: float, x: Reals) 
     else:
         set_levels(modes)
     return SETTLED
-
-
-def note_shares(modes: ModeSwitch) -> None:
-    """Note which elements share the efforts with which they hold, once modes have been decided."""
-    problem = modes.problem
-    modes.shares = 0
-    for k in range(modes.count):
-        modes.elements[k].shares = 0.0
-    list_held(problem)
-    if problem.held_count < TWO:
-        return
-    factor_held(problem)
-    if problem.rank == problem.held_count:
-        return
-    for k in range(problem.count):
-        element = problem.elements[k]
-        place = int(modes.places[int(modes.acting[k])])
-        if is_held(element) == 1 and place >= 0:
-            i = held_place(problem, element.row)
-            if shares_effort(problem, i, problem.vector) == 1:
-                modes.elements[place].shares = 1.0
-                modes.shares = modes.shares + 1
-
-
-def find_end_of_shares(
-    d: Function, modes: ModeSwitch, rows: int, breaks: Reals, piece: Reals, x: Reals
-) -> float:
-    """Return when in one step no shares of efforts within their bounds hold any more; infinite if they do.
-
-    The step is from the first to the second of `breaks`; x (states) is scratch.
-    """
-    if modes.shares == 0:
-        return INFINITY
-    start = breaks[0]
-    length = breaks[1] - start
-    good = 0.0
-    bad = 2.0
-    for node in range(1, SHARE_NODES + 1):
-        share = float(node) / float(SHARE_NODES)
-        if bad > 1.0:
-            interpolate(modes.states, rows, piece, share, x)
-            if shares_hold(d, modes, start + share * length, x) == 1:
-                good = share
-            else:
-                bad = share
-    if bad > 1.0:
-        return INFINITY
-    for _ in range(SHARE_HALVINGS):
-        middle = 0.5 * (good + bad)
-        interpolate(modes.states, rows, piece, middle, x)
-        if shares_hold(d, modes, start + middle * length, x) == 1:
-            good = middle
-        else:
-            bad = middle
-    return start + bad * length
-
-
-def shares_hold(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
-    """Return 1 if efforts within their bounds hold what shares them in the present modes, else 0."""
-    if measure(d, modes, t, x) != 0:
-        return 1
-    for k in range(modes.count):
-        element = modes.elements[k]
-        element.opens = element.mode
-        element.is_decided = 0.0
-        if element.mode != HOLDS:
-            element.is_decided = 1.0
-    fill_problem(modes, 0)
-    problem = modes.problem
-    if solve_modes(problem) != SOLVED:
-        return 1
-    for k in range(problem.count):
-        place = int(modes.places[int(modes.acting[k])])
-        if place >= 0 and modes.elements[place].shares != 0.0:
-            if overload_of(problem, problem.elements[k]) > 0.0:
-                return 0
-    return 1
 
 
 def set_levels(modes: ModeSwitch) -> None:

@@ -28,6 +28,7 @@ from symbody.kernels.events.event_location import add_zero, compute_values
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.events.watched_motion import go_on
 from symbody.kernels.language import INFINITY, Function, Reals, part
+from symbody.kernels.modes.end_of_shares import find_end_of_shares, shares_hold
 from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.modes.switch_modes import (
     FUNCTION_FAULT,
@@ -35,12 +36,10 @@ from symbody.kernels.modes.switch_modes import (
     NO_MODES,
     NO_SPEEDS,
     SETTLED,
-    find_end_of_shares,
     find_long_rope,
     forget_modes,
     note_rates,
     settle_modes,
-    shares_hold,
     show_modes,
 )
 from symbody.kernels.record_layout import exists

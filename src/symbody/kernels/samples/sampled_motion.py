@@ -146,7 +146,7 @@ def watch_unless_due(
     e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor, held: SampleHold, code: int,
     t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals,
 ) -> int:  # fmt: skip
-    """Let events happen in a step that ended with a code, unless samples are due; return a code of `block`."""
+    """Let events happen in a step that ended with a code, unless samples are due; return a code."""
     if code == RUNNING and is_due(held, run.time) != 0:
         return code
     return watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)

@@ -131,7 +131,7 @@ class EventWatch:
         return np.array(own.after) if own.hands_over and own.has_acted and not own.culprit else None
 
     def state_behind(self, t: float) -> Floats | None:
-        """Return the state (u, q, s, work) that actions set at the end of a run [s]; None without any there."""
+        """Return the state (u, q, s, work) that actions set where a run ends [s]; None without any."""
         own = self._monitor
         if own.culprit or own.cut != t:
             return None

@@ -102,8 +102,10 @@ class Sampler:
         rows = self.record[: self.hold.recorded]
         if not len(rows):
             return np.full(np.shape(t), self.current(name))
-        values: Floats = rows[places_in(rows[:, 0], np.asarray(t)), 1 + self.names.index(name)]
-        return values
+        k = self.names.index(name)
+        values: Floats = rows[places_in(rows[:, 0], np.asarray(t)), 1 + k]
+        margin = ONE_INSTANT * np.maximum(np.abs(t), abs(self.hold.start))
+        return np.where(np.asarray(t) < rows[0, 0] - margin, SampleHold(self._first).values[k], values)
 
     def value_before(self, name: str, t: float) -> float:
         """Return a value just before a time that the motion has passed."""

@@ -20,6 +20,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.expr.graph import SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.manifold import count_significant
+from symbody.simulation.hybrid.switching import SwitchingModes
 from symbody.simulation.methods.closed_loops.crossing import crossing_of_motion
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.closed_loops.overconstrained import (
@@ -41,6 +42,7 @@ from symbody.simulation.methods.integration import Integration, end_run, integra
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.results.motion_balance import passage_balance
+from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 
@@ -156,8 +158,9 @@ def integrate_on_branch(motion: Motion) -> Integration:
 
 
 def _integrate_again(motion: Motion) -> Integration:
-    """Return another run of a motion; unless it succeeds, held values and modes stay those of the first."""
-    held = [each for each in (motion.problem.sampler, motion.modes) if each is not None]
+    """Return another run of a motion; if it does not succeed held values and modes stay as they were."""
+    both = (motion.problem.sampler, motion.modes)
+    held: list[Sampler | SwitchingModes] = [each for each in both if each is not None]
     saved = [each.save() for each in held]
     run = integrate_motion(motion)
     if not run.raw.status.success:
