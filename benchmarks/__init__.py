@@ -7,7 +7,9 @@
     python -m benchmarks evaluation       compile times, and batches on one core
     python -m benchmarks motion           the compiled loop, beside SciPy's DOP853
     python -m benchmarks trajectories     motions of equal accuracy, beside SUNDIALS, MuJoCo and PyDy
-    python -m benchmarks robots           robots beside Pinocchio in C++, C by CasADi, and MuJoCo
+    python -m benchmarks robots           robots beside code that others generate, and beside libraries
+    python -m benchmarks record           what README and pages show beside others, into record.json and them
+    python -m benchmarks render           the tables of README and pages, from record.json
     python -m benchmarks overhead         what stands around the loop: first, repeated and short motions
     python -m benchmarks sweep            many motions, by one thread and by two
     python -m benchmarks --help           sizes, time limit, number of rounds

@@ -25,6 +25,7 @@ from benchmarks import (
     operations,
     overhead,
     pages,
+    record,
     robots,
     rooms,
     stiff,
@@ -65,7 +66,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks", description="symbody beside its peers, as ratios"
     )
-    parser.add_argument("name", nargs="*", help=f"{', '.join(BENCHMARKS)} (default: all)")
+    parser.add_argument(
+        "name", nargs="*", help=f"{', '.join(BENCHMARKS)} (default: all), or record, or render"
+    )
     parser.add_argument(
         "--limit", type=float, default=default.limit, help="seconds one round of one engine may take"
     )
@@ -79,6 +82,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         "--long", action="store_true", help="derivation: wait an hour for a peer instead of the limit"
     )
     chosen = parser.parse_args(arguments)
+    if chosen.name in (["record"], ["render"]):
+        if chosen.name == ["record"]:
+            record.measure(Settings(chosen.limit, chosen.rounds))
+        record.render()
+        return
     unknown = [name for name in chosen.name if name not in BENCHMARKS]
     if unknown:
         parser.error(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}")

@@ -59,13 +59,13 @@ def tables(settings: Settings, sizes: Sequence[int] = SIZES) -> Iterator[Table]:
     peer_goes_on = True
     for links in sizes:
         with tempfile.TemporaryDirectory() as folder:
-            fresh, again = (_figures(links, folder, settings.limit) for _ in range(2))
+            fresh, again = (stages(links, folder, settings.limit) for _ in range(2))
         if _CALL not in fresh or _CALL not in again:
             notes.append(f"{links} bodies: not done within {settings.limit:g} s")
             break
         each = sum(fresh[stage] for stage in _STAGES) / links, fresh[_CALL] / links
         first = first or each
-        peer = _peer_seconds(links, settings.limit) if peer_goes_on else None
+        peer = peer_seconds(links, settings.limit) if peer_goes_on else None
         peer_goes_on = peer is not None
         rows.append((str(links), *_cells(fresh, again, each, first), _peer_cell(peer, fresh)))
     if not peer_goes_on:
@@ -90,12 +90,14 @@ def _peer_cell(peer: float | None, fresh: Figures) -> str:
     return "" if peer is None else seconds_text(peer) + ratio_text(peer, fresh["form"] + fresh["sequence"])
 
 
-def _figures(links: int, folder: str, limit: float) -> Figures:
+def stages(links: int, folder: str, limit: float) -> Figures:
+    """Return the seconds of each stage, with what the folder keeps; fewer stages if the limit is reached."""
     with Process(_attempt, links, folder) as process:
         return {step.name: step.figure for step in process.ask("derive", limit).steps}
 
 
-def _peer_seconds(links: int, limit: float) -> float | None:
+def peer_seconds(links: int, limit: float) -> float | None:
+    """Return how long SymPy forms and counts the same equations, None if the limit is reached."""
     with Process(ENGINES[_PEER], spatial_chain(links)) as process:
         steps = {step.name: step.figure for step in process.ask(DERIVE, limit).steps}
     return steps["form"] + steps["count"] if "count" in steps else None

@@ -1,10 +1,14 @@
 """The tasks on robots, and who does them: by compiled loops, or called from Python.
 
-A round of an engine gives the time of one call of each task over all states, in processor time.
+A round of an engine gives the time of one call of each task over all states, in processor time. What
+generates code for one robot says what that took, also in processor time: from the model to a function that
+can be called, with the compilers it started.
 """
 
 from __future__ import annotations
 
+import ctypes
+import os
 import statistics
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -19,8 +23,8 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 import symbody as sb
-from benchmarks.engines.call_loops.loops import Floats, c_compiler, nanoseconds_a_call
-from benchmarks.engines.pinocchio_cpp.build import program
+from benchmarks.engines.call_loops.loops import Floats, c_compiler, compiled_c, nanoseconds_a_call
+from benchmarks.engines.pinocchio_cpp.build import CALLS, GENERATE, program
 from benchmarks.engines.pinocchio_cpp.calls import PinocchioCalls
 from benchmarks.robot_states import States
 
@@ -47,7 +51,9 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
 _ENOUGH: Final = 0.02
 _PASSES: Final = 3
 # Longer functions take C compilers minutes.
-_LONG: Final = 12_000
+LONGEST: Final = 12_000
+# XLA compiles straight lines of more operations for minutes.
+LONGEST_JAX: Final = 3_000
 
 
 class Caller(Protocol):
@@ -56,6 +62,11 @@ class Caller(Protocol):
     @property
     def name(self) -> str:
         """What stands in the table."""
+        ...
+
+    @property
+    def prepared(self) -> Mapping[str, float]:
+        """What it took to generate and compile the function of each task [s]; empty for a library."""
         ...
 
     def round(self) -> dict[str, float]:
@@ -71,6 +82,12 @@ def median_of_passes(passed: Callable[[], float], states: int) -> float:
     return statistics.median(found)
 
 
+def spent() -> float:
+    """Return the processor time of this process and of those that it called [s]."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
 class Compiled:
     """Symbody's functions of all tasks, by address."""
 
@@ -78,9 +95,11 @@ class Compiled:
 
     def __init__(self, states: States) -> None:
         self.states = states
-        self.functions = {
-            name: sb.compile(states.eqs, task.outputs, lanes=False) for name, task in TASKS.items()
-        }
+        self.functions, self.prepared = {}, {}
+        for name, task in TASKS.items():
+            start = spent()
+            self.functions[name] = sb.compile(states.fresh(), task.outputs, lanes=False)
+            self.prepared[name] = spent() - start
 
     def inputs(self, task: str) -> tuple[Floats, Floats, Floats]:
         """Return q, u, and r as the function of a task takes it."""
@@ -92,32 +111,66 @@ class Compiled:
         found = self.functions[task](0.0, *self.inputs(task))
         return [np.asarray(x) for x in (found if len(TASKS[task].outputs) > 1 else [found])]
 
-    def round(self, scratch: float = 0.0) -> dict[str, float]:
-        """Return the time of one call of each task [ns]; `scratch` fills the scratch before."""
-        count = len(self.states.q)
+    def round(self) -> dict[str, float]:
+        """Return the time of one call of each task [ns]."""
         return {
-            name: median_of_passes(partial(nanoseconds_a_call, f, *self.inputs(name), scratch), count)
-            for name, f in self.functions.items()
+            name: median_of_passes(partial(self._pass, name), len(self.states.q)) for name in self.functions
         }
 
+    def _pass(self, task: str) -> float:
+        f = self.functions[task]
+        out = sum(len(output.values) for output in f.sequence.outputs)
+        return nanoseconds_a_call(
+            f.address, *self.inputs(task), out=out, work=f.work_size, constants=f.constants()
+        )
 
-class OnSubnormals:
-    """Symbody's functions with the least number there is in their scratch, which slows arithmetic down."""
 
-    name = "scratch of 5e-324"
+class OurC:
+    """The C that `generate_code` writes, by the machine's compiler."""
 
-    def __init__(self, ours: Compiled) -> None:
+    name = "symbody's C"
+
+    def __init__(self, ours: Compiled, folder: Path) -> None:
         self._ours = ours
+        self.functions: dict[str, tuple[Any, int, int]] = {}
+        self.prepared = {}
+        for name in [name for name, f in ours.functions.items() if f.operations <= LONGEST]:
+            f = ours.functions[name]
+            start = spent()
+            text = sb.generate_code(ours.states.fresh(), TASKS[name].outputs, "c", {})
+            library, _ = compiled_c(text, f"ours_{name.split()[0]}", folder)
+            self.prepared[name] = spent() - start
+            size = sum(len(output.values) for output in f.sequence.outputs)
+            self.functions[name] = (library.f, size, int(library.f_work_size()))
+
+    def results(self, task: str, states: int) -> list[Floats]:
+        """Return the outputs of a task at the first states, flat and side by side."""
+        address, size, work = self.functions[task]
+        found = np.zeros((states, size))
+        scratch, pointer = np.zeros(max(1, work)), ctypes.c_void_p
+        t = np.zeros(1)
+        for k in range(states):
+            groups = [t, *(np.ascontiguousarray(x[k]) for x in self._ours.inputs(task))]
+            addresses = [pointer(x.ctypes.data) for x in groups]
+            address(*addresses, None, None, pointer(found[k].ctypes.data), pointer(scratch.ctypes.data))
+        return [found]
 
     def round(self) -> dict[str, float]:
         """Return the time of one call of each task [ns]."""
-        return self._ours.round(5e-324)
+        count = len(self._ours.states.q)
+        return {name: median_of_passes(partial(self._pass, name), count) for name in self.functions}
+
+    def _pass(self, task: str) -> float:
+        function, size, work = self.functions[task]
+        address = ctypes.cast(function, ctypes.c_void_p).value
+        return nanoseconds_a_call(address, *self._ours.inputs(task), out=size, work=work)
 
 
 class InCpp:
     """Pinocchio's program: the recursion and the convention that is faster here."""
 
     name = "Pinocchio C++"
+    prepared: Mapping[str, float] = MappingProxyType({})
 
     def __init__(self, calls: PinocchioCalls, passes: int = 15) -> None:
         self._calls, self._passes = calls, passes
@@ -135,29 +188,49 @@ class InCpp:
 
 
 class InC:
-    """C that CasADi writes from symbody's text."""
+    """Pinocchio's algorithms of the robot as C that CasADi writes."""
 
-    name = "CasADi's C"
+    name = "Pinocchio by CasADi"
 
-    def __init__(self, ours: Compiled) -> None:
+    def __init__(self, states: States, generator: Path, model: Path, folder: Path) -> None:
         module = import_module("benchmarks.engines.casadi_calls")
-        self._ours = ours
-        short = [name for name, f in ours.functions.items() if f.operations <= _LONG]
-        self.calls = {name: module.CasadiCalls(ours.states.eqs, list(TASKS[name].outputs)) for name in short}
+        self._states = states
+        self.calls: dict[str, Any] = {}
+        self.prepared, self.long = {}, {}
+        for name in TASKS:
+            word = name.replace(" ", "_")
+            start = spent()
+            length = module.instructions(generator, model, word, folder)
+            if length > LONGEST:
+                self.long[name] = length
+                continue
+            self.calls[name] = module.CasadiCalls(folder / f"{word}.c")
+            self.prepared[name] = spent() - start
+
+    def inputs(self, task: str) -> tuple[Floats, Floats, Floats]:
+        """Return Pinocchio's q, v, and efforts or accelerations."""
+        states = self._states
+        return states.pin_q, states.pin_v, states.pin_a if TASKS[task].inverse else states.pin_tau
 
     def round(self) -> dict[str, float]:
         """Return the time of one call of each task [ns]."""
-        count = len(self._ours.states.q)
+        count = len(self._states.q)
         return {
-            name: median_of_passes(partial(calls.nanoseconds, *self._ours.inputs(name)), count)
+            name: median_of_passes(partial(calls.nanoseconds, *self.inputs(name)), count)
             for name, calls in self.calls.items()
         }
+
+    def from_python(self) -> FromPython:
+        """Return the same functions as they are called from Python."""
+        calls = {name: f.from_python(*self.inputs(name)) for name, f in self.calls.items()}
+        return FromPython(self.name, calls, len(self._states.q), self.prepared)
 
 
 class InMujoco:
     """mj_forward and mj_inverse, which compute all positions, and more than is asked here."""
 
     name = "MuJoCo"
+    prepared: Mapping[str, float] = MappingProxyType({})
 
     def __init__(self, calls: Any, count: int) -> None:
         self.calls, self._count = calls, count
@@ -173,8 +246,14 @@ class InMujoco:
 class FromPython:
     """An engine called from Python state by state; `calls` gives a function of the number of a state."""
 
-    def __init__(self, name: str, calls: Mapping[str, Callable[[int], object]], count: int) -> None:
-        self.name = name
+    def __init__(
+        self,
+        name: str,
+        calls: Mapping[str, Callable[[int], object]],
+        count: int,
+        prepared: Mapping[str, float] = MappingProxyType({}),
+    ) -> None:
+        self.name, self.prepared = name, prepared
         self.calls, self._count = calls, count
 
     def round(self) -> dict[str, float]:
@@ -196,7 +275,7 @@ def python_symbody(ours: Compiled) -> FromPython:
         q, u, r = (list(group) for group in ours.inputs(task))
         return lambda k: f(0.0, q[k], u[k], r[k])
 
-    return FromPython("symbody", {name: calls(name) for name in TASKS}, len(ours.states.q))
+    return FromPython("symbody", {name: calls(name) for name in TASKS}, len(ours.states.q), ours.prepared)
 
 
 def python_pinocchio(states: States) -> FromPython:
@@ -234,20 +313,38 @@ def cpp_program(states: States, folder: Path) -> tuple[InCpp | None, str]:
     """Return Pinocchio's program at the states, or why there is none."""
     if states.pin_model is None:
         return None, "Pinocchio is left out: pin is not installed"
-    found, why = program()
+    found, why = program(CALLS)
     if found is None:
         return None, why
     calls = PinocchioCalls.of(found, folder, states.pin_model, states.pin_q, states.pin_v, states.pin_tau)
     return InCpp(calls), ""
 
 
-def casadi_c(ours: Compiled) -> tuple[InC | None, str]:
-    """Return CasADi's C, or why there is none."""
-    if find_spec("casadi") is None:
-        return None, "CasADi is left out: casadi is not installed"
+def casadi_c(states: States, folder: Path) -> tuple[InC | None, str]:
+    """Return CasADi's C of Pinocchio's algorithms, or why there is none."""
+    if states.pin_model is None or find_spec("casadi") is None:
+        return None, "Pinocchio by CasADi is left out: pin or casadi is not installed"
     if c_compiler() is None:
-        return None, "CasADi is left out: there is no C compiler"
-    return InC(ours), f"CasADi's C of functions longer than {_LONG} operations is not compiled"
+        return None, "Pinocchio by CasADi is left out: there is no C compiler"
+    found, why = program(GENERATE)
+    if found is None:
+        return None, why
+    model = folder / "model.txt"
+    states.pin_model.saveToText(str(model))
+    peer = InC(states, found, model, folder)
+    long = ", ".join(f"{name} {length}" for name, length in peer.long.items())
+    return peer, f"C longer than {LONGEST} instructions is not compiled: {long}" if long else ""
+
+
+def jax_calls(ours: Compiled, mujoco: InMujoco | None) -> tuple[list[FromPython], str]:
+    """Return forward dynamics by the JAX that `generate_code` writes, and by MJX, compiled by XLA."""
+    if find_spec("jax") is None or mujoco is None or find_spec("mujoco.mjx") is None:
+        return [], "JAX and MJX are left out: jax or mujoco-mjx is not installed, or MuJoCo left out"
+    module = import_module("benchmarks.engines.jax_calls")
+    found = [FromPython("MJX", *module.mjx(mujoco.calls))]
+    if ours.functions["forward dynamics"].operations > LONGEST_JAX:
+        return found, f"symbody's JAX is not compiled beyond {LONGEST_JAX} operations: XLA takes minutes"
+    return [FromPython("symbody's JAX", *module.ours(ours.states)), *found], ""
 
 
 def mujoco_calls(states: States, floating: bool) -> tuple[InMujoco | None, str]:

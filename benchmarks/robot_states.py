@@ -32,8 +32,10 @@ class States:
     ----------
     text : str
         The URDF that both sides read.
+    model : Model
+        The tree alone; joints that mimic others move by themselves.
     eqs : EquationSet
-        Equations of the tree alone; joints that mimic others move by themselves.
+        Its equations.
     q, u, r, udot : arrays
         In symbody's order; r are the efforts of the joints, udot random accelerations.
     pin_model : pinocchio.Model or None
@@ -47,6 +49,7 @@ class States:
     """
 
     text: str
+    model: sb.Model
     eqs: sb.EquationSet
     q: Floats
     u: Floats
@@ -60,6 +63,10 @@ class States:
     order: NDArray[np.int64]
     driven: list[int]
 
+    def fresh(self) -> sb.EquationSet:
+        """Return the equations formed anew: what is kept of the others does not shorten the work."""
+        return sb.form_equations(self.model)
+
     @property
     def r_and_udot(self) -> Floats:
         """Zero efforts and the accelerations: what `inverse_dynamics` takes as r."""
@@ -69,7 +76,8 @@ class States:
 def robot_states(path: Path, robot: Robot, pin: Any, count: int = STATES) -> States:
     """Return a robot with `count` states; angles within 2 rad, rates, efforts, accelerations within 1."""
     text = _DYNAMICS.sub("", path.read_text(encoding="utf-8"))
-    eqs = sb.form_equations(unconstrained(model_from_urdf(text, floating_base=robot.floating)))
+    tree = unconstrained(model_from_urdf(text, floating_base=robot.floating))
+    eqs = sb.form_equations(tree)
     random = np.random.default_rng(2024)
     q = random.uniform(-2.0, 2.0, (count, len(eqs.coordinate_names)))
     for names in eqs.quaternions:
@@ -80,7 +88,7 @@ def robot_states(path: Path, robot: Robot, pin: Any, count: int = STATES) -> Sta
     r = random.uniform(-1.0, 1.0, (count, len(eqs.input_names)))
     if pin is None:
         none = np.zeros((0, 0))
-        return States(text, eqs, q, u, r, udot, None, none, none, none, none, np.zeros(0, np.int64), [])
+        return States(text, tree, eqs, q, u, r, udot, None, none, none, none, none, np.zeros(0, np.int64), [])
     model = pin.buildModelFromXML(text, *([pin.JointModelFreeFlyer()] if robot.floating else []))
     order = np.array([eqs.speed_names.index(name) for name in _speeds(model)])
     pin_q = _positions(model, eqs, q)
@@ -89,7 +97,7 @@ def robot_states(path: Path, robot: Robot, pin: Any, count: int = STATES) -> Sta
     tau = np.zeros((count, model.nv))
     tau[:, driven] = r
     v, a = np.ascontiguousarray(u[:, order]), np.ascontiguousarray(udot[:, order])
-    return States(text, eqs, q, u, r, udot, model, pin_q, v, tau, a, order, driven)
+    return States(text, tree, eqs, q, u, r, udot, model, pin_q, v, tau, a, order, driven)
 
 
 def _joints(model: Any) -> list[tuple[str, Any]]:

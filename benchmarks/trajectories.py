@@ -16,7 +16,7 @@ from benchmarks.timing import Settings, in_turns, medians
 
 LINKS, END = 5, 2.0
 ERRORS: Final = (1e-4, 1e-8)
-_REFERENCE: Final = 1e-13
+REFERENCE: Final = 1e-13
 
 
 def tables(settings: Settings, links: int = LINKS, end: float = END) -> Iterator[Table]:
@@ -31,13 +31,13 @@ def tables(settings: Settings, links: int = LINKS, end: float = END) -> Iterator
             engines[label] = maker(links, end)
         except Exception as error:  # a peer that is there, but lacks a compiler or a package of its own
             missing.append(f"{label}: left out, {type(error).__name__}: {' '.join(str(error).split())[:200]}")
-    reference = ours(links, end).move(_REFERENCE).angles
+    reference = ours(links, end).move(REFERENCE).angles
     for bound in ERRORS:
-        found = {label: _coarsest(engine, reference, bound) for label, engine in engines.items()}
+        found = {label: coarsest(engine, reference, bound) for label, engine in engines.items()}
         yield _table(engines, found, bound, settings, tuple(missing), f"{links} hinged bodies, {end:g} s")
 
 
-def _coarsest(engine: Engine, reference: object, bound: float) -> tuple[float, float]:
+def coarsest(engine: Engine, reference: object, bound: float) -> tuple[float, float]:
     """Return the first setting that meets the bound, and its error; the last one if none does."""
     setting, error = 0.0, float("inf")
     for setting in engine.settings:

@@ -14,7 +14,7 @@ def ratio(cell: str) -> float:
 
 @pytest.mark.exhaustive
 def test_figures_of_one_size_stand_in_every_column(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(growth, "_peer_seconds", lambda links, limit: 3.0)
+    monkeypatch.setattr(growth, "peer_seconds", lambda links, limit: 3.0)
     (table,) = growth.tables(Settings(rounds=1), [2])
     ((links, *cells),) = table.rows
     assert links == "2" and len(cells) + 1 == len(table.columns) and all(cells)
@@ -22,7 +22,7 @@ def test_figures_of_one_size_stand_in_every_column(monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.exhaustive
 def test_figures_of_two_sizes_with_their_ratios(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(growth, "_peer_seconds", lambda links, limit: 3.0 if links == 2 else None)
+    monkeypatch.setattr(growth, "peer_seconds", lambda links, limit: 3.0 if links == 2 else None)
     (table,) = growth.tables(Settings(rounds=1), [2, 8])
     assert [row[0] for row in table.rows] == ["2", "8"]
     assert all(len(row) == len(table.columns) for row in table.rows)
@@ -41,5 +41,5 @@ def test_a_chain_that_takes_too_long_ends_the_table() -> None:
 
 @pytest.mark.exhaustive
 def test_the_peer_is_timed_for_the_same_chain() -> None:
-    found = growth._peer_seconds(2, 60.0)
+    found = growth.peer_seconds(2, 60.0)
     assert found is not None and 0.0 < found < 60.0

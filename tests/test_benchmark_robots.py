@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from benchmarks.engines.call_loops.loops import c_compiler
 from benchmarks.mechanisms import EXAMPLES
 from benchmarks.operations import Robot
 from benchmarks.robot_calls import TASKS
-from benchmarks.robot_checks import largest, wrong
+from benchmarks.robots import largest
 from benchmarks.timing import Settings
 
 
@@ -36,10 +34,7 @@ def test_robots_are_measured_without_peers() -> None:
 def test_results_of_a_robot_that_differ_are_told() -> None:
     values = np.array([[1.0, -2.0], [4.0, 0.0]])
     assert largest([values], [values + [[0.0, 0.0], [0.04, 0.0]]]) == pytest.approx(0.04 / 4.04)
-    assert list(wrong({"udot": 1e-9, "mass matrix": math.nan}, "Peer")) == [
-        "Peer, mass matrix: results differ by nan, so it is not timed"
-    ]
-    assert robots.ratio_cell([1000.0, 1100.0, 1200.0], [100.0, 100.0, 100.0]) == "1.10 us (11x; 10 to 12)"
+    assert robots.ratio_cell([1000.0, 1100.0, 1200.0], [100.0, 100.0, 100.0]) == "11 (10-12)"
 
 
 def test_robots_without_a_compiler_are_called_from_python(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -32,13 +32,12 @@ double time_symbody(symbody f, long count, const double *q, long n_q, const doub
 
 typedef int (*casadi)(const double **, double **, long long *, double *, int);
 
-double time_casadi(casadi f, long count, const double *q, long n_q, const double *u, long n_u, const double *r,
-                   long n_r, double **out, const double **arguments, long long *iw, double *w) {
-    const double t = 0;
+double time_casadi(casadi f, long count, const double *q, long n_q, const double *v, long n_v, const double *x,
+                   long n_x, double **out, const double **arguments, long long *iw, double *w) {
     const double start = now();
     double sum = 0;
     for (long k = 0; k < count; ++k) {
-        arguments[0] = &t, arguments[1] = q + k * n_q, arguments[2] = u + k * n_u, arguments[3] = r + k * n_r;
+        arguments[0] = q + k * n_q, arguments[1] = v + k * n_v, arguments[2] = x + k * n_x;
         f(arguments, out, iw, w, 0);
         sum += out[0][0];
     }

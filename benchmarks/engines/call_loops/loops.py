@@ -7,15 +7,12 @@ import hashlib
 import os
 import shutil
 import subprocess
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-
-from symbody.codegen.function import CompiledFunction
 
 Floats = NDArray[np.float64]
 
@@ -34,8 +31,17 @@ def c_compiler() -> str | None:
     return shutil.which(os.environ.get("CC", "")) or shutil.which("cc") or shutil.which("gcc")
 
 
-def compiled_c(source: str, stem: str) -> ctypes.CDLL:
-    """Return C text as a library, compiled if the same text was not before.
+def compiled_c(source: str, stem: str, folder: Path | None = None) -> tuple[ctypes.CDLL, Path]:
+    """Return C text as a library, and its file; compiled if the folder does not have it.
+
+    Parameters
+    ----------
+    source : str
+        The text.
+    stem : str
+        How the file's name begins.
+    folder : Path, optional
+        An empty one where compiling is timed; that of `kept_folder` if None.
 
     Raises
     ------
@@ -46,7 +52,7 @@ def compiled_c(source: str, stem: str) -> ctypes.CDLL:
     if compiler is None:
         raise OSError("there is no C compiler")
     key = hashlib.sha256((source + " ".join(FLAGS)).encode()).hexdigest()[:12]
-    library = kept_folder() / f"{stem}_{key}.so"
+    library = (folder or kept_folder()) / f"{stem}_{key}.so"
     if not library.is_file():
         library.parent.mkdir(parents=True, exist_ok=True)
         text = library.with_suffix(".c")
@@ -54,13 +60,13 @@ def compiled_c(source: str, stem: str) -> ctypes.CDLL:
         half_done = library.with_suffix(f".{os.getpid()}")
         subprocess.run([compiler, *FLAGS, str(text), "-o", str(half_done), "-lm"], check=True)
         half_done.replace(library)
-    return ctypes.CDLL(str(library))
+    return ctypes.CDLL(str(library)), library
 
 
 @cache
 def loops() -> ctypes.CDLL:
     """Return the loops."""
-    library = compiled_c(SOURCE.read_text(encoding="utf-8"), "call_loops")
+    library, _ = compiled_c(SOURCE.read_text(encoding="utf-8"), "call_loops")
     for name in ("time_symbody", "time_casadi", "time_mujoco"):
         getattr(library, name).restype = ctypes.c_double
     return library
@@ -74,12 +80,31 @@ def rows(*groups: Floats) -> list[object]:
     return found
 
 
-def nanoseconds_a_call(f: CompiledFunction, q: Floats, u: Floats, r: Floats, scratch: float = 0.0) -> float:
-    """Return what a call of a compiled function takes, state after state [ns]; `scratch` fills its own."""
-    constants = f.constants()
-    out, work = np.empty(sum(len(o.values) for o in f.sequence.outputs)), np.full(f.work_size, scratch)
-    given = rows(q, u, r)
-    buffers: Sequence[Floats] = (constants, out, work)
+def nanoseconds_a_call(
+    address: int | None,
+    q: Floats,
+    u: Floats,
+    r: Floats,
+    *,
+    out: int,
+    work: int,
+    constants: Floats | None = None,
+) -> float:
+    """Return what a call of a function in symbody's form takes, state after state [ns].
+
+    Parameters
+    ----------
+    address : int
+        Of the function ``f(t, q, u, r, p, c, out, work)``.
+    q, u, r : arrays
+        Inputs, one state a row.
+    out, work : int
+        Numbers it writes, and those it needs to work.
+    constants : array, optional
+        What a compiled function of symbody takes as c.
+    """
+    buffers = [np.zeros(0) if constants is None else constants, np.empty(out), np.zeros(work)]
     pointers = [ctypes.c_void_p(buffer.ctypes.data) for buffer in buffers]
-    took: float = loops().time_symbody(ctypes.c_void_p(f.address), ctypes.c_long(len(q)), *given, *pointers)
+    given = rows(q, u, r)
+    took: float = loops().time_symbody(ctypes.c_void_p(address), ctypes.c_long(len(q)), *given, *pointers)
     return took

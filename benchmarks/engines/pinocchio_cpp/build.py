@@ -1,7 +1,7 @@
-"""The program that times Pinocchio in C++: built once, kept in a folder of its own.
+"""The programs with Pinocchio in C++: built once, kept in a folder of their own.
 
-Headers and libraries are those of the Python package `pin`, Eigen that of the system. Nothing is built unless
-asked for; building takes minutes and about 3 GB of memory.
+Headers and libraries are those of the Python packages `pin` and `casadi`; Eigen is the system's, or the one
+that comes with `casadi`. Nothing is built unless asked for; building takes minutes and 3 to 4 GB of memory.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ import sysconfig
 from pathlib import Path
 from typing import Final
 
-SOURCE: Final = Path(__file__).with_name("pinocchio_calls.cpp")
+from benchmarks.engines.call_loops.loops import kept_folder
+
+CALLS, GENERATE = "calls", "generate"
 FLAGS: Final = (
-    "-O3",
-    "-march=native",
-    "-DNDEBUG",
     "-std=c++17",
     "-w",
     # Joints of Pinocchio are a boost::variant of more types than Boost's default lists hold.
@@ -27,13 +26,18 @@ FLAGS: Final = (
     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
     "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 )
+# What is timed is compiled for speed; what writes C is only compiled.
+OPTIMIZED: Final = {CALLS: ("-O3", "-march=native", "-DNDEBUG"), GENERATE: ("-O1",)}
 EIGEN: Final = ("/usr/include/eigen3", "/usr/local/include/eigen3", "/opt/homebrew/include/eigen3")
-VARIABLE: Final = "SYMBODY_BENCHMARKS"
+
+_MISSING: Final = (
+    "Pinocchio in C++ is left out: it needs the packages pin and casadi, Eigen's headers, and g++ or clang++"
+)
 
 
-def program() -> tuple[Path | None, str]:
-    """Return the program, built if it is not there yet, or None and why there is none."""
-    found, command = _command()
+def program(name: str) -> tuple[Path | None, str]:
+    """Return a program, `CALLS` or `GENERATE`, built if it is not there, or None and why there is none."""
+    found, command = _command(name)
     if command is None or found.is_file():
         return (found, "") if command is not None else (None, _MISSING)
     found.parent.mkdir(parents=True, exist_ok=True)
@@ -46,25 +50,28 @@ def program() -> tuple[Path | None, str]:
     return found, ""
 
 
-_MISSING: Final = (
-    "Pinocchio in C++ is left out: it needs the package pin, Eigen's headers, and g++ or clang++"
-)
-
-
-def _command() -> tuple[Path, list[str] | None]:
-    """Return where the program is kept and the command that compiles it, None where something lacks."""
-    prefix = Path(sysconfig.get_path("purelib"), "cmeel.prefix")
+def _command(name: str) -> tuple[Path, list[str] | None]:
+    """Return where a program is kept and the command that compiles it, None where something lacks."""
+    packages = Path(sysconfig.get_path("purelib"))
+    prefix, casadi = packages / "cmeel.prefix", packages / "casadi"
     compiler = shutil.which(os.environ.get("CXX", "")) or shutil.which("g++") or shutil.which("clang++")
-    eigen = next((folder for folder in EIGEN if Path(folder).is_dir()), None)
+    own = casadi / "include" / "eigen3"
+    eigen = next((folder for folder in (*EIGEN, str(own)) if Path(folder).is_dir()), None)
     config = prefix / "include" / "pinocchio" / "config.hpp"
-    text = SOURCE.read_bytes() + " ".join(FLAGS).encode() + str(prefix).encode()
+    source, flags = Path(__file__).with_name(f"{name}.cpp"), (*OPTIMIZED[name], *FLAGS)
+    text = source.read_bytes() + " ".join(flags).encode() + str(prefix).encode()
     if config.is_file():
         text += config.read_bytes()
-    kept = Path(os.environ.get(VARIABLE, "") or Path.home() / ".cache" / "symbody_benchmarks")
-    found = kept / f"pinocchio_calls_{hashlib.sha256(text).hexdigest()[:12]}"
+    found = kept_folder() / f"pinocchio_{name}_{hashlib.sha256(text).hexdigest()[:12]}"
     if compiler is None or eigen is None or not config.is_file():
         return found, None
     paths = ["-I", str(prefix / "include"), "-I", eigen, "-L", str(prefix / "lib")]
     boost = sorted((prefix / "lib").glob("libboost_serialization.so*"))
     libraries = [str(boost[0])] if boost else ["-lboost_serialization"]
-    return found, [compiler, *FLAGS, *paths, str(SOURCE), *libraries, f"-Wl,-rpath,{prefix / 'lib'}"]
+    if name == GENERATE:
+        theirs = sorted(casadi.glob("libcasadi.so*"))
+        if not theirs:
+            return found, None
+        paths += ["-I", str(casadi / "include")]
+        libraries += [str(theirs[0]), f"-Wl,-rpath,{casadi}"]
+    return found, [compiler, *flags, *paths, str(source), *libraries, f"-Wl,-rpath,{prefix / 'lib'}"]

@@ -21,7 +21,7 @@ class PinocchioCalls:
     Attributes
     ----------
     program : Path
-        What `build.program` made.
+        What `build.program` made of calls.cpp.
     model, states : Path
         Files it reads.
     n_v : int

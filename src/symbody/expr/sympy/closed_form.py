@@ -90,8 +90,8 @@ def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int
 def _with_decimals(graph: Graph, nodes: Sequence[int]) -> list[int]:
     """Return nodes with each rounded constant as the exact decimal that it is printed as.
 
-    Constants fold while they are put in. What is left of two that cancel but for their last digits is 0, as in
-    sums of polynomials: ``0.3333333333333333 - 2*0.16666666666666666`` is no 2e-17.
+    Constants fold while they are put in. What is left of two that cancel but for their last digits is 0, as
+    in sums of polynomials: ``0.3333333333333333 - 2*0.16666666666666666`` is no 2e-17.
     """
     constants = {node: graph.number(node) for node in graph.reachable(nodes) if graph.ops[node] == FLOAT}
     decimals = {

@@ -1,5 +1,5 @@
 // Times of Pinocchio's recursions, one call after another over the same states; build.py compiles it.
-// Usage: pinocchio_calls MODEL.txt STATES.bin REPEATS RESULTS.bin
+// Usage: calls MODEL.txt STATES.bin REPEATS RESULTS.bin
 // STATES.bin: count, n_q, n_v as doubles, then q, v, tau of each state. RESULTS.bin: for each state the accelerations
 // of aba and the torques of rnea at a = tau, as a check. Prints "name nanoseconds", one line for every repetition, in
 // the processor time of this process, so that what else runs on the machine does not count.
