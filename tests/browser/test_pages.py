@@ -12,6 +12,7 @@ import symbody as sb
 from symbody.formats.model_files import load_model
 from tests.browser.conftest import PAGES, Surfer, wait_until
 from tests.browser.test_player import changed, pixels
+from tests.mechanisms import example
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MODELS = sorted([*EXAMPLES.glob("*/*.toml"), *EXAMPLES.glob("*/*.urdf"), *EXAMPLES.glob("notes/*/*.toml")])
@@ -86,3 +87,17 @@ def test_every_example_opens(surfer: Surfer, path: Path) -> None:
     assert len(np.unique(first.reshape(-1, 4), axis=0)) > 50
     moved = float(np.abs(np.diff(run.q, axis=1)).sum())
     assert moved < 1e-6 or changed(first, pixels(page, float(run.t[-1]) * 0.4)) > 0
+
+
+@pytest.mark.exhaustive
+def test_a_report_fits_a_phone_and_has_its_numbers_in_one_column(surfer: Surfer, tmp_path: Path) -> None:
+    sb.save_report(example("four_bar"), tmp_path / "report.html")
+    page = surfer.new_page((390, 844))
+    page.goto((tmp_path / "report.html").as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.set_viewport_size({"width": 1440, "height": 900})
+    ends = page.evaluate(
+        "[...document.querySelectorAll('.sb-equation')].filter(e => e.closest('details') === null)"
+        ".map(e => Math.round(e.getBoundingClientRect().right))"
+    )
+    assert len(ends) > 20 and len(set(ends)) == 1

@@ -42,7 +42,7 @@ def coil_points(start: Floats, end: Floats, radius: float, coils: int, side: Flo
 
 
 def coil(start: Floats, end: Floats, connector: Connector, side: Floats) -> Facets:
-    """Return a spring as a wire, without outlines: they are hardly thinner than it and would hide its colour."""
+    """Return a spring as a wire, without outlines, which are as wide and would hide its colour."""
     points, outwards = coil_points(start, end, connector.radius, max(connector.coils, 3), side)
     wire = tube(points, outwards, WIRE * connector.radius)
     return replace(wire, edges=wire.edges[:0], neighbours=wire.neighbours[:0], creases=wire.creases[:0])
