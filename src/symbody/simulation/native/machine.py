@@ -126,8 +126,7 @@ def step_machine() -> StepMachine:
 @once
 def many_motions() -> Callable[..., int]:
     """Return `run_cases`, ready to be called."""
-    # All passes would take four times as long, and save 2 to 4 % of small motions.
-    return _functions("many_motions", "run_cases", light=True)[0]
+    return _functions("many_motions", "run_cases")[0]
 
 
 @once
