@@ -126,7 +126,7 @@ def step_machine() -> StepMachine:
 @once
 def many_motions() -> Callable[..., int]:
     """Return `run_cases`, ready to be called."""
-    return _functions("many_motions", "run_cases")[0]
+    return _functions("many_motions", "run_cases", light=True)[0]
 
 
 @once
