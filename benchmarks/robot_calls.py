@@ -137,7 +137,7 @@ class OurC:
         for name in [name for name, f in ours.functions.items() if f.operations <= LONGEST]:
             f = ours.functions[name]
             start = spent()
-            text = sb.generate_code(ours.states.fresh(), TASKS[name].outputs, "c", {})
+            text = sb.generate_code(ours.states.fresh(), TASKS[name].outputs, "c", parameters={})
             library, _ = compiled_c(text, f"ours_{name.split()[0]}", folder)
             self.prepared[name] = spent() - start
             size = sum(len(output.values) for output in f.sequence.outputs)

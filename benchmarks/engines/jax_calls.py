@@ -31,7 +31,7 @@ def ours(states: States) -> Calls:
     """Return the function that symbody writes."""
     start = spent()
     names: dict[str, Any] = {}
-    exec(sb.generate_code(states.fresh(), "udot", "jax", {}), names)
+    exec(sb.generate_code(states.fresh(), "udot", "jax", parameters={}), names)
     return _compiled(lambda q, u, r: names["f"](0.0, q, u, r), (states.q, states.u, states.r), start)
 
 

@@ -52,7 +52,7 @@ sb.save_animation(run, "cart_pole_pid_poses.png", times=[0.0, 0.4, 0.8, 1.2], pr
 
 # Slower samples: beyond some 80 ms the pole falls.
 steps = [0.01, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12]
-sweep = sb.sweep(eqs, 3.0, {"dt": steps}, {"theta": np.radians(15)})
+sweep = sb.sweep(eqs, 3.0, {"dt": steps}, initial={"theta": np.radians(15)})
 highest = np.abs(sweep["theta"]).max(axis=1)
 for dt, angle in zip(steps, highest, strict=True):
     print(f"dt = {1e3 * dt:3.0f} ms: the pole leans {angle:.3g} rad at most")

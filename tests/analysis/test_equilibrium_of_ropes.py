@@ -212,7 +212,7 @@ def test_positions_are_led_up_to_where_a_rope_is_too_short() -> None:
 def test_what_is_said_of_all_configurations_says_that_ropes_are_taut() -> None:
     assert sb.redundancy(ball()).notes == ("rope rope is assumed to be taut",)
     assert sb.redundancy(ball()).degrees_of_freedom == 1 == ball().degrees_of_freedom
-    ends = sb.singular_configurations(ball(), "x", {"x": (-1.2, 1.2)}, {"x": 0.6, "y": -0.8})
+    ends = sb.singular_configurations(ball(), "x", {"x": (-1.2, 1.2)}, guess={"x": 0.6, "y": -0.8})
     assert [one.q["x"] for one in ends] == pytest.approx([-1.0, 1.0], abs=1e-7)
 
 

@@ -29,7 +29,7 @@ def pendulum_angle(t: float) -> float:
 
 
 def test_pendulum_integrated_from_the_linear_system() -> None:
-    f = sb.solve_index_1([*MOTION, PHI.diff(T, 2)], SECOND, [lam], DATA)
+    f = sb.solve_index_1([*MOTION, PHI.diff(T, 2)], SECOND, [lam], parameters=DATA)
     assert f.state_names == ("x_dot", "y_dot", "x", "y") and f.reaction_names == ("lam",)
     start = [0.0, 0.0, math.sin(1.0), -math.cos(1.0)]
     run = solve_ivp(f, (0, 2), start, rtol=1e-10, atol=1e-12)
@@ -45,7 +45,7 @@ def test_first_order_equations_as_the_notes_have_them() -> None:
     vx, vy = dynamicsymbols("vx vy")
     dae = [m * vx.diff(T) + 2 * lam * x, m * vy.diff(T) + 2 * lam * y + m * g, x.diff(T) - vx, y.diff(T) - vy,
            x * vx.diff(T) + y * vy.diff(T) + vx**2 + vy**2]  # fmt: skip
-    f = sb.solve_index_1(dae, [s.diff(T) for s in (x, y, vx, vy)], [lam], {"m": 2, "g": 9.81})
+    f = sb.solve_index_1(dae, [s.diff(T) for s in (x, y, vx, vy)], [lam], parameters={"m": 2, "g": 9.81})
     assert f(0.0, [0.6, -0.8, 4.0, 3.0]) == pytest.approx([4, 3, -f.reactions(0, [0.6, -0.8, 4, 3])[0] * 0.6, 
                                                           f.reactions(0, [0.6, -0.8, 4, 3])[0] * 0.8 - 9.81])  # fmt: skip
     assert f.reactions(0, [0.6, -0.8, 4, 3]) == pytest.approx([25 + 9.81 * 0.8])
@@ -54,7 +54,7 @@ def test_first_order_equations_as_the_notes_have_them() -> None:
 def test_baumgarte_terms_pull_an_open_constraint_shut() -> None:
     zeta, omega = 0.95, 20.0
     pulled = PHI.diff(T, 2) + 2 * zeta * omega * PHI.diff(T) + omega**2 * PHI
-    f = sb.solve_index_1([*MOTION, pulled], SECOND, [lam], DATA | {L: 1.0})
+    f = sb.solve_index_1([*MOTION, pulled], SECOND, [lam], parameters=DATA | {L: 1.0})
     run = solve_ivp(
         f, (0, 2), [0.0, 0.0, 1.05 * math.sin(1.0), -1.05 * math.cos(1.0)], rtol=1e-10, atol=1e-12
     )
@@ -118,18 +118,18 @@ def test_refusals_name_cause_and_cure(code: str) -> None:
     if code == "index_1.open":
         equations = [*equations, x.diff(T, 2)]
     with pytest.raises(sb.SymbodyError) as caught:
-        sb.solve_index_1(equations, SECOND, reactions, data)
+        sb.solve_index_1(equations, SECOND, reactions, parameters=data)
     assert caught.value.problems[0].code == code and caught.value.problems[0].fix
 
 
 def test_a_singular_mass_is_named_in_the_call() -> None:
-    f = sb.solve_index_1([*MOTION, PHI.diff(T, 2)], SECOND, [lam], {m: 0, g: 9.81})
+    f = sb.solve_index_1([*MOTION, PHI.diff(T, 2)], SECOND, [lam], parameters={m: 0, g: 9.81})
     with pytest.raises(sb.SimulationError) as caught:
         f(0.0, [0.0, 0.0, 1.0, 0.0])
     assert caught.value.problems[0].code == "index_1.singular" and "y_ddot" in caught.value.problems[0].what
 
 
 def test_a_state_of_the_wrong_length_is_refused_with_the_order() -> None:
-    f = sb.solve_index_1([*MOTION, PHI.diff(T, 2)], SECOND, [lam], DATA)
+    f = sb.solve_index_1([*MOTION, PHI.diff(T, 2)], SECOND, [lam], parameters=DATA)
     with pytest.raises(sb.CompileError, match="x_dot, y_dot, x, y"):
         f(0.0, [0.0, 1.0])

@@ -75,7 +75,7 @@ def test_a_tree_has_nothing_to_drop() -> None:
 @pytest.mark.parametrize("turned", [False, True])
 def test_the_four_bar_moves_and_stays_closed(turned: bool) -> None:
     eqs = sb.form_equations(four_bar(turned=turned))
-    run = sb.simulate(eqs, 5.0, {"q1": 0.5, "q1_dot": 6.0}, {"q2": 0.5, "q3": 1.0})
+    run = sb.simulate(eqs, 5.0, {"q1": 0.5, "q1_dot": 6.0}, guess={"q2": 0.5, "q3": 1.0})
     assert run.status is sb.Status.SUCCESS
     assert run["constraint_violation"].max() < 1e-9
     energy = run["energy"]

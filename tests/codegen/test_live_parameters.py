@@ -155,7 +155,7 @@ def test_bound_values_are_pickled_and_written_into_source_text() -> None:
     again = pickle.loads(pickle.dumps(f))
     np.testing.assert_array_equal(again(0.1, q, u, r), f(0.1, q, u, r))
     assert again.signature == f.signature and again.inputs == f.inputs
-    assert again.source("c") == f.source("c") == sb.generate_code(eqs, "udot", "c", {"m2": 2.75})
+    assert again.source("c") == f.source("c") == sb.generate_code(eqs, "udot", "c", parameters={"m2": 2.75})
 
 
 def test_functions_with_other_values_do_not_disturb_each_other() -> None:

@@ -42,9 +42,9 @@ def test_inputs_are_given_or_zero() -> None:
 def test_source_text_is_that_of_generate_code() -> None:
     model = built("spring_mass_damper")
     text = BuildSimCode(model, {"Xdot"}, "C", "Optimize", {"m": 1, "d": 0.5, "k": 1})
-    assert text == sb.generate_code(model.equations, ["xdot"], "c", {})
+    assert text == sb.generate_code(model.equations, ["xdot"], "c", parameters={})
     text = BuildSimCode(model, {"Xdot"}, "Python", "Optimize", {"m": 1, "d": 0.5, "k": 1})
-    assert text == sb.generate_code(model.equations, ["xdot"], "python", {})
+    assert text == sb.generate_code(model.equations, ["xdot"], "python", parameters={})
 
 
 def test_wrong_words_are_told_together() -> None:

@@ -146,7 +146,9 @@ def test_the_contact_frame_moves_as_its_outputs_say() -> None:
     start = {"psi": 0.4, "theta": 1.2, "phi": 0.0, "psi_dot": 1.0, "theta_dot": 0.3, "phi_dot": 4.0}
     step, t = 1e-4, 0.3
     times = np.array([0.0, t - step, t, t + step])
-    run = sb.simulate(eqs, 0.4, {**start, "x": 0, "y": 0}, {"z": 0.37}, times=times, rtol=1e-12, atol=1e-13)
+    run = sb.simulate(
+        eqs, 0.4, {**start, "x": 0, "y": 0}, guess={"z": 0.37}, times=times, rtol=1e-12, atol=1e-13
+    )
 
     def seen(kind: str) -> np.ndarray:
         found = run[f"frame {kind} road ground" + " ground" * (kind != "R")]

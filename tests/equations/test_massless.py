@@ -274,7 +274,7 @@ def test_source_text_sweeps_and_steppers_know_balances(make: Any) -> None:
     n, k = len(eqs.coordinate_names), len(eqs.speed_names)
     q, u = np.linspace(0.2, 0.5, n), np.linspace(-0.3, 0.1, k)
     space: dict[str, Any] = {}
-    exec(sb.generate_code(eqs, "xdot", "python", {}), space)  # our own text
+    exec(sb.generate_code(eqs, "xdot", "python", parameters={}), space)  # our own text
     wanted = sb.compile(eqs, "xdot")(0.0, q, u)
     assert np.ravel(space["f"](0.0, q, u)) == pytest.approx(wanted, rel=1e-13)
     many = sb.sweep(eqs, 2, {"k1": [3.0, K1, 9.0]}, initial={"a": 0.2})

@@ -124,7 +124,7 @@ def test_formulas_keep_the_multipliers_of_redundant_rows() -> None:
 def test_texts_and_machine_code_give_the_same_share() -> None:
     eqs = sb.form_equations(door())
     space: dict[str, Any] = {}
-    exec(sb.generate_code(eqs, "reaction H0", "python", {}), space)
+    exec(sb.generate_code(eqs, "reaction H0", "python", parameters={}), space)
     found = np.ravel(space["f"](0.0, [0.3], [0.5]))
     expected = np.ravel(sb.compile(eqs, "reaction H0")(0.0, [0.3], [0.5]))
     # Sines of other libraries, and no fma: some eps of the weight.

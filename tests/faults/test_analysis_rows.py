@@ -126,7 +126,9 @@ def test_row_97_too_few_and_too_many_inputs() -> None:
     assert any("least sum of squares" in note for note in run.notes)
     eqs = sb.form_equations(driven_crank())
     (problem,) = _problems(
-        lambda: sb.inverse_dynamics(eqs, {"theta": "t"}, "F", [0.0], {"J": 1}, {"T": 1}, {"s": 4})
+        lambda: sb.inverse_dynamics(
+            eqs, {"theta": "t"}, "F", [0.0], parameters={"J": 1}, inputs={"T": 1}, guess={"s": 4}
+        )
     )
     assert problem.code == "inverse.underactuated" and "F cannot influence" in problem.why
 

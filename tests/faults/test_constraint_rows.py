@@ -136,7 +136,7 @@ def test_row_46_a_parallelogram_goes_through_its_change_points(
     integrator: sb.Stiff | None, constraints: sb.GGL | sb.Partition | None
 ) -> None:
     run = sb.simulate(
-        parallelogram(), 3.0, {"a": 1.0, "a_dot": 8.0}, {"b": -1.0, "d": 1.0},
+        parallelogram(), 3.0, {"a": 1.0, "a_dot": 8.0}, guess={"b": -1.0, "d": 1.0},
         integrator=integrator, constraints=constraints,
     )  # fmt: skip
     assert run.success and run["a"][-1] > 1.0 + 6 * math.pi  # six change points and more
@@ -166,7 +166,7 @@ def test_row_47_a_lock_up_ends_the_motion_with_its_time(way: dict[str, object]) 
     # A crank longer than its rod, driven: the rod is upright at sin(theta) = 1/3.
     eqs = slider_crank(crank=3, rod=1, motion="t")
     assert eqs.degrees_of_freedom == 0
-    run = sb.simulate(eqs, 2.0, {}, {"beta": -0.1, "s": 4.0}, **way)
+    run = sb.simulate(eqs, 2.0, {}, guess={"beta": -0.1, "s": 4.0}, **way)
     assert run.status is sb.Status.STEP_COLLAPSE and not run.success
     # The loop opens by 2.8 m/s after it; what is tolerated, 1e-9 at most, is open after 1e-9 s.
     assert run.t[-1] == pytest.approx(math.asin(1 / 3), abs=1e-8)
@@ -189,7 +189,7 @@ def test_row_47_a_lock_up_beside_a_free_motion_counts_it() -> None:
             inputs=["F"],
         )
     )
-    run = sb.simulate(eqs, 2.0, {}, {"beta": -0.1, "s": 4.0})
+    run = sb.simulate(eqs, 2.0, {}, guess={"beta": -0.1, "s": 4.0})
     assert run.status is sb.Status.STEP_COLLAPSE
     assert "locks" in run.notes[-1] and "joint C stays" in run.notes[-1]
     assert "1 degree of freedom is left" in run.notes[-1]
@@ -209,7 +209,7 @@ def test_row_55_all_motion_follows_from_time(motion: str) -> None:
 
 def test_row_47_a_free_crank_turns_back_before_its_lock_up() -> None:
     start = {"theta": 0.0, "theta_dot": 1.0}
-    run = sb.simulate(slider_crank(crank=3, rod=1), 2.0, start, {"s": 4.0})
+    run = sb.simulate(slider_crank(crank=3, rod=1), 2.0, start, guess={"s": 4.0})
     assert run.success and run["theta"][-1] < run["theta"].max() < math.asin(1 / 3)
     assert run.constraint_violation.max() < 1e-9
     assert run.energy_drift < 2e-8 * run.statistics.accepted * run["kinetic_energy"].max()
@@ -217,7 +217,10 @@ def test_row_47_a_free_crank_turns_back_before_its_lock_up() -> None:
 
 def test_row_48_a_start_at_the_dead_centre() -> None:
     start, guess = {"theta": 0.0, "theta_dot": 2.0}, {"s": 4.0}
-    runs = [sb.simulate(slider_crank(), 2.0, start, guess, constraints=way) for way in (None, sb.Partition())]
+    runs = [
+        sb.simulate(slider_crank(), 2.0, start, guess=guess, constraints=way)
+        for way in (None, sb.Partition())
+    ]
     for run in runs:
         assert run.success and run["s_dot"][0] == pytest.approx(0.0, abs=10 * EPS)
         assert run.energy_drift < 2e-8 * run.statistics.accepted * run["kinetic_energy"].max()
@@ -317,7 +320,7 @@ def test_row_54_redundant_actuation_and_a_stop_as_an_event() -> None:
     assert np.abs(list(state.udot.values())).max() < 1e4 * EPS
     start = {"theta": 0.0, "theta_dot": 2.0}
     stop = sb.Event("s - 3.5", direction=-1, action="stop")
-    run = sb.simulate(slider_crank(), 2.0, start, {"s": 4.0}, events=stop)
+    run = sb.simulate(slider_crank(), 2.0, start, guess={"s": 4.0}, events=stop)
     assert run.status is sb.Status.STOPPED and run["s"][-1] == pytest.approx(3.5, abs=1e-9)
 
 

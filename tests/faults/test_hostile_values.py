@@ -37,8 +37,10 @@ GIVEN: dict[str, Callable[[sb.EquationSet, dict[str, float]], object]] = {
     "assemble ranges": lambda eqs, named: sb.assemble(eqs, ranges={name: (0, 1) for name in named}),
     "simulate initial": lambda eqs, named: sb.simulate(eqs, 0.1, named),
     "simulate guess": lambda eqs, named: sb.simulate(eqs, 0.1, guess=named),
-    "sweep initial": lambda eqs, named: sb.sweep(eqs, 0.1, {"d": [1, 2]}, named),
-    "sweep initial varied": lambda eqs, named: sb.sweep(eqs, 0.1, {}, {name: [1, 2] for name in named}),
+    "sweep initial": lambda eqs, named: sb.sweep(eqs, 0.1, {"d": [1, 2]}, initial=named),
+    "sweep initial varied": lambda eqs, named: sb.sweep(
+        eqs, 0.1, {}, initial={name: [1, 2] for name in named}
+    ),
     "sweep guess": lambda eqs, named: sb.sweep(eqs, 0.1, {"d": [1, 2]}, guess=named),
     "linearize at": lambda eqs, named: sb.linearize(eqs, named),
     "find_equilibrium guess": lambda eqs, named: sb.find_equilibrium(eqs, named),
@@ -83,7 +85,7 @@ def test_speeds_beyond_all_numbers_end_in_a_status(eqs: sb.EquationSet, value: f
             assert error.problems[0].code != "simulation.atol"
         else:
             assert not run.success or np.isfinite(run[name]).all()
-    motions = sb.sweep(eqs, 0.1, {}, {"x_dot": [value, 1.0]}, times=[0.1], threads=1, max_steps=1000)
+    motions = sb.sweep(eqs, 0.1, {}, initial={"x_dot": [value, 1.0]}, times=[0.1], threads=1, max_steps=1000)
     assert motions.status[1].success
 
 

@@ -85,7 +85,7 @@ def test_row_78_what_no_mass_resists_is_named() -> None:
 def test_row_78_a_mass_matrix_that_becomes_singular_on_the_way() -> None:
     """A slider on a massless crank and rod: at the dead centre, at rest, it does not resist their motion."""
     from_side = {"theta": 0.5, "s_dot": 1.0}
-    run = sb.simulate(slider_crank(0.0), 3.0, from_side, {"s": 3.8})
+    run = sb.simulate(slider_crank(0.0), 3.0, from_side, guess={"s": 3.8})
     assert run.status is sb.Status.SINGULAR and not run.success
     assert f"known up to t = {run.t[-1]:.9g} s; there the mass matrix is singular" in run.notes[-1]
     assert (

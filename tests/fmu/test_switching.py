@@ -227,7 +227,7 @@ def test_modes_change_as_in_simulate(
     eqs = make()  # type: ignore[operator]
     run = sb.simulate(eqs, end, times=np.linspace(0.0, end, 21), rtol=1e-11)
     assert run.success and run.events
-    made = sb.save_fmu(eqs, tmp_path / "switching.fmu", version, outputs)
+    made = sb.save_fmu(eqs, tmp_path / "switching.fmu", version, outputs=outputs)
     assert validate_fmu(str(made.path)) == []
     for kind in KINDS:
         seen = simulate(made.path, kind, end, eqs.state_names, 1e-9)

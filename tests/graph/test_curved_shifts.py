@@ -48,10 +48,14 @@ def test_automatic_trees_do_not_cut_it(circle: Any, order: tuple[int, ...]) -> N
     own = circle("ring", "ground", "Bead", 1.0, coordinates=["s", "a", "b", "c"])
     eqs = sb.form_equations(model(own, order))
     assert "s" in eqs.coordinate_names
-    run = sb.simulate(eqs, 1.0, start, {**guess, **rates}, times=np.linspace(0.0, 1.0, 11))
+    run = sb.simulate(eqs, 1.0, start, guess={**guess, **rates}, times=np.linspace(0.0, 1.0, 11))
     held = sb.PointOnCurve("ring", "ground", "Bead", curve=("cos(p)", "sin(p)", 0), parameter="p")
     other = sb.simulate(
-        sb.form_equations(model(held)), 1.0, start, {"d": 0.5, "p": 0.2}, times=np.linspace(0.0, 1.0, 11)
+        sb.form_equations(model(held)),
+        1.0,
+        start,
+        guess={"d": 0.5, "p": 0.2},
+        times=np.linspace(0.0, 1.0, 11),
     )
     assert run.success and other.success, (run.notes, other.notes)
     assert np.abs(run["theta"] - other["theta"]).max() < 1e-6

@@ -138,7 +138,7 @@ def by_sweep(**method: Any) -> Consumer:
         first = next(fragment.initial[name] for fragment in question.fragments if name in fragment.initial)
         starts = [first, SHIFT] if question.freely else [first, first]
         sweep = sb.sweep(
-            question.eqs, END, {}, {name: starts}, times=TIMES, inputs=question.laws, events=question.events, **method
+            question.eqs, END, {}, initial={name: starts}, times=TIMES, inputs=question.laws, events=question.events, **method
         )  # fmt: skip
         motions = []
         for case, start in enumerate(starts):

@@ -161,7 +161,7 @@ def inverted(question: Question) -> Answer:
     own = replace(question, eqs=sb.form_equations(build_model(with_inputs(mechanism))))
     run = sb.inverse_dynamics(
         own.eqs, {name: led(name) for name in chosen}, [f"r_{name}" for name in chosen],
-        t + LED * units.time * np.arange(3), question.parameters, guess=own.place(),
+        t + LED * units.time * np.arange(3), parameters=question.parameters, guess=own.place(),
     )  # fmt: skip
     efforts = [
         run[f"r_{name}"] / (units.force if name in lengths else units.torque)

@@ -121,7 +121,7 @@ def test_a_motion_backwards_through_a_jump_has_its_work(times: Any) -> None:
 def test_a_sweep_backwards_stops_at_its_event() -> None:
     """y = cos(sqrt(k) (3 - t)) passes zero at t = 3 - pi/(2 sqrt(k))."""
     sweep = sb.sweep(
-        oscillator(), (3, 0), {"k": [1.0, 2.0]}, {"y": 1.0}, events=sb.Event("y", action="stop"),
+        oscillator(), (3, 0), {"k": [1.0, 2.0]}, initial={"y": 1.0}, events=sb.Event("y", action="stop"),
         times=np.linspace(3, 0, 4),
     )  # fmt: skip
     for case, k in enumerate((1.0, 2.0)):
@@ -143,7 +143,7 @@ def test_a_time_beside_a_jump_has_the_rates_of_one_side(jump: float, motion: str
     eqs, t = pulled(motion), float(jump + roundings * np.spacing(jump))
     rates = [1.0, 0.0] if t < jump else [2.0, -1.0]
     stepper = sb.Stepper(eqs, t).step()
-    sweep = sb.sweep(eqs, 2, {}, {"y": [0.0]}, times=[0, t, 2])
+    sweep = sb.sweep(eqs, 2, {}, initial={"y": [0.0]}, times=[0, t, 2])
     back = {"y": jump - 2, "y_dot": -1.0}
     for found in (
         sb.simulate(eqs, 2, times=[0, t, 2]).outputs("x_dot", "y_dot").values(),
@@ -188,7 +188,7 @@ def slide(law: Callable[..., float] | str, mu_static: float = 0.4, length: float
 
 def refused(store: Path, eqs: sb.EquationSet, law: Any, **more: Any) -> bool:
     try:
-        sb.sweep(eqs, 0.1, {}, {"x": [0.5, 0.6]}, inputs={"F": law}, times=[0.1], store=store, **more)
+        sb.sweep(eqs, 0.1, {}, initial={"x": [0.5, 0.6]}, inputs={"F": law}, times=[0.1], store=store, **more)
     except sb.UsageError as error:
         return error.problems[0].code == "sweep.store"
     return False
@@ -225,7 +225,7 @@ def test_a_store_refuses_a_law_without_content(tmp_path: Path) -> None:
             return 1.0
 
     with pytest.raises(sb.UsageError, match="Law has no content that can be compared") as caught:
-        sb.sweep(slide("F"), 0.1, {}, {"x": [0.5]}, inputs={"F": Law()}, store=tmp_path / "s")
+        sb.sweep(slide("F"), 0.1, {}, initial={"x": [0.5]}, inputs={"F": Law()}, store=tmp_path / "s")
     assert caught.value.problems[0].code == "sweep.store_function"
     assert "key=" in caught.value.problems[0].fix
     for key, is_refused in (("1", False), ("1", False), ("2", True)):
@@ -238,7 +238,7 @@ def test_a_store_reads_no_module_of_a_user(tmp_path: Path) -> None:
     law = eval("lambda t, q, u: gains.k * math.cos(t)", {"gains": gains, "math": math})
     gains.k = 2.0  # type: ignore[attr-defined]
     with pytest.raises(sb.UsageError, match="module gains has no content that can be compared"):
-        sb.sweep(slide("F"), 0.1, {}, {"x": [0.5]}, inputs={"F": law}, store=tmp_path / "s")
+        sb.sweep(slide("F"), 0.1, {}, initial={"x": [0.5]}, inputs={"F": law}, store=tmp_path / "s")
 
 
 def test_a_stepper_restores_no_foreign_bytes() -> None:
@@ -292,9 +292,9 @@ def test_the_angle_of_a_cut_joint_counts_turns_whatever_the_samples(
 
 
 def test_a_sweep_counts_turns_or_says_that_it_cannot() -> None:
-    fine = sb.sweep(hinge_in_space(), 10, {}, {"th_dot": [0.0, 2.5]})
+    fine = sb.sweep(hinge_in_space(), 10, {}, initial={"th_dot": [0.0, 2.5]})
     np.testing.assert_allclose(fine["a"], fine["th"], atol=1e-9)
-    coarse = sb.sweep(hinge_in_space(), 10, {}, {"th_dot": [0.0, 2.5]}, times=[0.0, 5.0, 10.0])
+    coarse = sb.sweep(hinge_in_space(), 10, {}, initial={"th_dot": [0.0, 2.5]}, times=[0.0, 5.0, 10.0])
     with pytest.raises(sb.UsageError, match="half a turn between samples") as caught:
         coarse["a"]
     assert caught.value.problems[0].code == "trajectory.turns"
@@ -302,7 +302,7 @@ def test_a_sweep_counts_turns_or_says_that_it_cannot() -> None:
 
 def test_a_coarse_sweep_counts_turns() -> None:
     """a = th = 2.5 t, as `simulate` has it with the same times."""
-    coarse = sb.sweep(hinge_cut(), 10, {}, {"th_dot": [2.5]}, times=[0.0, 5.0, 10.0])
+    coarse = sb.sweep(hinge_cut(), 10, {}, initial={"th_dot": [2.5]}, times=[0.0, 5.0, 10.0])
     np.testing.assert_allclose(coarse["a"], coarse["th"], atol=1e-9)
 
 
@@ -330,7 +330,7 @@ def test_cases_behind_the_loop_are_in_the_bar() -> None:
     """Two of three cases are stiff (y'' = -k y - 2 sqrt(k) y'), so the loop ends with a share below 1."""
     shares: list[float] = []
     eqs = oscillator(damping="2*sqrt(k)")
-    sweep = sb.sweep(eqs, 10, {"k": [1.0, 1e10, 4e10]}, {"y": 1.0}, progress=shares.append)
+    sweep = sb.sweep(eqs, 10, {"k": [1.0, 1e10, 4e10]}, initial={"y": 1.0}, progress=shares.append)
     assert sweep.success and shares[-1] == 1.0
     assert all(share < 1.0 for share in shares[:-1])
 
@@ -391,7 +391,7 @@ class CountingExecutor(ThreadPoolExecutor):
 def test_a_users_executor_is_never_replaced() -> None:
     """Whoever gives an executor has chosen where to compute: on machines with other memory, licences, limits."""
     with pytest.raises(sb.EnvironmentFault, match="sweep.no_worker") as fault:
-        sb.sweep(oscillator(), 1, {"k": [1.0, 2.0]}, {"y": 1.0}, executor=BrokenExecutor())
+        sb.sweep(oscillator(), 1, {"k": [1.0, 2.0]}, initial={"y": 1.0}, executor=BrokenExecutor())
     assert "a worker was killed" in str(fault.value)
 
 
@@ -412,7 +412,7 @@ def test_a_case_behind_the_loop_that_ends_its_worker_costs_no_other() -> None:
     """The second case is stiff, so `simulate` is to compute it."""
     eqs = oscillator(damping="2*sqrt(k)")
     with LosingExecutor(1) as executor:
-        sweep = sb.sweep(eqs, 10, {"k": [1.0, 1e10]}, {"y": 1.0}, executor=executor)
+        sweep = sb.sweep(eqs, 10, {"k": [1.0, 1e10]}, initial={"y": 1.0}, executor=executor)
     assert list(sweep.status) == [sb.Status.SUCCESS, sb.Status.WORKER_LOST]
     assert "worker closed" in sweep.case_notes[1]
 
@@ -420,7 +420,7 @@ def test_a_case_behind_the_loop_that_ends_its_worker_costs_no_other() -> None:
 def test_no_call_that_is_over_is_cancelled() -> None:
     """Dask reports a cancelled call as an error when its client closes."""
     with CountingExecutor(2) as executor:
-        sb.sweep(oscillator(), 1, {"k": [1.0, 2.0]}, {"y": 1.0}, executor=executor)
+        sb.sweep(oscillator(), 1, {"k": [1.0, 2.0]}, initial={"y": 1.0}, executor=executor)
         assert executor.cancelled == 0
 
 
@@ -430,7 +430,7 @@ def test_times_within_rounding_of_an_end_are_that_end() -> None:
     assert times[-1] > 0.3
     run = sb.simulate(oscillator(), 0.3, {"y": 1.0}, times=times)
     assert run.t[-1] == 0.3 and run.t.size == 4
-    assert sb.sweep(oscillator(), 0.3, {}, {"y": [1.0]}, times=times).t[-1] == 0.3
+    assert sb.sweep(oscillator(), 0.3, {}, initial={"y": [1.0]}, times=times).t[-1] == 0.3
     assert sb.simulate(oscillator(), (0.3, 0), {"y": 1.0}, times=times[::-1]).t[0] == 0.3
     with pytest.raises(sb.UsageError, match="outside the motion's span"):
         sb.simulate(oscillator(), 0.3, {"y": 1.0}, times=[0.0, 0.3 * (1 + 1e-12)])

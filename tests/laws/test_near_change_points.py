@@ -129,7 +129,7 @@ def test_closer_than_positions_are_known_either_branch_is_taken_with_a_note(dist
     made = neighbour(1, distance)
     start = {"a": made.start[0], "a_dot": made.speed}
     guess = {"b": made.start[1] - made.start[0], "d": made.start[2]}
-    run = sb.simulate(sb.form_equations(made.model()), TIMES[-1], start, guess)
+    run = sb.simulate(sb.form_equations(made.model()), TIMES[-1], start, guess=guess)
     assert run.success and any("change point" in note for note in run.notes), run.notes
     # Whichever it is, energy stays: of its largest part a step leaves RTOL, a passage up to 1e3 times as much.
     steps = run.statistics.accepted + WORSE * PASSAGES

@@ -107,7 +107,9 @@ def check_split(seed: int) -> None:
         sb.form_equations(with_parts(model, *parts))
         for parts in ((load(text, model),), (*signals, load(parted, model)))
     )
-    assert sb.generate_code(two, "xdot", "c", {}) == sb.generate_code(one, "xdot", "c", {})
+    assert sb.generate_code(two, "xdot", "c", parameters={}) == sb.generate_code(
+        one, "xdot", "c", parameters={}
+    )
 
 
 def check_names(seed: int) -> None:

@@ -35,7 +35,7 @@ def motion(way: str, formulation: Formulation) -> sb.Trajectory:
         objects, q = sc.objects_of(sc.MECHANISMS[way]())
         eqs = mb.equation_set(objects, q, formulation, parameters=sc.DATA)
     key = "recursive" if way == "drawn" else way
-    return sb.simulate(eqs, 1.0, sc.INITIAL[key], sc.GUESS[key], times=TIMES, rtol=1e-12, atol=1e-13)
+    return sb.simulate(eqs, 1.0, sc.INITIAL[key], guess=sc.GUESS[key], times=TIMES, rtol=1e-12, atol=1e-13)
 
 
 def moment(arm: Array, F: Array) -> Array:

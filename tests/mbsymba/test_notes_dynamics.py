@@ -65,7 +65,7 @@ def test_baumgarte_by_hand_and_by_name() -> None:
     Phi_Baum = [a + 2 * zeta * omega * b + omega**2 * c for a, b, c in rows]
     newvars, dae = mb.first_order(lgr_eq[:3] + Phi_Baum, q)
     data = {name: value for name, value in sc.DATA.items()}
-    by_hand = sb.solve_index_1(dae, mb.diff(newvars, t), lambdas, data)
+    by_hand = sb.solve_index_1(dae, mb.diff(newvars, t), lambdas, parameters=data)
     by_name = sb.solve_index_1(sb.Baumgarte(zeta=0.95, omega=20).applied(equations("recursive")))
     random = Random(51)
     for _ in range(POINTS):  # at states that leave the constraints open, too

@@ -119,15 +119,17 @@ def test_singular_configurations_are_those_with_the_constraints() -> None:
     eqs, Phi, (theta, phi, s) = small()
     driving = sb.velocity_ratios(eqs, "theta").determinant  # vanishes where the rod lies flat: out of reach
     assert sp.simplify(driving.subs(phi, 0)) == 0
-    assert not sb.singular_configurations(eqs, "theta", {"theta": (-3, 3)}, {"phi": 1.8, "s": 4})
-    locked = sb.singular_configurations(eqs, "s", {"theta": (-3, 3)}, {"phi": 1.8, "s": 4})
+    assert not sb.singular_configurations(eqs, "theta", {"theta": (-3, 3)}, guess={"phi": 1.8, "s": 4})
+    locked = sb.singular_configurations(eqs, "s", {"theta": (-3, 3)}, guess={"phi": 1.8, "s": 4})
     assert {one.kind for one in locked} == {"lock-up"} and len(locked) == 4  # whole turns do not count
     assert eqs.units["theta"] == eqs.units["phi"] == "rad" and "coordinate s cannot drive" in str(locked[0])
     assert {round(one.q["s"], 6) for one in locked} == {5, 3, -3, -5}  # crank and rod in line
     J = np.array([values([row.diff(x) for x in (theta, phi, s)], {theta: np.pi / 2, phi: np.pi / 2, s: 5, L: 1, L2: 4})
                   for row in Phi])  # fmt: skip
     assert np.linalg.matrix_rank(J, 1e-9) == 2 > np.linalg.matrix_rank(J[:, :2], 1e-9)  # rank Phi_q > Phi_qD
-    crossing = sb.singular_configurations(eqs, "theta", {"theta": (-1, 1)}, {"phi": 2, "s": 1}, {"L2": 1})
+    crossing = sb.singular_configurations(
+        eqs, "theta", {"theta": (-1, 1)}, guess={"phi": 2, "s": 1}, parameters={"L2": 1}
+    )
     assert {one.kind for one in crossing} == {"bifurcation"} and len(crossing) == 1
     J = np.array([values([row.diff(x) for x in (theta, phi, s)], {theta: 0, phi: np.pi, s: 0, L: 1, L2: 1})
                   for row in Phi])  # fmt: skip

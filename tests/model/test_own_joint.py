@@ -137,7 +137,7 @@ def test_a_curve_with_a_turn_is_a_branch_and_closes_loops() -> None:
     )
     chord = sb.simulate(
         formed(planar, Ellipse("track", "ground", "Bead", coordinate="q", tree=False)),
-        1.0, start, {"x": A, "y": 0.1, "c": 0.3}, times=TIMES, rtol=1e-10, atol=1e-12,
+        1.0, start, guess={"x": A, "y": 0.1, "c": 0.3}, times=TIMES, rtol=1e-10, atol=1e-12,
     )  # fmt: skip
     for run in (branch, chord):
         assert run["q"] == pytest.approx(ellipse_angle(), abs=1e-8)

@@ -89,9 +89,9 @@ def check(run: sb.Trajectory) -> None:
 
 
 def test_moves_through_flat_positions() -> None:
-    check(sb.simulate(linkage(), 3.0, {"t1": 1.0, "t1_dot": 6.0}, GUESS))
+    check(sb.simulate(linkage(), 3.0, {"t1": 1.0, "t1_dot": 6.0}, guess=GUESS))
 
 
 @pytest.mark.exhaustive
 def test_moves_for_a_minute() -> None:
-    check(sb.simulate(linkage(), 60.0, {"t1": 1.0, "t1_dot": 6.0}, GUESS))
+    check(sb.simulate(linkage(), 60.0, {"t1": 1.0, "t1_dot": 6.0}, guess=GUESS))

@@ -71,7 +71,9 @@ def closed_form(eqs: sb.EquationSet) -> Callable[[State], Array]:
 
 def c_function(eqs: sb.EquationSet, folder: Path) -> Callable[[State], Array]:
     assert GCC is not None
-    (folder / "f.c").write_text(sb.generate_code(eqs, ["udot", "lambda"], "c", {}), encoding="ascii")
+    (folder / "f.c").write_text(
+        sb.generate_code(eqs, ["udot", "lambda"], "c", parameters={}), encoding="ascii"
+    )
     command = [GCC, "-std=c99", "-Wall", "-Werror", "-O1", "-shared", "-fPIC", "-o", "f.so", "f.c", "-lm"]
     subprocess.run(command, cwd=folder, check=True)
     library = ctypes.CDLL(str(folder / "f.so"))

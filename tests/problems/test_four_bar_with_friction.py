@@ -40,7 +40,7 @@ def four_bar(order: Sequence[int], torque: str) -> sb.EquationSet:
 
 
 def run(order: Sequence[int], torque: str) -> sb.Trajectory:
-    return sb.simulate(four_bar(order, torque), 1.0, START, GUESS, rtol=1e-9, atol=1e-11)
+    return sb.simulate(four_bar(order, torque), 1.0, START, guess=GUESS, rtol=1e-9, atol=1e-11)
 
 
 def test_pins_whose_rates_pass_zero_slip_the_other_way() -> None:

@@ -55,7 +55,7 @@ def check(run: sb.Trajectory) -> None:
 
 @pytest.mark.parametrize("rtol", [1e-8, 1e-11])
 def test_stays_on_its_branch(rtol: float) -> None:
-    run = sb.simulate(parallelogram(), 5.0, START, GUESS, rtol=rtol, atol=rtol / 100)
+    run = sb.simulate(parallelogram(), 5.0, START, guess=GUESS, rtol=rtol, atol=rtol / 100)
     check(run)
     one = sb.simulate(pendulum(), 5.0, START, rtol=1e-12, atol=1e-13)
     # Errors in the speed grow in proportion to time and to the number of steps.
@@ -65,14 +65,14 @@ def test_stays_on_its_branch(rtol: float) -> None:
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("rtol", [1e-8, 1e-11])
 def test_stays_on_its_branch_for_a_minute(rtol: float) -> None:
-    run = sb.simulate(parallelogram(), 60.0, START, GUESS, rtol=rtol, atol=rtol / 100)
+    run = sb.simulate(parallelogram(), 60.0, START, guess=GUESS, rtol=rtol, atol=rtol / 100)
     check(run)
     assert run["a"][-1] > 150 * math.pi
 
 
 def test_events_are_told_once() -> None:
     flat = sb.Event("sin(a)", name="flat")
-    run = sb.simulate(parallelogram(), 2.0, START, GUESS, events=flat)
+    run = sb.simulate(parallelogram(), 2.0, START, guess=GUESS, events=flat)
     check(run)
     turned = math.floor(run["a"][-1] / math.pi)
     assert [event.name for event in run.events] == ["flat"] * turned
@@ -80,7 +80,7 @@ def test_events_are_told_once() -> None:
 
 def test_what_is_asked_for_is_done() -> None:
     """Without a change point nothing is changed, nor where a way to hold constraints is given."""
-    beside = sb.simulate(parallelogram(1.9), 2.0, {"a": 1.0, "a_dot": 8.0}, {"b": -1.0, "d": 1.0})
-    asked = sb.simulate(parallelogram(), 0.5, START, GUESS, constraints=sb.Projection())
+    beside = sb.simulate(parallelogram(1.9), 2.0, {"a": 1.0, "a_dot": 8.0}, guess={"b": -1.0, "d": 1.0})
+    asked = sb.simulate(parallelogram(), 0.5, START, guess=GUESS, constraints=sb.Projection())
     for run in (beside, asked):
         assert not any("Partition" in note for note in run.notes)

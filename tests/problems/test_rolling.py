@@ -124,7 +124,7 @@ def test_wheels_of_different_speed_turn_the_axle() -> None:
     eqs = sb.form_equations(sb.Model("level", model.elements, gravity=(0, 0, -9.0), initial=model.initial))
     start = {"yaw": 0.0, "x": 0.0, "y": 0.0, "spinL": 0.0, "spinR": 0.0, "pitch": 0.0}
     run = sb.simulate(
-        eqs, 2.0, start | {"spinL_dot": 2.0, "spinR_dot": 4.0, "pitch_dot": 0.0}, {"z": 0.3}, **TIGHT
+        eqs, 2.0, start | {"spinL_dot": 2.0, "spinR_dot": 4.0, "pitch_dot": 0.0}, guess={"z": 0.3}, **TIGHT
     )
     yaw, forward = 0.3 * (4 - 2) / 1.0, 0.3 * 3.0
     np.testing.assert_allclose(run["yaw"], yaw * run.t, atol=1e-8)

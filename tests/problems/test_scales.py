@@ -187,7 +187,7 @@ def test_kinematics_and_inverse_dynamics_take_lengths_from_what_is_led(length: f
 
     path = sb.trace_positions(eqs, {"x": length * np.array([0.1, 0.5, 0.9, 1.1])}, {"y": 0.9 * length})
     assert path.limits["x"] == pytest.approx(length, rel=1e-9)
-    places = sb.singular_configurations(eqs, "x", {"y": (-0.9 * length, 0.5 * length)}, {"x": length})
+    places = sb.singular_configurations(eqs, "x", {"y": (-0.9 * length, 0.5 * length)}, guess={"x": length})
     assert sorted(one.q["x"] / length for one in places) == pytest.approx([-1, 1])
     guess = {"x": 0.6 * length, "y": 0.8 * length}
     assert sb.velocity_ratios(eqs, "x", sb.assemble(eqs, guess=guess)).dependent == ("y_dot",)

@@ -170,7 +170,7 @@ def test_methods_without_samples_of_their_own_move_between_them(
     np.testing.assert_allclose([e.t for e in run.events], [e.t for e in expected.events], atol=20 * digits)
     assert run.events and run.held_values is not None and expected.held_values is not None
     np.testing.assert_array_equal(run.held_values.t, expected.held_values.t)
-    sweep = sb.sweep(eqs, 1, {}, {"a": [0.0, 0.5]}, **options, **method)
+    sweep = sb.sweep(eqs, 1, {}, initial={"a": [0.0, 0.5]}, **options, **method)
     np.testing.assert_array_equal(sweep["x"][0], run["x"])
     stepper = sb.Stepper(eqs, 0.15, events=events, rtol=1e-10, **method)
     reference = sb.Stepper(eqs, 0.15, events=events, rtol=1e-10)

@@ -167,14 +167,14 @@ def test_equilibrium_lets_signals_rest() -> None:
      ("javascript", "s = []"), ("fortran", "p, s, xdot"), ("jax", "s=())"), ("casadi", "'s']")],
 )  # fmt: skip
 def test_texts_have_a_last_argument_only_where_there_are_states(language: str, last: str) -> None:
-    assert last in sb.generate_code(sb.form_equations(dc_motor_arm()), "xdot", language, {})
-    assert last not in sb.generate_code(sb.form_equations(arm(torque="0")), "xdot", language, {})
+    assert last in sb.generate_code(sb.form_equations(dc_motor_arm()), "xdot", language, parameters={})
+    assert last not in sb.generate_code(sb.form_equations(arm(torque="0")), "xdot", language, parameters={})
 
 
 def test_python_text_computes_the_same() -> None:
     eqs = sb.form_equations(dc_motor_arm())
     space: dict[str, object] = {}
-    exec(sb.generate_code(eqs, "xdot", "python", {}), space)  # our own text
+    exec(sb.generate_code(eqs, "xdot", "python", parameters={}), space)  # our own text
     values = space["f"](0.0, [0.1], [0.2], [3.0], (), [2.0])
     np.testing.assert_allclose(values, sb.compile(eqs, "xdot")(0.0, [0.1], [0.2], [3.0], s=[2.0]), rtol=1e-15)
 

@@ -123,12 +123,14 @@ def test_steps_and_sweeps_agree_with_simulate() -> None:
     lying = sb.Stepper(ball(), 0.01, initial={"y": 0}, inputs=[], events=BOUNCE)
     with pytest.raises(sb.SimulationError, match="moves in the same direction"):
         lying.step()
-    cases = sb.sweep(ball(), 0.3, {"e": [0.5, 0.9]}, {"y": 0, "y_dot": -1}, times=[0.0, 0.3], events=BOUNCE)
+    cases = sb.sweep(
+        ball(), 0.3, {"e": [0.5, 0.9]}, initial={"y": 0, "y_dot": -1}, times=[0.0, 0.3], events=BOUNCE
+    )
     for k, e in enumerate((0.5, 0.9)):
         alone = sb.simulate(ball(), 0.3, {"y": 0, "y_dot": -1}, parameters={"e": e}, events=BOUNCE)
         assert [event.t for event in cases.trajectory(k).events] == [event.t for event in alone.events]
         assert alone.events[0].t == 0.0
-    lies = sb.sweep(ball(), 0.3, {"e": [0.5, 0.9]}, {"y": 0}, times=[0.0, 0.3], events=BOUNCE)
+    lies = sb.sweep(ball(), 0.3, {"e": [0.5, 0.9]}, initial={"y": 0}, times=[0.0, 0.3], events=BOUNCE)
     assert all("moves in the same direction" in lies.case_notes[k] for k in range(2))
 
 

@@ -62,7 +62,7 @@ def test_a_limit_on_steps_is_neither_a_lock_nor_a_change_point() -> None:
     """Steps that grow, or stay as they are, end because they are few."""
     for constraints in (sb.GGL(), sb.Projection()):
         run = sb.simulate(
-            linkage(), 2.0, {"t1": 1.0, "t1_dot": 3.0}, GUESS, constraints=constraints, max_steps=3
+            linkage(), 2.0, {"t1": 1.0, "t1_dot": 3.0}, guess=GUESS, constraints=constraints, max_steps=3
         )
         assert run.status is sb.Status.TOO_MANY_STEPS
         assert not any("locked" in note or "change point" in note for note in run.notes), run.notes
@@ -80,16 +80,16 @@ def test_times_beside_a_change_point_stay_within_the_motion() -> None:
 def test_explicit_choices_stand() -> None:
     start, guess = {"a": 1.0, "a_dot": 8.0}, {"b": -1.0, "d": 1.0}
     for constraints in (sb.Projection(), sb.Baumgarte()):
-        run = sb.simulate(parallelogram(), 0.5, start, guess, constraints=constraints)
+        run = sb.simulate(parallelogram(), 0.5, start, guess=guess, constraints=constraints)
         assert not any("sb.Partition() integrates" in note for note in run.notes)
-    run = sb.simulate(parallelogram(), 0.5, start, guess, integrator=sb.Explicit(order=5))
+    run = sb.simulate(parallelogram(), 0.5, start, guess=guess, integrator=sb.Explicit(order=5))
     assert any("sb.Partition() integrates" in note for note in run.notes)
 
 
 @pytest.mark.parametrize("constraints", [None, sb.Projection(), sb.Partition()])
 def test_a_flat_start_goes_on_along_its_branch(constraints: sb.Projection | sb.Partition | None) -> None:
     start, guess = {"a": 0.0, "a_dot": 8.0, "d_dot": 8.0}, {"b": 0.0, "d": 0.0}
-    run = sb.simulate(parallelogram(), 1.5, start, guess, constraints=constraints)
+    run = sb.simulate(parallelogram(), 1.5, start, guess=guess, constraints=constraints)
     assert run.success
     # Equal angles all the way, to the tolerance of the constraints, past three more flat poses.
     assert np.abs(run["a"] - run["d"]).max() < 1e-8 and np.ptp(run["energy"] - run["work"]) < 1e-5
@@ -101,7 +101,7 @@ def test_what_leaves_the_branch_open_is_no_start(speeds: tuple[float, float]) ->
     """At rest both branches are open; with cranks of 1 m only equal and opposite speeds belong to one."""
     start = {"a": 0.0, "d": 0.0, "a_dot": speeds[0], "d_dot": speeds[1]}
     try:
-        run = sb.simulate(parallelogram(), 0.2, start, {"b": 0.0}, constraints=sb.Partition())
+        run = sb.simulate(parallelogram(), 0.2, start, guess={"b": 0.0}, constraints=sb.Partition())
     except sb.AssemblyError as error:
         assert "the position is singular" in str(error)
         return
@@ -150,7 +150,7 @@ def test_three_wheels_on_a_rod(constraints: sb.Projection | sb.Partition | None)
     """
     eqs = wheels_on_a_rod([0.0, 1.0, 2.5])
     angles = {"a0": 1.0, "a1": 1.0, "a2": 1.0, "b0": -1.0, "a0_dot": 9.0}
-    run = sb.simulate(eqs, 2.0, angles, {"a1_dot": 9.0, "a2_dot": 9.0}, constraints=constraints)
+    run = sb.simulate(eqs, 2.0, angles, guess={"a1_dot": 9.0, "a2_dot": 9.0}, constraints=constraints)
     assert run.success, run.notes
     assert not any("start is a change point" in note for note in run.notes)
     for k in range(3):  # some thirty steps with 1e-8 of 19 rad each
@@ -168,8 +168,8 @@ def test_constraints_that_follow_do_not_hold_the_mechanism(way: dict[str, Any]) 
     """Stages and samples of Bennett's linkage are a little open, where its constraints are independent."""
     eqs, times = linkage(), np.linspace(0.0, 1.0, 41)
     start = {"t1": 1.0, "t1_dot": 3.0}
-    exact = sb.simulate(eqs, 1.0, start, GUESS, times=times, rtol=1e-10)
-    run = sb.simulate(eqs, 1.0, start, GUESS, times=times, **way)
+    exact = sb.simulate(eqs, 1.0, start, guess=GUESS, times=times, rtol=1e-10)
+    run = sb.simulate(eqs, 1.0, start, guess=GUESS, times=times, **way)
     assert exact.success and run.t.size > 10
     if not run.success:
         assert any("are redundant only where all loops are closed" in note for note in run.notes)
@@ -183,7 +183,7 @@ def test_samples_of_an_explicit_choice_are_on_the_branch(rtol: float) -> None:
     posts = [0.0, 1.0, 2.5]
     run = sb.simulate(
         wheels_on_a_rod(posts), 1.5, {"a0": 1.0, "a1": 1.0, "a2": 1.0, "b0": -1.0, "a0_dot": 9.0},
-        {"a1_dot": 9.0, "a2_dot": 9.0}, constraints=sb.Projection(), times=np.linspace(0.0, 1.5, 301), rtol=rtol,
+        guess={"a1_dot": 9.0, "a2_dot": 9.0}, constraints=sb.Projection(), times=np.linspace(0.0, 1.5, 301), rtol=rtol,
     )  # fmt: skip
     assert run.success and any("sb.Projection() would block" in note for note in run.notes)
     for motion in (run, run.at(run.t)):

@@ -64,9 +64,9 @@ def test_all_ways_to_hold_constraints_give_one_motion(name: str) -> None:
         eqs.degrees_of_freedom == sb.redundancy(eqs, guess={**fixed, **guess}).degrees_of_freedom == freedoms
     )
     times = np.linspace(0.0, 1.0, 6)
-    reference = sb.simulate(eqs, 1.0, fixed, guess, times=times, rtol=1e-11, atol=1e-12)
+    reference = sb.simulate(eqs, 1.0, fixed, guess=guess, times=times, rtol=1e-11, atol=1e-12)
     for way, words in ALL.items():
-        run = sb.simulate(eqs, 1.0, fixed, guess, times=times, **words)
+        run = sb.simulate(eqs, 1.0, fixed, guess=guess, times=times, **words)
         assert run.success
         # Some tens of explicit steps of 1e-8, or a thousand implicit ones.
         bound = 5e-5 if way in ("stiff", "GGL") else 1e-6
@@ -79,7 +79,7 @@ def test_all_ways_to_hold_constraints_give_one_motion(name: str) -> None:
 def test_the_way_of_a_rolling_disc_is_its_spin() -> None:
     """The contact point goes forward by radius times the spin relative to its own frame."""
     _, fixed, guess, _ = CASES["disc"]
-    run = sb.simulate(disc(), 1.0, fixed, guess, rtol=1e-10, atol=1e-12)
+    run = sb.simulate(disc(), 1.0, fixed, guess=guess, rtol=1e-10, atol=1e-12)
     v = run["frame v road ground road"]
     np.testing.assert_allclose(np.abs(v[0]), 0.4 * np.abs(run["phi_dot"]), atol=1e-9)
     np.testing.assert_allclose(v[1:], 0.0, atol=1e-9)
@@ -109,7 +109,7 @@ def test_code_and_plots_of_constrained_motions() -> None:
     np.testing.assert_allclose(first, compiled(0.0, q, u)[0], rtol=1e-12)
     np.testing.assert_allclose(second, compiled(0.0, q, u)[1], rtol=1e-12)
     assert "lambda" in sb.generate_code(eqs, ["udot", "lambda"], language="c")
-    run = sb.simulate(four_bar(), 0.2, {"a": 1.0}, {"d": 1.8})
+    run = sb.simulate(four_bar(), 0.2, {"a": 1.0}, guess={"d": 1.8})
     ax = sb.plot(run, "lambda_rod_1", "reaction rod Fx")
     assert ax.get_ylabel().endswith("[N]") or "N" in ax.get_ylabel()
     pyplot.close(ax.figure)

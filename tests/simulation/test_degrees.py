@@ -31,10 +31,10 @@ WAYS: dict[str, Callable[[], Any]] = {
     "output": lambda: sb.simulate(hinge(), 0.1)["30 deg"][0],
     "event": lambda: sb.simulate(hinge(), 1, {"p_dot": 1}, events=sb.Event("p - 30 deg")).events[0].t,
     "initial": lambda: sb.simulate(hinge(), 0.1, {"p": "30 deg"})["p"][0],
-    "sweep": lambda: sb.sweep(hinge(), 0.1, {"c": [1, 2]}, {"p": "30 deg"})["p"][0, 0],
-    "sweep of texts": lambda: sb.sweep(hinge(), 0.1, {"c": [1, 2]}, {"p": ["30 deg", "1 deg"]})["p"][0, 0],
+    "sweep": lambda: sb.sweep(hinge(), 0.1, {"c": [1, 2]}, initial={"p": "30 deg"})["p"][0, 0],
+    "sweep of texts": lambda: sb.sweep(hinge(), 0.1, {"c": [1, 2]}, initial={"p": ["30 deg", "1 deg"]})["p"][0, 0],
     "sweep's guess": lambda: sb.sweep(hinge(), 0.1, {"c": [1]}, guess={"p": "30 deg"})["p"][0, 0],
-    "parameters of a sweep": lambda: sb.sweep(hinge("c"), 0.1, {"c": "30 deg"}, {"p": [0, 1]})["c"][0, 0],
+    "parameters of a sweep": lambda: sb.sweep(hinge("c"), 0.1, {"c": "30 deg"}, initial={"p": [0, 1]})["c"][0, 0],
     "stepper": lambda: sb.Stepper(hinge(), 0.1, initial={"p": "30 deg"})["p"],
     "assemble": lambda: sb.assemble(hinge(), {"p": "30 deg"})["p"],
 }  # fmt: skip
@@ -80,7 +80,7 @@ def test_values_at_a_time_are_numbers() -> None:
     "number", [Fraction(1, 2), Decimal("0.5"), sympy.Rational(1, 2), np.float32(0.5), "1/2"]
 )
 def test_a_constant_of_a_sweep_may_be_any_number(number: Any) -> None:
-    sweep = sb.sweep(hinge(), 0.1, {"c": number}, {"p": number, "p_dot": [0, 1]})
+    sweep = sb.sweep(hinge(), 0.1, {"c": number}, initial={"p": number, "p_dot": [0, 1]})
     np.testing.assert_allclose(sweep["p"][:, 0], 0.5)
     np.testing.assert_allclose(sweep["c"], 0.5)
 

@@ -77,7 +77,7 @@ def test_a_failing_step_is_not_tried_again() -> None:
 
 
 def test_sweeps_take_fixed_steps() -> None:
-    result = sb.sweep(oscillator(), 1.0, {"w": [1.0, 2.0]}, {"x": 1.0}, integrator=sb.FixedStep(1e-2))
+    result = sb.sweep(oscillator(), 1.0, {"w": [1.0, 2.0]}, initial={"x": 1.0}, integrator=sb.FixedStep(1e-2))
     np.testing.assert_allclose(result["x"][:, -1], np.cos([1.0, 2.0]), atol=1e-7)
 
 

@@ -141,7 +141,7 @@ def test_smooth_friction_in_a_loop_against_free_bodies() -> None:
     eqs = sb.form_equations(slider_crank(MU), tree=sb.Trees("ACD", "ACD"))
     start = {"theta": 0.5, "theta_dot": 5.0}
     guess = {"beta": -0.2, "s": 1.3}
-    run = sb.simulate(eqs, 0.3, start, guess, inputs={"F": 20.0}, rtol=1e-9, atol=1e-11)
+    run = sb.simulate(eqs, 0.3, start, guess=guess, inputs={"F": 20.0}, rtol=1e-9, atol=1e-11)
     assert run.success
     assert np.abs(run["friction_residual"]).max() < 1e-9
 
@@ -175,7 +175,7 @@ def fallen(tree: str) -> sb.Trajectory:
                 for element in model.elements]  # fmt: skip
     dry = sb.Model("dry", elements, gravity=(0, "-G", 0), parameters=model.parameters, inputs=["F"])
     guess = {"beta": -0.2, "s": 1.3, "phi": -0.7}
-    return sb.simulate(sb.form_equations(dry, tree=TREES[tree]), 2.0, {"theta": 0.5}, guess,
+    return sb.simulate(sb.form_equations(dry, tree=TREES[tree]), 2.0, {"theta": 0.5}, guess=guess,
                        inputs={"F": 0.0}, rtol=1e-10, atol=1e-12)  # fmt: skip
 
 
@@ -189,7 +189,7 @@ def test_dry_friction_holds_a_loop() -> None:
         tree=sb.Trees("ACD", "ACD"),
     )
     run = sb.simulate(
-        eqs, 1.0, {"theta": 1.0, "theta_dot": 0.0}, {"beta": -0.34, "s": 1.1}, inputs={"F": "100*t"}
+        eqs, 1.0, {"theta": 1.0, "theta_dot": 0.0}, guess={"beta": -0.34, "s": 1.1}, inputs={"F": "100*t"}
     )
     assert run.success
     (away, *_) = run.events
@@ -299,7 +299,9 @@ def rubbing_crank() -> sb.EquationSet:
 def test_smooth_friction_however_constraints_are_held(held: object, integrator: object, close: float) -> None:
     start, guess = {"theta": 0.5, "theta_dot": 5.0}, {"beta": -0.2, "s": 1.3}
     words = {"inputs": {"F": 20.0}, "rtol": 1e-9, "atol": 1e-11}
-    run = sb.simulate(rubbing_crank(), 0.3, start, guess, constraints=held, integrator=integrator, **words)
-    reference = sb.simulate(rubbing_crank(), 0.3, start, guess, **words)
+    run = sb.simulate(
+        rubbing_crank(), 0.3, start, guess=guess, constraints=held, integrator=integrator, **words
+    )
+    reference = sb.simulate(rubbing_crank(), 0.3, start, guess=guess, **words)
     assert run.success
     assert run["theta"][-1] == pytest.approx(reference["theta"][-1], abs=close)

@@ -118,7 +118,7 @@ def test_the_torque_found_makes_the_motion_by_forward_simulation() -> None:
     assert run["reaction C Fx"].shape == (61,) and run["lambda_C_1"].shape == (61,)
     first = {"theta": 0.4, "theta_dot": 0.0}
     forward = sb.simulate(
-        FOUR_BAR, 2.0, first, {n: run[n][0] for n in ("beta", "phi")}, times=run.t,
+        FOUR_BAR, 2.0, first, guess={n: run[n][0] for n in ("beta", "phi")}, times=run.t,
         inputs={"T": sb.Table(run.t, run["T"], kind="cubic")},
     )  # fmt: skip
     # The spline of the torque: 5/384 h^4 T'''' with h = 1/30 and T'''' about 1e3, twice integrated over 2 s.
@@ -226,7 +226,9 @@ def test_an_unknown_of_higher_degree_is_named() -> None:
 def test_a_force_at_its_dead_centre_drives_nothing() -> None:
     eqs = sb.form_equations(slider_crank())
     with pytest.raises(sb.SimulationError) as caught:
-        sb.inverse_dynamics(eqs, {"theta": "t"}, "F", [0.0], {"J": 1}, {"T": 1}, {"s": 4})
+        sb.inverse_dynamics(
+            eqs, {"theta": "t"}, "F", [0.0], parameters={"J": 1}, inputs={"T": 1}, guess={"s": 4}
+        )
     (problem,) = caught.value.problems
     assert problem.code == "inverse.underactuated" and "F cannot influence" in problem.why
 

@@ -166,7 +166,7 @@ def test_a_length_assembles_anew_or_leaves_all_as_it_is(run: Runner) -> None:
     fits, violation, theta, s, fails, kept, same = found
     assert fits is True and fails is False and kept == 1.6 and same is True
     assert violation < 1e-9
-    expected = sb.assemble(eqs, {"theta": theta}, None, {"L2": 1.6})
+    expected = sb.assemble(eqs, {"theta": theta}, None, parameters={"L2": 1.6})
     assert theta == pytest.approx(sb.assemble(eqs)["theta"]) and s == pytest.approx(expected["s"], abs=1e-9)
 
 

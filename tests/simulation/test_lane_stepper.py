@@ -22,9 +22,9 @@ MASSES = np.linspace(0.1, 0.2, N)
 def side_by_side(name: str, initial: dict[str, Any], parameters: dict[str, Any], **options: Any) -> Any:
     """Return motions in lanes, and the same ones by single steppers."""
     eqs = example(name)
-    lanes = sb.LaneStepper(eqs, 0.01, N, parameters, initial, **options)
+    lanes = sb.LaneStepper(eqs, 0.01, N, parameters=parameters, initial=initial, **options)
     singles = [
-        sb.Stepper(eqs, 0.01, {k: v[i] for k, v in parameters.items()}, {k: v[i] for k, v in initial.items()}, **options)
+        sb.Stepper(eqs, 0.01, {k: v[i] for k, v in parameters.items()}, initial={k: v[i] for k, v in initial.items()}, **options)
         for i in range(N)
     ]  # fmt: skip
     return lanes, singles
@@ -252,7 +252,7 @@ def test_lanes_beside_one_that_is_rejected_end_their_step() -> None:
         sb.Prismatic("K", "A", "B", axis="x", coordinate="y"),
     ]
     eqs = sb.form_equations(sb.Model("torn", elements, parameters={"torn": 0}))
-    lanes = sb.LaneStepper(eqs, 0.1, 3, {"torn": [0, 1, 0]}).step().step()
+    lanes = sb.LaneStepper(eqs, 0.1, 3, parameters={"torn": [0, 1, 0]}).step().step()
     with pytest.raises(sb.UsageError, match="lane 1, motion x"):
         lanes.step()
     np.testing.assert_allclose(lanes.t, [0.3, 0.2, 0.3])

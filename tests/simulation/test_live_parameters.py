@@ -43,15 +43,21 @@ def compilations(monkeypatch: pytest.MonkeyPatch) -> Compilations:
 
 def simulate(eqs: sb.EquationSet, k: int) -> Any:
     values = {"m2": 1.0 + 0.01 * k, "L2": 0.9 + 0.002 * k}
-    return sb.simulate(eqs, 0.05, {"theta": 0.01 * k}, NEAR, values, {"F": 0.5 + k})["energy"]
+    return sb.simulate(eqs, 0.05, {"theta": 0.01 * k}, guess=NEAR, parameters=values, inputs={"F": 0.5 + k})[
+        "energy"
+    ]
 
 
 def assemble(eqs: sb.EquationSet, k: int) -> Any:
-    return sb.assemble(eqs, {"theta": 0.01 * k, "theta_dot": 1 + k}, NEAR, {"L1": 0.3 + 0.001 * k})["energy"]
+    return sb.assemble(
+        eqs, {"theta": 0.01 * k, "theta_dot": 1 + k}, NEAR, parameters={"L1": 0.3 + 0.001 * k}
+    )["energy"]
 
 
 def linearize(eqs: sb.EquationSet, k: int) -> Any:
-    state = sb.assemble(eqs, {"theta": 0.01 * k, "theta_dot": 0.1 * k}, NEAR, {"m1": 1.0 + 0.1 * k})
+    state = sb.assemble(
+        eqs, {"theta": 0.01 * k, "theta_dot": 0.1 * k}, NEAR, parameters={"m1": 1.0 + 0.1 * k}
+    )
     return sb.linearize(eqs, state).A
 
 
@@ -103,8 +109,8 @@ def test_each_set_of_values_has_the_motion_of_equations_formed_for_it() -> None:
             text = text.replace(old, f"{name} = {value}")
         own = sb.form_equations(model_of(text))
         guess = {"phi": 1.7}
-        run = sb.simulate(eqs, 0.3, start, guess, dict(values), rtol=1e-10)
-        alone = sb.simulate(own, 0.3, start, guess, rtol=1e-10)
+        run = sb.simulate(eqs, 0.3, start, guess=guess, parameters=dict(values), rtol=1e-10)
+        alone = sb.simulate(own, 0.3, start, guess=guess, rtol=1e-10)
         assert run.status == alone.status and model.name == run.name
         at = np.linspace(0.0, 0.3, 7)
         np.testing.assert_allclose(run.at(at)["phi"], alone.at(at)["phi"], rtol=0, atol=1e-8)
@@ -119,10 +125,12 @@ def model_of(text: str) -> sb.Model:
 
 def test_a_repeated_motion_has_the_same_bits() -> None:
     eqs = equations("slider_crank")
-    runs = [sb.simulate(eqs, 0.2, {"theta": 0.4}, NEAR, {"m2": 2.0 + k % 2}) for k in range(4)]
+    runs = [
+        sb.simulate(eqs, 0.2, {"theta": 0.4}, guess=NEAR, parameters={"m2": 2.0 + k % 2}) for k in range(4)
+    ]
     for one, other in ((0, 2), (1, 3)):
         np.testing.assert_array_equal(runs[one].q, runs[other].q)
-    fresh = sb.simulate(equations("slider_crank"), 0.2, {"theta": 0.4}, NEAR, {"m2": 2.0})
+    fresh = sb.simulate(equations("slider_crank"), 0.2, {"theta": 0.4}, guess=NEAR, parameters={"m2": 2.0})
     np.testing.assert_allclose(fresh.q[:, -1], runs[0].q[:, -1], rtol=0, atol=1e6 * np.finfo(float).eps)
 
 
@@ -130,8 +138,8 @@ def test_impossible_values_are_refused_by_analyses_each_time() -> None:
     eqs = equations("slider_crank")
     for _ in range(2):
         with pytest.raises(sb.CompileError, match="mass"):
-            sb.simulate(eqs, 0.1, {"theta": 0.4}, NEAR, {"m2": -1.0})
-        assert sb.simulate(eqs, 0.1, {"theta": 0.4}, NEAR, {"m2": 1.0}).success
+            sb.simulate(eqs, 0.1, {"theta": 0.4}, guess=NEAR, parameters={"m2": -1.0})
+        assert sb.simulate(eqs, 0.1, {"theta": 0.4}, guess=NEAR, parameters={"m2": 1.0}).success
 
 
 def test_ropes_that_go_taut_and_slack_compile_once(compilations: Compilations) -> None:

@@ -137,7 +137,7 @@ def test_names_like_those_of_values() -> None:
 def test_units_and_values() -> None:
     text = sb.generate_code(equations_of("slider_crank"), [], "modelica")
     assert 'unit="kg.m2"' in text and 'unit="rad/s"' in text and "parameter Real" in text
-    assert "parameter" not in sb.generate_code(equations_of("slider_crank"), [], "modelica", {})
+    assert "parameter" not in sb.generate_code(equations_of("slider_crank"), [], "modelica", parameters={})
     assert text == sb.generate_code(equations_of("slider_crank"), [], "Modelica") and text.isascii()
     assert max(map(len, text.splitlines())) <= 110
 

@@ -49,7 +49,7 @@ def test_impossible_masses_are_refused_as_those_of_a_file(
 
 @pytest.mark.parametrize("lanes", [False, True])
 def test_cases_of_a_sweep_with_impossible_masses_do_not_start(lanes: bool) -> None:
-    found = sb.sweep(cart(), 0.5, {"m": [1.0, -1.0, 2.0, -3.0]}, {"phi": 0.3}, lanes=lanes)
+    found = sb.sweep(cart(), 0.5, {"m": [1.0, -1.0, 2.0, -3.0]}, initial={"phi": 0.3}, lanes=lanes)
     assert [status.name for status in found.status] == ["SUCCESS", "NOT_STARTED", "SUCCESS", "NOT_STARTED"]
     alone = sb.simulate(cart(), 0.5, {"phi": 0.3}, parameters={"m": 2.0})
     np.testing.assert_allclose(found["phi"][2, -1], alone["phi"][-1], rtol=1e-6)

@@ -90,7 +90,7 @@ def test_samples_and_events_on_the_way_past_change_points(constraints: sb.Partit
     post = {"post": sb.Frame(at=(2, 0, 0))}
     eqs = sb.form_equations(sb.Model("held", [*cranks, rod, *joints, brake], ground=post))
     run = sb.simulate(
-        eqs, 2.0, {"a": 1.0, "a_dot": 8.0}, {"b": -1.0, "d": 1.0}, constraints=constraints,
+        eqs, 2.0, {"a": 1.0, "a_dot": 8.0}, guess={"b": -1.0, "d": 1.0}, constraints=constraints,
         events=sb.Event("sin(a)", name="flat"),
     )  # fmt: skip
     assert run.success, run.notes

@@ -47,7 +47,7 @@ FLOOR = sb.Event("z", -1, {"z_dot": "-0.8*z_dot"}, name='the "floor"\\?')
 @pytest.mark.parametrize("language", COMMANDS)
 def test_events_happen_as_in_simulate_and_are_listed(language: str, tmp_path: Path) -> None:
     events = [FLOOR, sb.Event("z_dot", -1, name="top"), sb.Event("t - 1.7", 1, "stop", name="enough")]
-    text = sb.generate_simulation(ball(), 2.0, language, {"z": 1.0}, times=TIMES, events=events)
+    text = sb.generate_simulation(ball(), 2.0, language, initial={"z": 1.0}, times=TIMES, events=events)
     samples, lines, status = run_program(tmp_path, language, text)
     run = sb.simulate(ball(), 2.0, {"z": 1.0}, times=TIMES, events=events)
     assert status == 0
@@ -62,7 +62,7 @@ def test_events_happen_as_in_simulate_and_are_listed(language: str, tmp_path: Pa
 @pytest.mark.parametrize("language", cases(COMMANDS, fast=["c"]))
 def test_a_motion_ended_by_a_fault_of_an_event_fails(language: str, tmp_path: Path) -> None:
     """Bounces of a ball end: their times converge, which is chattering."""
-    text = sb.generate_simulation(ball(), 20.0, language, {"z": 1.0}, times=[0, 20], events=FLOOR)
+    text = sb.generate_simulation(ball(), 20.0, language, initial={"z": 1.0}, times=[0, 20], events=FLOOR)
     samples, lines, status = run_program(tmp_path, language, text)
     run = sb.simulate(ball(), 20.0, {"z": 1.0}, events=FLOOR)
     assert run.status is sb.Status.CHATTERING
@@ -74,7 +74,7 @@ def test_a_motion_ended_by_a_fault_of_an_event_fails(language: str, tmp_path: Pa
 
 def test_functions_return_what_happened(tmp_path: Path) -> None:
     events = [FLOOR, sb.Event("z_dot", -1, name="top")]
-    text = sb.generate_simulation(ball(), 1.0, "python", {"z": 1.0}, events=events)
+    text = sb.generate_simulation(ball(), 1.0, "python", initial={"z": 1.0}, events=events)
     space: dict[str, object] = {"__name__": "motion"}
     exec(compile(text, "motion.py", "exec"), space)  # noqa: S102
     code, rows, happened, culprit = space["simulate"]()  # type: ignore[operator]
@@ -85,7 +85,7 @@ def test_functions_return_what_happened(tmp_path: Path) -> None:
     np.testing.assert_allclose(happened[0][2][:2], [-9.81 * fall, 0.0], atol=1e-12)
     if shutil.which("node") is None:
         return
-    text = sb.generate_simulation(ball(), 1.0, "javascript", {"z": 1.0}, events=events)
+    text = sb.generate_simulation(ball(), 1.0, "javascript", initial={"z": 1.0}, events=events)
     (tmp_path / "m.cjs").write_text(text)
     call = "const r = require('./m.cjs').simulate(); console.log(JSON.stringify(r))"
     done = subprocess.run(["node", "-e", call], cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -100,7 +100,7 @@ def test_thousands_of_steps_samples_and_events_fit_into_the_room(language: str, 
     push = sb.Signal("push", "9.81 - 20*z - z_dot", sample=1 / 1000)
     eqs, end = ball(push, force="push"), count / 1000
     clock = sb.Event("sin(1000*pi*t)", 0, name="clock")
-    text = sb.generate_simulation(eqs, end, language, {"z": 1.0}, times=[0, end], events=clock)
+    text = sb.generate_simulation(eqs, end, language, initial={"z": 1.0}, times=[0, end], events=clock)
     samples, lines, status = run_program(tmp_path, language, text)
     run = sb.simulate(eqs, end, {"z": 1.0}, times=[0, end], events=clock)
     assert status == 0
@@ -128,7 +128,7 @@ def test_rates_that_jump_strike_as_in_simulate(
 ) -> None:
     eqs, times = carried(as_constraint), np.linspace(*span, 9)
     options = {"times": times, "events": events, "rtol": 1e-10}
-    text = sb.generate_simulation(eqs, span, "javascript", {"th": 0.4}, **options)  # type: ignore[arg-type]
+    text = sb.generate_simulation(eqs, span, "javascript", initial={"th": 0.4}, **options)  # type: ignore[arg-type]
     samples, lines, status = run_program(tmp_path, "javascript", text)
     run = sb.simulate(eqs, span, {"th": 0.4}, **options)  # type: ignore[arg-type]
     assert status == 0
@@ -174,7 +174,7 @@ def test_rates_jump_in_programs_by_generalized_alpha(step: float | None, tmp_pat
     eqs, times = carried(as_constraint=True), np.linspace(0.25, 1.5, 6)
     method = sb.GeneralizedAlpha(step=step)
     text = sb.generate_simulation(
-        eqs, (0.25, 1.5), "c", {"th": 0.4}, times=times, integrator=method, rtol=1e-7
+        eqs, (0.25, 1.5), "c", initial={"th": 0.4}, times=times, integrator=method, rtol=1e-7
     )
     samples, _, status = run_program(tmp_path, "c", text)
     exact = sb.simulate(eqs, (0.25, 1.5), {"th": 0.4}, times=times, rtol=1e-10)

@@ -50,7 +50,7 @@ def test_random_events_are_the_same_for_all_integrators(seed: int) -> None:
     usual = sb.simulate(oscillator(), END, {"x": x}, **given)
     for method in (sb.Explicit(order=5), sb.FixedStep(2e-3)):
         assert_same(sb.simulate(oscillator(), END, {"x": x}, integrator=method, **given), usual, 1e-5)
-    cases = sb.sweep(oscillator(), END, {"k": [4.0, 5.0]}, {"x": x}, times=[0.0, END], **given)
+    cases = sb.sweep(oscillator(), END, {"k": [4.0, 5.0]}, initial={"x": x}, times=[0.0, END], **given)
     assert_same(cases.trajectory(0), usual, 1e-5)
     stiff = sb.simulate(oscillator(), END, {"x": x}, integrator=sb.Stiff(), events=events)
     if usual.status is sb.Status.CHATTERING:  # which an implicit method ends at bounces it still tolerates

@@ -69,7 +69,7 @@ def test_slack_ropes_are_no_constraints() -> None:
 def test_a_pendulum_over_the_top_goes_slack() -> None:
     """Released at the bottom with 2 g L < v0^2 < 5 g L; a parabola from where the tension ends to the circle."""
     v0 = np.sqrt(3.5 * G * L)
-    run = sb.simulate(ball_equations(), 1.6, {"x": 0.0, "y": -L, "x_dot": v0}, {"y_dot": 0.0}, **TIGHT)
+    run = sb.simulate(ball_equations(), 1.6, {"x": 0.0, "y": -L, "x_dot": v0}, guess={"y_dot": 0.0}, **TIGHT)
     assert run.success
     slack, taut = run.events[:2]
     assert names(run)[:2] == ["rope slack", "rope taut"]

@@ -68,7 +68,7 @@ def test_dependent_constraints_are_told_with_the_freedoms_they_leave() -> None:
 
 def test_a_success_needs_no_note() -> None:
     eqs = slider_crank(1.0)
-    run = sb.simulate(eqs, 0.1, {"theta": 0.3}, {"s": 3.9})
+    run = sb.simulate(eqs, 0.1, {"theta": 0.3}, guess={"s": 3.9})
     assert run.success and not any("known up to" in note for note in run.notes)
     assert replace(run.statistics, rejected=None).rejected is None
 

@@ -72,7 +72,7 @@ print("first constraint of index 1:", Phi_Baum[0])
 
 # Simulation
 
-Z_expl = sb.solve_index_1(dae_index1, diff(newvars, t), lvars, data)
+Z_expl = sb.solve_index_1(dae_index1, diff(newvars, t), lvars, parameters=data)
 eqs = equation_set([body1, body2, make_CONSTRAINT(Phi, lvars)], q, parameters=data)
 ics = {"theta1": 0.2, "theta1_dot": 0.1}
 guess = {"y20": 4, "x10": 0.5, "y10": 0.1}
@@ -84,10 +84,10 @@ reactions = dict(zip(Z_expl.reaction_names, Z_expl.reactions(by_hand.t, by_hand.
 
 runs = {
     "Baumgarte": sb.simulate(
-        eqs, 4.0, ics, guess, times=times, constraints=sb.Baumgarte(zeta=0.95, omega=20)
+        eqs, 4.0, ics, guess=guess, times=times, constraints=sb.Baumgarte(zeta=0.95, omega=20)
     ),
-    "projection": sb.simulate(eqs, 4.0, ics, guess, times=times),
-    "minimal coordinates": sb.simulate(eqs, 4.0, ics, guess, times=times, constraints=sb.Partition()),
+    "projection": sb.simulate(eqs, 4.0, ics, guess=guess, times=times),
+    "minimal coordinates": sb.simulate(eqs, 4.0, ics, guess=guess, times=times, constraints=sb.Partition()),
 }
 run = runs["projection"]
 sb.save_plot(

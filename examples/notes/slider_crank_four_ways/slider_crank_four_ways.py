@@ -142,9 +142,9 @@ for way, (initial, guess) in starts.items():
             force = ("lambda1", "lambda2")
         if formulation == formulations[0]:
             print(f"{way}: {len(eqs.coordinate_names)} coordinates, {len(eqs.multiplier_names)} constraints")
-            runs[way] = sb.simulate(eqs, 2.0, initial, guess, times=times, rtol=1e-11, atol=1e-13)
+            runs[way] = sb.simulate(eqs, 2.0, initial, guess=guess, times=times, rtol=1e-11, atol=1e-13)
         state = sb.assemble(eqs, initial, guess)
-        at_once = sb.simulate(eqs, 1e-9, initial, guess, times=[0])
+        at_once = sb.simulate(eqs, 1e-9, initial, guess=guess, times=[0])
         results[way, type(formulation).__name__] = [
             state.udot["s_ddot"],
             *(at_once[name][0] for name in force),

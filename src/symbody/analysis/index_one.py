@@ -14,7 +14,7 @@ from typing import Final, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
@@ -80,6 +80,7 @@ class IndexOneSolution:
         return state
 
 
+@named_after(3)
 @checked_arguments
 def solve_index_1(
     equations: EquationSet | Sequence[SympyExpr | SympyEquation],

@@ -290,7 +290,13 @@ def linearize(
         eqs, read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(at, "--at")
     )
     found = symbody.linearize(
-        eqs, given.initial, given.parameters, given.inputs, outputs or (), independent, cyclic or ()
+        eqs,
+        given.initial,
+        given.parameters,
+        inputs=given.inputs,
+        outputs=outputs or (),
+        independent=independent,
+        cyclic=cyclic or (),
     )
     _print([linear_json(found)] if as_json else linear_lines(found))
 
@@ -320,7 +326,12 @@ def equilibrium(
         eqs, read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(near, "--near")
     )
     found = symbody.find_equilibrium(
-        eqs, given.initial, given.parameters, given.inputs, unknowns or (), read_pairs(fixed, "--fix")
+        eqs,
+        given.initial,
+        given.parameters,
+        inputs=given.inputs,
+        unknowns=unknowns or (),
+        fixed=read_pairs(fixed, "--fix"),
     )
     _print([equilibrium_json(found)] if as_json else equilibrium_lines(found))
 

@@ -46,8 +46,8 @@ def fmu(
     given = Settled.resolve(eqs, read_pairs(parameters, "--set"), {}, read_pairs(initial, "--initial"))
     chosen: str | list[str] | None = "all" if "all" in (platforms or ()) else platforms
     made = save_fmu(
-        eqs, target, cast(Version, version), outputs or (), given.initial, given.parameters, fixed or (),
-        platforms=chosen, sources=not no_sources,
+        eqs, target, cast(Version, version), outputs=outputs or (), initial=given.initial,
+        parameters=given.parameters, fixed=fixed or (), platforms=chosen, sources=not no_sources,
     )  # fmt: skip
     where = ", ".join(made.platforms) or "sources only"
     typer.echo(f"{made.path}: FMI {made.version}, {len(made.variables)} variables, {where}")

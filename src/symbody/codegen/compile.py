@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value, offer_argument
 from symbody.codegen.formation.sequences import form_sequence
@@ -20,6 +20,7 @@ from symbody.expr.deadline import in_time
 _LESS: Final = "compile fewer outputs at a time, or compile faster with quick=True"
 
 
+@named_after(3)
 @checked_arguments
 def compile(
     eqs: EquationSet,

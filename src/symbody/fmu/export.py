@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final
 
 import symbody
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
@@ -88,6 +88,7 @@ class Fmu:
         return f"Fmu({str(self.path)!r}, FMI {self.version}): {len(self.variables)} variables, {where}"
 
 
+@named_after(3)
 @checked_arguments
 def save_fmu(
     eqs: EquationSet,

@@ -14,7 +14,7 @@ from symbody.analysis.named_values import check_mappings
 from symbody.analysis.redundancy import undetermined_outputs
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import switches
@@ -40,6 +40,7 @@ _INTEGRATORS: Final = get_args(Integrator)
 _CONSTRAINTS: Final = get_args(Constraints)
 
 
+@named_after(3)
 @checked_arguments
 def simulate(
     eqs: EquationSet, t_end: float | tuple[float, float], initial: Mapping[str, FirstValue] | None = None,
@@ -122,7 +123,9 @@ def simulate(
     inputs, exact = {**inputs, **held.laws}, held.others(exact)
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     with show_progress(progress, "motion") as show:
-        first = assemble(eqs, exact, near, parameters, laws.formulas, span[0], scales=scales)
+        first = assemble(
+            eqs, exact, near, parameters=parameters, inputs=laws.formulas, t=span[0], scales=scales
+        )
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
         notes = _input_notes(problem, inputs, atol, rtol) + start_notes(problem, first, {**near, **exact})

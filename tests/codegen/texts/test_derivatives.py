@@ -84,7 +84,9 @@ def test_casadi(name: str, tmp_path: Path) -> None:
     eqs, point = case(name)
     outputs = ["udot", "lambda"] if eqs.multiplier_names else ["udot", "qdot"]
     sequence, _ = form_sequence(eqs, outputs)
-    (found,) = ran(CASADI, sb.generate_code(eqs, outputs, "casadi", {}), CASADI_CALLER, point, tmp_path)
+    (found,) = ran(
+        CASADI, sb.generate_code(eqs, outputs, "casadi", parameters={}), CASADI_CALLER, point, tmp_path
+    )
     reference = slopes(sequence, point)
     # Condition numbers below 1e3, a hundred operations: 1e5 eps.
     assert np.abs(found - reference).max() < 1e-10 * max(1.0, np.abs(reference).max())
@@ -97,7 +99,7 @@ def test_jax(name: str, tmp_path: Path) -> None:
     eqs, point = case(name)
     outputs = ["udot", "lambda"] if eqs.multiplier_names else ["udot", "qdot"]
     sequence, _ = form_sequence(eqs, outputs)
-    text = sb.generate_code(eqs, outputs, "jax", {})
+    text = sb.generate_code(eqs, outputs, "jax", parameters={})
     forward, backward, mapped, separate, one = ran(JAX, text, JAX_CALLER, point, tmp_path)
     reference = slopes(sequence, point)
     bound = 1e-10 * max(1.0, np.abs(reference).max())
@@ -112,6 +114,10 @@ def test_casadi_differentiates_at_a_dead_centre(tmp_path: Path) -> None:
     """The rank changes there, so there is no derivative to compare with: it is that of the rows kept."""
     eqs, point = case("dead centre")
     (found,) = ran(
-        CASADI, sb.generate_code(eqs, ["udot", "lambda"], "casadi", {}), CASADI_CALLER, point, tmp_path
+        CASADI,
+        sb.generate_code(eqs, ["udot", "lambda"], "casadi", parameters={}),
+        CASADI_CALLER,
+        point,
+        tmp_path,
     )
     assert np.isfinite(found).all()

@@ -163,7 +163,7 @@ def test_batches_have_the_shapes_of_compiled_functions(tmp_path: Path) -> None:
     r = np.array([[1.0], [2.0]])[:, np.newaxis]
     reference = native(0.0, q, u, r)
     given = {"t": 0.0, "q": q.tolist(), "u": u.tolist(), "r": r.tolist()}
-    (found,) = run_text(sb.generate_code(eqs, names, "python", {}), tmp_path, [given])
+    (found,) = run_text(sb.generate_code(eqs, names, "python", parameters={}), tmp_path, [given])
     assert [part["shape"] for part in found["values"]] == [list(part.shape) for part in reference]
     worst = max(condition(eqs, state) for state in states)
     ours, theirs = np.array(flat(found)), np.concatenate([part.ravel() for part in reference])

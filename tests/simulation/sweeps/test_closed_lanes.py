@@ -56,7 +56,7 @@ def ball() -> sb.EquationSet:
 
 def _swept(eqs: sb.EquationSet, name: str, low: float, high: float, rate: str, **options: object) -> sb.Sweep:
     options = {"constraints": sb.Projection(), "threads": 1, "part": MANY} | options
-    return sb.sweep(eqs, 1.5, {name: np.linspace(low, high, MANY)}, {rate: 4.0}, **options)  # type: ignore[arg-type]
+    return sb.sweep(eqs, 1.5, {name: np.linspace(low, high, MANY)}, initial={rate: 4.0}, **options)  # type: ignore[arg-type]
 
 
 def cranks(**options: object) -> sb.Sweep:
@@ -85,7 +85,7 @@ def spatial_four_bars(**options: object) -> sb.Sweep:
 
 def balls(**options: object) -> sb.Sweep:
     rates = {ball().speed_names[0]: np.linspace(1.0, 20.0, MANY)}
-    return sb.sweep(ball(), 1.5, {"m": 2.0}, rates, **{"threads": 1, "part": MANY, **options})  # type: ignore[arg-type]
+    return sb.sweep(ball(), 1.5, {"m": 2.0}, initial=rates, **{"threads": 1, "part": MANY, **options})  # type: ignore[arg-type]
 
 
 @pytest.fixture(autouse=True)
@@ -135,7 +135,7 @@ def test_a_lane_that_fails_leaves_the_others_alone() -> None:
             four_bar() if made is failing_four_bars else equations("slider_crank"),
             1.5,
             {name: column[good] for name, column in result.cases.items() if name != "theta_dot"},
-            {"theta_dot": 4.0},
+            initial={"theta_dot": 4.0},
             constraints=sb.Projection(),
             integrator=None if made is failing_cranks else sb.FixedStep(0.02),
             lanes=False,

@@ -217,8 +217,11 @@ def test_a_case_does_not_depend_on_room(kind: str, monkeypatch: pytest.MonkeyPat
 
 def test_a_case_that_leaves_a_rope_too_long_ends_as_in_simulate() -> None:
     eqs, start = ropes(), {"x": 0.1, "y": 0.0, "x_dot": 1.5, "y_dot": 1.0}
-    sweep = sb.sweep(eqs, 0.6, {"L": [0.7, 1.5]}, {**start}, times=[0.0, 0.6], events=throw_by(0.8))
-    runs = [sb.simulate(eqs, 0.6, start, {}, {"L": length}, events=throw_by(0.8)) for length in (0.7, 1.5)]
+    sweep = sb.sweep(eqs, 0.6, {"L": [0.7, 1.5]}, initial={**start}, times=[0.0, 0.6], events=throw_by(0.8))
+    runs = [
+        sb.simulate(eqs, 0.6, start, guess={}, parameters={"L": length}, events=throw_by(0.8))
+        for length in (0.7, 1.5)
+    ]
     assert list(sweep.status) == [run.status for run in runs] == [sb.Status.UNMET_ACTION, sb.Status.SUCCESS]
     assert "than the rope is long" in sweep.case_notes[0]
 

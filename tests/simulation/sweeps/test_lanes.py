@@ -32,20 +32,20 @@ def slide(force: str, **parameters: float) -> sb.EquationSet:
 
 def tops(**options: object) -> sb.Sweep:
     rates = np.linspace(2.0, 30.0, MANY)  # fast and slow ones, which end at different times
-    return sb.sweep(equations("spinning_top"), 2.0, {"m": 1.1}, {"xi_dot": rates}, **options)
+    return sb.sweep(equations("spinning_top"), 2.0, {"m": 1.1}, initial={"xi_dot": rates}, **options)
 
 
 def duffing(**options: object) -> sb.Sweep:
     """Without sines and cosines, from the end to the beginning."""
     stiffness = np.linspace(0.0, 50.0, MANY)
-    return sb.sweep(slide("-k*x**3 - x", k=1.0), (3.0, 0.0), {"k": stiffness}, {"x": 1.0}, **options)
+    return sb.sweep(slide("-k*x**3 - x", k=1.0), (3.0, 0.0), {"k": stiffness}, initial={"x": 1.0}, **options)
 
 
 def runaways(**options: object) -> sb.Sweep:
     """x' = x^2 from 1 is infinite at t = 1, from -1 it never is; from 0 it has no first step to guess."""
     starts = np.tile([-1.0, 1.0, 0.0], MANY)[:MANY]
     eqs = slide("2*x**3")
-    return sb.sweep(eqs, 2.0, {}, {"x": starts, "x_dot": starts**2}, combine="list", **options)
+    return sb.sweep(eqs, 2.0, {}, initial={"x": starts, "x_dot": starts**2}, combine="list", **options)
 
 
 def roots(**options: object) -> sb.Sweep:
@@ -57,7 +57,7 @@ def dampers(**options: object) -> sb.Sweep:
     """Some of them stiff, which is judged again and again."""
     damping = np.geomspace(1.0, 1e5, MANY)
     eqs = slide("-x - d*x_dot", d=1.0)
-    return sb.sweep(eqs, 3.0, {"d": damping}, {"x": 1.0}, max_steps=20_000, **options)
+    return sb.sweep(eqs, 3.0, {"d": damping}, initial={"x": 1.0}, max_steps=20_000, **options)
 
 
 def cranks(**options: object) -> sb.Sweep:
@@ -66,7 +66,7 @@ def cranks(**options: object) -> sb.Sweep:
         equations("slider_crank"),
         0.5,
         {"m3": np.linspace(-2.0, 0.8, MANY)},
-        {"theta_dot": 4.0},
+        initial={"theta_dot": 4.0},
         constraints=sb.Baumgarte(),
         **options,
     )
@@ -159,7 +159,7 @@ def test_lanes_are_used_where_there_are_many_cases(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(CompiledFunction, "in_lanes", lambda function: asked.append(1) or usual(function))
     eqs = slide("-k*x**3 - x", k=1.0)
     for cases in (CASES_THAT_PAY - 1, CASES_THAT_PAY):
-        sb.sweep(eqs, 1.0, {"k": np.linspace(0.0, 1.0, cases)}, {"x": 1.0}, times=[1.0], threads=1)
+        sb.sweep(eqs, 1.0, {"k": np.linspace(0.0, 1.0, cases)}, initial={"x": 1.0}, times=[1.0], threads=1)
         assert bool(asked) == (cases == CASES_THAT_PAY)
 
 

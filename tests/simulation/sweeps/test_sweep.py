@@ -28,7 +28,12 @@ def equations(name: str) -> sb.EquationSet:
 
 def tops(**options: object) -> sb.Sweep:
     return sb.sweep(
-        equations("spinning_top"), 1.0, {"m": MASSES}, {"xi_dot": RATES}, times=[0.0, 0.5, 1.0], **options
+        equations("spinning_top"),
+        1.0,
+        {"m": MASSES},
+        initial={"xi_dot": RATES},
+        times=[0.0, 0.5, 1.0],
+        **options,
     )
 
 
@@ -38,7 +43,7 @@ def cranks(**options: object) -> sb.Sweep:
         equations("slider_crank"),
         0.5,
         {"L1": [0.4, 0.45, 0.5]},
-        {"theta_dot": [4.0, 5.0]},
+        initial={"theta_dot": [4.0, 5.0]},
         times=[0.0, 0.25, 0.5],
         **options,
     )
@@ -97,7 +102,9 @@ def test_results_do_not_depend_on_threads_and_parts(
 
 def test_cases_do_not_depend_on_their_neighbours() -> None:
     whole = tops()
-    last = sb.sweep(equations("spinning_top"), 1.0, {"m": [1.1]}, {"xi_dot": [14.0]}, times=[0.0, 0.5, 1.0])
+    last = sb.sweep(
+        equations("spinning_top"), 1.0, {"m": [1.1]}, initial={"xi_dot": [14.0]}, times=[0.0, 0.5, 1.0]
+    )
     assert last.x[0].tobytes() == whole.x[-1].tobytes()
 
 
@@ -232,7 +239,7 @@ def test_failing_cases_keep_what_they_reached_and_spoil_no_other() -> None:
     )
     eqs = sb.form_equations(model)
     result = sb.sweep(
-        eqs, 2.0, {"k": [-1.0, 1.0, 0.0]}, {"x": 1.0, "x_dot": 1.0}, times=[0.0, 0.5, 0.9, 1.5, 2.0]
+        eqs, 2.0, {"k": [-1.0, 1.0, 0.0]}, initial={"x": 1.0, "x_dot": 1.0}, times=[0.0, 0.5, 0.9, 1.5, 2.0]
     )
     assert [status.success for status in result.status] == [True, False, True]
     np.testing.assert_allclose(result["x"][1, :3], [1.0, 2.0, 10.0], rtol=1e-5)  # 1/(1 - t)
@@ -246,7 +253,9 @@ def test_failing_cases_keep_what_they_reached_and_spoil_no_other() -> None:
 
 
 def test_cases_that_cannot_be_assembled_are_told() -> None:
-    result = sb.sweep(equations("slider_crank"), 0.2, {"L2": [1.0, 0.05]}, {"theta": 1.0}, times=[0.2])
+    result = sb.sweep(
+        equations("slider_crank"), 0.2, {"L2": [1.0, 0.05]}, initial={"theta": 1.0}, times=[0.2]
+    )
     assert result.status[1] is sb.Status.NOT_STARTED
     assert "assembly" in result.case_notes[1]
     assert result.status[0].success
@@ -276,7 +285,7 @@ def test_a_store_of_another_sweep_is_refused_and_damage_is_computed_anew(tmp_pat
 @pytest.mark.parametrize("integrator", [None, sb.Stiff()])
 def test_stiff_integration_is_swept_one_by_one_events_are_not(integrator: object) -> None:
     given = {"times": [0.0, 1.0], "events": sb.Event("eta - 2", action="stop"), "integrator": integrator}
-    result = sb.sweep(equations("spinning_top"), 1.0, {"m": MASSES}, {"xi_dot": 0.0}, **given)
+    result = sb.sweep(equations("spinning_top"), 1.0, {"m": MASSES}, initial={"xi_dot": 0.0}, **given)
     assert result.status == (sb.Status.STOPPED,) * 3
     assert any("one after the other" in note for note in result.notes) == (integrator is not None)
     run = sb.simulate(equations("spinning_top"), 1.0, {"xi_dot": 0.0}, parameters={"m": 0.9}, **given)
@@ -358,7 +367,7 @@ def test_too_many_samples_are_refused_before_anything_is_computed() -> None:
 def test_all_faults_of_a_call_are_told_at_once() -> None:
     eqs = equations("spinning_top")
     with pytest.raises(sb.UsageError) as fault:
-        sb.sweep(eqs, 1.0, {"m": [1.0, np.nan], "L": []}, {"eta": ["a"]}, samples=3, combine="lists")  # type: ignore[arg-type]
+        sb.sweep(eqs, 1.0, {"m": [1.0, np.nan], "L": []}, initial={"eta": ["a"]}, samples=3, combine="lists")  # type: ignore[arg-type]
     text = str(fault.value)
     assert len(fault.value.problems) == 5 and all(
         word in text for word in ("m", "L", "eta", "samples", "lists")
@@ -367,7 +376,7 @@ def test_all_faults_of_a_call_are_told_at_once() -> None:
         sb.sweep(eqs, 1.0, {"mm": [1.0], "M": 2.0})
     assert {problem.where for problem in wrong.value.problems} == {"mm", "M"}
     with pytest.raises(sb.AssemblyError) as unknown:
-        sb.sweep(eqs, 1.0, {"m": [1.0]}, {"etta": [1.0], "zeto_dot": 0.1})
+        sb.sweep(eqs, 1.0, {"m": [1.0]}, initial={"etta": [1.0], "zeto_dot": 0.1})
     assert len(unknown.value.problems) == 2
     with pytest.raises(sb.UsageError, match="not an Executor"):
         sb.sweep(eqs, 1.0, {"m": [1.0]}, executor="dask")  # type: ignore[arg-type]
@@ -386,7 +395,7 @@ def test_stiff_cases_are_handed_to_simulate() -> None:
         parameters={"d": 1.0},
     )
     eqs = sb.form_equations(model)
-    result = sb.sweep(eqs, 100.0, {"d": [1.0, 1e5]}, {"x": 1.0}, times=[100.0])
+    result = sb.sweep(eqs, 100.0, {"d": [1.0, 1e5]}, initial={"x": 1.0}, times=[100.0])
     assert result.success
     assert "stiff" in result.case_notes[1]
     # overdamped: x = exp(-t/d) but for 1/d^2

@@ -97,7 +97,9 @@ def test_a_stop_is_the_last_sample_where_there_is_room(times: list[float], integ
 
 def test_chattering_and_values_without_numbers_stand_in_the_notes_of_their_case() -> None:
     watched = [BOUNCE, sb.Event("sqrt(y - 0.3)", name="root")]
-    sweep = sb.sweep(ball(), 3.0, {"e": [0.0, 0.3, 0.9]}, {"y": 1.0}, events=watched, times=[0.0, 3.0])
+    sweep = sb.sweep(
+        ball(), 3.0, {"e": [0.0, 0.3, 0.9]}, initial={"y": 1.0}, events=watched, times=[0.0, 3.0]
+    )
     assert [status.name for status in sweep.status] == ["SUCCESS", "CHATTERING", "SUCCESS"]
     assert all("event 'root': its value is not a number" in note for note in sweep.case_notes.values())
     assert "event 'hit' happens again and again" in sweep.case_notes[1]
@@ -111,13 +113,13 @@ def test_stiff_cases_are_those_of_simulate(monkeypatch: pytest.MonkeyPatch) -> N
     slide = sb.Prismatic("j", "ground", sb.Body("B", mass=1), coordinate="x", force=force)
     eqs = sb.form_equations(sb.Model("stiff", [slide], parameters={"k": 1.0}))
     event = sb.Event("x - 0.5", name="half")
-    sweep = sb.sweep(eqs, 2.0, {"k": [10.0, 1e9]}, {"x": 1.0}, events=event, times=[0.0, 2.0])
+    sweep = sb.sweep(eqs, 2.0, {"k": [10.0, 1e9]}, initial={"x": 1.0}, events=event, times=[0.0, 2.0])
     assert sweep.success
     run = sb.simulate(eqs, 2.0, {"x": 1.0}, parameters={"k": 1e9}, events=event, times=[0.0, 2.0])
     assert sweep.trajectory(1).events == run.events
     called: list[int] = []
     monkeypatch.setattr(sweep_job, "simulate", lambda *a, **k: called.append(1))
-    assert sb.sweep(eqs, 2.0, {"k": [10.0, 20.0]}, {"x": 1.0}, events=event).success
+    assert sb.sweep(eqs, 2.0, {"k": [10.0, 20.0]}, initial={"x": 1.0}, events=event).success
     assert not called
 
 

@@ -45,7 +45,7 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.signal_values import split_signals
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.closing_equations import closing_equations
 from symbody.equations.equation_set import EquationSet
@@ -56,6 +56,7 @@ from symbody.model.first_values import FirstValue, by_priority
 Floats = NDArray[np.float64]
 
 
+@named_after(3)
 @checked_arguments
 def assemble(
     eqs: EquationSet,

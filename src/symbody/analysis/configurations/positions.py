@@ -45,7 +45,7 @@ class PositionSolver:
             As `assemble`; but accelerations need not exist.
         """
         if self.evaluator is None:
-            return dict(assemble(self.eqs, fixed, guess, self.parameters).q)
+            return dict(assemble(self.eqs, fixed, guess, parameters=self.parameters).q)
         fixed = {**held_initial_values(self.eqs, fixed, guess), **fixed}
         model = self.eqs.model.initial
         guessed: dict[str, Value] = {
@@ -69,7 +69,7 @@ class PositionSolver:
         """
         guess = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
         if self.evaluator is None:
-            return np.array(list(assemble(self.eqs, None, guess, self.parameters).q.values()))
+            return np.array(list(assemble(self.eqs, None, guess, parameters=self.parameters).q.values()))
         return consistent_positions(self.evaluator, {}, guess)
 
 

@@ -22,7 +22,7 @@ from symbody.analysis.linear.linearize import linearize
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.analysis.value_lines import values_line
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.sticking import switching_joints
@@ -92,6 +92,7 @@ class Equilibrium(State):
         return _VERDICTS.get(self.verdict)
 
 
+@named_after(3)
 @checked_arguments
 def find_equilibrium(
     eqs: EquationSet,
@@ -155,7 +156,7 @@ def find_equilibrium(
     """
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     refuse_held(eqs, "an equilibrium", {*(inputs or {}), *unknowns})
-    first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
+    first = assemble(eqs, fixed, guess, parameters=parameters, inputs=dict(inputs or {}), t=t, scales=scales)
     leaders = eqs.formed.coupled.leaders
     held = frozenset(leaders[name][0] if name in leaders else name for name in fixed or ())
     _check(eqs, unknowns, held)

@@ -26,7 +26,7 @@ from symbody.analysis.kinematics.position_curve import PathPoint, PositionCurve
 from symbody.analysis.kinematics.velocity_ratios import VelocityRatios, velocity_ratios
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
@@ -96,6 +96,7 @@ class SingularConfiguration:
         )
 
 
+@named_after(3)
 @checked_arguments
 def singular_configurations(
     eqs: EquationSet,
@@ -152,7 +153,7 @@ def singular_configurations(
     """
     numbers = led_numbers(eqs, over, parameters)
     first = _first(eqs, numbers, guess, parameters, scales)
-    ratios = velocity_ratios(eqs, independent, first, parameters, scales=scales)
+    ratios = velocity_ratios(eqs, independent, first, parameters=parameters, scales=scales)
     search = _search(ratios, numbers, dict(parameters or {}), first, scales)
     configurations: list[SingularConfiguration] = []
     for number, points in enumerate(search.curves(guess, parameters, scales), start=1):
@@ -377,7 +378,7 @@ def _first(
                     "available",
                     f"name one of {', '.join(eqs.coordinate_names)}, or put its joint into the tree")
         )  # fmt: skip
-    return assemble(eqs, None, guess, parameters, scales=scales)
+    return assemble(eqs, None, guess, parameters=parameters, scales=scales)
 
 
 def _search(

@@ -16,7 +16,7 @@ from symbody.analysis.kinematics.continuation import Continuation, Law, continua
 from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.kinematics.led_values import LedValues, led_numbers, read_values
 from symbody.analysis.scales import mechanism_scales
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
@@ -123,6 +123,7 @@ class Positions:
         return pandas.DataFrame(self.columns())
 
 
+@named_after(3)
 @checked_arguments
 def trace_positions(
     eqs: EquationSet,
@@ -180,7 +181,7 @@ def trace_positions(
     values_given = dict(parameters or {})
     driven = continuation(eqs, {}, _laws(values), values_given, lambda _: t)
     start = {name: float(x[0]) for name, x in values.items()}
-    state = assemble(eqs, start, guess, parameters, None, t, scales=scales)
+    state = assemble(eqs, start, guess, parameters=parameters, inputs=None, t=t, scales=scales)
     q = np.array(list(state.q.values()))
     held, notes = equations_with_ropes(eqs, q, values_given, t)
     if held is not eqs:

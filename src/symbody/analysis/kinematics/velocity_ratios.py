@@ -23,7 +23,7 @@ from symbody.analysis.kinematics.independent_speeds import best_speeds, check_na
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
@@ -328,6 +328,7 @@ class VelocityRatios:
         return name if name in self.eqs.speed_names else f"{name}_dot"
 
 
+@named_after(3)
 @checked_arguments
 def velocity_ratios(
     eqs: EquationSet,
@@ -380,7 +381,7 @@ def velocity_ratios(
     (('y_dot',), ('x_dot',))
     """
     values = dict(parameters or {})
-    state = at or assemble(eqs, None, None, parameters, scales=scales)
+    state = at or assemble(eqs, None, None, parameters=parameters, scales=scales)
     mechanism_sizes = mechanism_scales(eqs, values, scales, state.q)
     q = np.array(list(state.q.values()))
     eqs, notes = equations_with_ropes(eqs, q, values, state.t)

@@ -27,7 +27,7 @@ from symbody.analysis.linear.matrices import matrices, relative_error
 from symbody.analysis.linear.slopes import SlopeFunction, Slopes, slope_function
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 
@@ -38,6 +38,7 @@ _AT_REST: Final = 1e-8
 _STILL: Final = 1e-12  # of accelerations and rates of the mechanism's own size
 
 
+@named_after(3)
 @checked_arguments
 def linearize(
     eqs: EquationSet,
@@ -139,8 +140,8 @@ def _state(
         values = {**at.q, **at.u, **at.s}
         inputs_there = at.inputs if inputs is None else inputs
         chosen = at.parameters if parameters is None else parameters
-        return assemble(eqs, values, None, chosen, inputs_there, at.t, scales=scales)
-    return assemble(eqs, at, None, parameters, inputs, t, scales=scales)
+        return assemble(eqs, values, None, parameters=chosen, inputs=inputs_there, t=at.t, scales=scales)
+    return assemble(eqs, at, None, parameters=parameters, inputs=inputs, t=t, scales=scales)
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.kinematics.continuation import continuation
 from symbody.analysis.scales import checked_scales
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
@@ -38,6 +38,7 @@ from symbody.simulation.status import Status
 Floats = NDArray[np.float64]
 
 
+@named_after(4)
 @checked_arguments
 def inverse_dynamics(
     eqs: EquationSet,

@@ -129,7 +129,14 @@ class PrescribedMotion:
         joint = self.continuation.blocking_joint(reached, q)
         coordinates = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
         try:
-            assemble(self.eqs, self.continuation.driven_values(t), coordinates, self.parameters, None, t)
+            assemble(
+                self.eqs,
+                self.continuation.driven_values(t),
+                coordinates,
+                parameters=self.parameters,
+                inputs=None,
+                t=t,
+            )
             why = "the mechanism can be assembled at the next time, but no motion connects the two positions"
         except AssemblyError as error:
             why = f"at t = {t:.9g} s {error.problems[0].what}"
@@ -160,7 +167,9 @@ def prescribe_motion(
         If the loops do not close at the first time.
     """
     t = float(times[0])
-    state = assemble(eqs, follower.driven_values(t), guess, parameters, None, t, scales=scales)
+    state = assemble(
+        eqs, follower.driven_values(t), guess, parameters=parameters, inputs=None, t=t, scales=scales
+    )
     targets = [follower.driven_values(float(s)) for s in times]
     farthest = {name: max(abs(one[name]) for one in targets) for name in follower.driven}
     mechanism = mechanism_scales(eqs, parameters, scales, {**state.q, **farthest})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.signature import source_text
@@ -12,6 +12,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.simulation.programs.modelica_model import modelica_model
 
 
+@named_after(3)
 @checked_arguments
 def generate_code(
     eqs: EquationSet,

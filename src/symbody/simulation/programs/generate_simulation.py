@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
@@ -29,6 +29,7 @@ from symbody.simulation.programs.prepared_motion import prepare_motion
 _SAMPLES = 101
 
 
+@named_after(3)
 @checked_arguments
 def generate_simulation(
     eqs: EquationSet, t_end: float | tuple[float, float], language: str = "c",

@@ -209,7 +209,15 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
     start, scales, constraints = request.span[0], request.scales, request.constraints
     held = held_values(eqs, request)
     initial = {name: value for name, value in request.initial.items() if name not in held}
-    first = assemble(made, initial, request.guess, request.parameters, laws.formulas, start, scales=scales)
+    first = assemble(
+        made,
+        initial,
+        request.guess,
+        parameters=request.parameters,
+        inputs=laws.formulas,
+        t=start,
+        scales=scales,
+    )
     problem = pose_problem(made, request.span, request.parameters, laws, scales, constraints, first)
     integration = Motion(
         problem,

@@ -50,4 +50,6 @@ def nearest_state(
     eqs = problem.settings.eqs
     near = dict(zip(eqs.state_names, numbers.x.tolist(), strict=False))
     given = {**problem.own_laws.formulas, **inputs}
-    return assemble(eqs, None, near, parameters, given, numbers.t, scales=problem.problem.scales.sizes)
+    return assemble(
+        eqs, None, near, parameters=parameters, inputs=given, t=numbers.t, scales=problem.problem.scales.sizes
+    )

@@ -9,7 +9,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, SymbodyError, UsageError
@@ -158,6 +158,7 @@ class LaneStepper(OwnCopies):
 
     _failed: dict[int, SymbodyError]  # of the last step
 
+    @named_after(3)
     @checked_arguments
     def __init__(
         self, eqs: EquationSet, dt: float, lanes: int,

@@ -153,7 +153,7 @@ def first_state(
     if held:  # so that impossible values change nothing
         held_signals(settings.eqs, (settings.t_start, settings.t_start), parameters, given, {})
     return assemble(
-        settings.eqs, initial, guess, parameters, laws.formulas, settings.t_start,
+        settings.eqs, initial, guess, parameters=parameters, inputs=laws.formulas, t=settings.t_start,
         scales=settings.scales,
     )  # fmt: skip
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.named_values import check_mappings
 from symbody.analysis.state import State
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import UsageError
@@ -105,6 +105,7 @@ class Stepper(OwnCopies):
 
     _go_on: Callable[[], int]
 
+    @named_after(3)
     @checked_arguments
     def __init__(
         self, eqs: EquationSet, dt: float, parameters: Mapping[str, Value] | None = None,

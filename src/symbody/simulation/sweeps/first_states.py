@@ -78,7 +78,9 @@ def first_states(
         for k in range(table.count):
             parameters, fixed = table.values(k)
             try:
-                first = assemble(eqs, fixed, guess, parameters, inputs, span[0], scales=scales)
+                first = assemble(
+                    eqs, fixed, guess, parameters=parameters, inputs=inputs, t=span[0], scales=scales
+                )
             except SymbodyError as error:
                 notes[k] = str(error)
             else:

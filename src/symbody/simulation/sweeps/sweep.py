@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.scales import Scales, mechanism_scales, scales_by_name
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import modal_equations, permanent_equations
@@ -53,6 +53,7 @@ from symbody.simulation.sweeps.workers import (
 _LEAST_IN_LANES: Final = 4 * machine.lanes()
 
 
+@named_after(3)
 @checked_arguments
 def sweep(
     eqs: EquationSet, t_end: float | tuple[float, float], parameters: Mapping[str, Varied] | None = None,

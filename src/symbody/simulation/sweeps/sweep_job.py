@@ -78,9 +78,10 @@ class SweepJob:
         """Return the motion of one case."""
         motion, (parameters, initial) = self.motion, self.table.values(case)
         return simulate(
-            self.eqs, motion.span, initial, self.guess, parameters, self.inputs, motion.times,
-            motion.integrator, motion.constraints, motion.events, rtol=motion.rtol, atol=motion.atol,
-            scales=self.scales, max_steps=motion.max_steps,
+            self.eqs, motion.span, initial, guess=self.guess, parameters=parameters, inputs=self.inputs,
+            times=motion.times, integrator=motion.integrator, constraints=motion.constraints,
+            events=motion.events, rtol=motion.rtol, atol=motion.atol, scales=self.scales,
+            max_steps=motion.max_steps,
         )  # fmt: skip
 
     def digest(self, key: str | None) -> str:

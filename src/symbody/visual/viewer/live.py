@@ -79,12 +79,12 @@ class SliderMechanism:
         fixed = {name: value for name, value in values.items() if name not in parameters}
         guess = {**near.q, **dict.fromkeys(near.u, 0.0)}
         try:
-            return assemble(self.eqs, fixed, guess, parameters, t=near.t)
+            return assemble(self.eqs, fixed, guess, parameters=parameters, t=near.t)
         except AssemblyError:
             held = {name: value for name, value in fixed.items() if name in chosen}
             if held == fixed:
                 raise
-            return assemble(self.eqs, held, guess, parameters, t=near.t)
+            return assemble(self.eqs, held, guess, parameters=parameters, t=near.t)
 
     def pose(self, state: State) -> Pose:
         """Return where the bodies are, as the page takes it."""

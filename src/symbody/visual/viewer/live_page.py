@@ -256,10 +256,10 @@ def _courses(
     """
     start = request.span[0]
     run = simulate(
-        eqs, (start, start + _PREVIEW), request.initial, None, request.parameters,
-        {**request.inputs, **pushed},
-        np.linspace(start, start + _PREVIEW, 81), request.integrator, request.constraints, request.events,
-        rtol=1e-6, max_steps=_MOST_STEPS,
+        eqs, (start, start + _PREVIEW), request.initial, parameters=request.parameters,
+        inputs={**request.inputs, **pushed}, times=np.linspace(start, start + _PREVIEW, 81),
+        integrator=request.integrator, constraints=request.constraints, events=request.events, rtol=1e-6,
+        max_steps=_MOST_STEPS,
     )  # fmt: skip
     note = change_point_note(run.notes)
     if note:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from symbody.arguments import checked_arguments
+from symbody.arguments import checked_arguments, named_after
 from symbody.errors import FormatError, ModelError, Problem, nearest
 from symbody.formats.native import read_elements, read_parameters
 from symbody.formats.places import Locate, Path, line_locator, relocate
@@ -30,6 +30,7 @@ from symbody.model.naming import GROUND
 _ROBOT: Final = "robot"
 
 
+@named_after(1)
 @checked_arguments
 def load_urdf(
     path: str | os.PathLike[str],
