@@ -54,7 +54,8 @@ _MODE_KERNELS: Final = (
         "switch_modes",
         ("settle_modes", "show_modes", "forget_modes", "note_rates", "find_long_rope", "slight_value"),
     ),
-    ("switching_motion", ("note_ends", "forget_ends")),
+    ("end_of_shares", ("shares_hold",)),
+    ("switching_motion", ("note_ends", "forget_ends", "watch_shares")),
 )
 _STRIKE_KERNELS: Final = (("strike", ("strike",)),)
 _IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)

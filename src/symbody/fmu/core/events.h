@@ -65,6 +65,9 @@ static int note_events(Motion *m)
 static double shown_indicator(Motion *m, int k)
 {
     const double *event = event_of(m, SB_EVENTS + k);
+#if SB_ELEMENTS
+    if (element_of(m, k)[SB_M_SHARES] != 0.0) return have_torn_shares(m) ? -1.0 : 1.0; /* no single value tells that */
+#endif
     return m->indicators[SB_EVENTS + k] + (event[SB_E_SIDE] == 0.0 ? 2.0 * event[SB_E_BAND] : 0.0);
 }
 

@@ -75,15 +75,24 @@ static int switch_modes(Motion *m)
     return SOLVED;
 }
 
+/* Whether elements share the efforts with which they hold, and no shares are within their bounds any more. */
+static int have_torn_shares(Motion *m)
+{
+    double *S = switch_of(m);
+    if (!m->has_modes || S[SB_S_SHARES] == 0.0) return 0;
+    renew_arguments(m);
+    return !symbody_shares_hold(mechanism_deciding, S, clock_of(m), m->x);
+}
+
 /* Whether modes are to be decided: one has ended, at an event or since inputs or parameters jumped. */
 static int have_ended(Motion *m)
 {
     int k, any = !m->has_modes;
     m->valid &= ~HAS_INDICATORS;
-    if (any || need(m, HAS_INDICATORS) != SOLVED) return 1;
+    if (any || have_torn_shares(m) || need(m, HAS_INDICATORS) != SOLVED) return 1;
     for (k = 0; k < SB_ELEMENTS; k++) {
         any |= element_of(m, k)[SB_M_ENDED] != 0.0;
-        any |= !(m->indicators[SB_EVENTS + k] >= -symbody_slight_value(switch_of(m), k));
+        if (element_of(m, k)[SB_M_SHARES] == 0.0) any |= !(m->indicators[SB_EVENTS + k] >= -symbody_slight_value(switch_of(m), k));
     }
     return any;
 }
@@ -93,5 +102,6 @@ static void release(Motion *m) { (void)m; }
 static void note_rates(Motion *m, const double *x) { (void)m, (void)x; }
 static int has_long_rope(Motion *m) { return (void)m, 0; }
 static int switch_modes(Motion *m) { return (void)m, SOLVED; }
+static int have_torn_shares(Motion *m) { return (void)m, 0; }
 static int have_ended(Motion *m) { return (void)m, 0; }
 #endif

@@ -150,6 +150,9 @@ static void look_ahead(Motion *m, double target)
 #if SB_WATCH_COUNT
     double *B = m->pool + SB_BLOCK;
     if (B[SB_RUN_COUNTS_STEPS] == 0.0) return;
+#if SB_ELEMENTS
+    symbody_watch_shares(mechanism_deciding, B, watch_of(m), switch_of(m), m->breaks, m->pieces);
+#endif
     do {
         m->found = symbody_look(ACTS, watch_of(m), m->breaks, m->pieces, m->happened, (int)B[SB_RUN_COUNTS_STEPS],
             m->code != SB_RUNNING);

@@ -257,7 +257,11 @@ def end_shares(modes: ModeSwitch, monitor: EventMonitor, t: float) -> None:
     """Let the mode of one of the elements that share efforts, if there are any, end at a time."""
     for k in range(modes.count):
         if modes.elements[k].shares != 0.0:
-            add_zero(monitor, t, modes.first_event + k, -1.0)
+            place = modes.first_event + k
+            for i in range(monitor.pending_count):
+                if monitor.pending[i].event == place:  # found before in the same step
+                    return
+            add_zero(monitor, t, place, -1.0)
             return
 
 
