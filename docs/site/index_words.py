@@ -27,7 +27,7 @@ WORDS: Final[Mapping[str, tuple[str, ...]]] = {
     "course/index": ("course", "exercises"),
     "dynaflexpro": ("dynaflexpro",),
     "extending": ("extend", "plugin"),
-    "forces": ("bushing", "force", "spring", "stiffness", "torque"),
+    "forces": ("bushing", "force", "spring", "spring stiffness", "torque"),
     "fmu": ("fmi", "fmu", "simulink"),
     "friction": ("friction", "stick", "stiction"),
     "gallery": ("gallery", "mechanism"),

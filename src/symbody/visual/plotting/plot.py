@@ -80,7 +80,7 @@ def plot(
         Whether each unit has a panel of its own, in the order in which they come, below each other over one
         horizontal axis; outputs of unknown unit share one too. The uppermost axes are returned,
         ``ax.figure.axes`` are all. By default they have, except in given axes; False draws all curves over
-        each other whatever their units.
+        each other, regardless of their units.
     events : bool
         Whether the events of the motion are marked by thin lines with their names, over time.
 
