@@ -181,7 +181,7 @@ class RobotBench:
         cpp, why = cpp_program(self.states, scratch)
         written, why_not = casadi_c(self.states, scratch)
         self._note(why)
-        self._note(f"{self.name}: {why_not}" if written else why_not)
+        self._note(f"{self.name}: {why_not}" if written and why_not else why_not)
         differences = pinocchio_differences(self.ours, cpp, written)
         for engine in (InCpp.name, "Pinocchio", InC.name):
             self._differ(engine, differences)

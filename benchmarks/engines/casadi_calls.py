@@ -77,4 +77,6 @@ class CasadiCalls:
             trigger()
             return [array.copy() for array in taken]
 
+        call.buffer = buffer  # type: ignore[attr-defined]  # `trigger` does not keep it alive
+
         return call
