@@ -15,8 +15,8 @@ FIELD = re.compile(r"^  (\w+) = \{(.*)\},?$", re.MULTILINE)
 HEAD = """# References
 
 The sources that pages and docstrings name by author and year, made from [references.bib](references.bib) by
-`python docs/list_references.py`. How to cite symbody itself: [CITATION.cff](../CITATION.cff). An entry has a DOI where other publications
-were seen to give the same one for that title.
+`python docs/list_references.py`. How to cite symbody itself: [CITATION.cff](../CITATION.cff). An entry has
+a DOI where other publications were seen to give the same one for that title.
 """
 
 
