@@ -78,7 +78,7 @@ def simulate(
         Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
         Tolerances of the local error, relative and absolute; by default atol is 1e-10 of the mechanism's
-        largest length or of 1 rad, for speeds over its time; see `analysis.scales.Scales`.
+        largest length or of 1 rad, for speeds over its time: docs/notation.md, "Scales and tolerances".
     scales : mapping of "length", "time", "mass", or state of a signal, to float, optional
         What counts as large [m, s, kg] where it should not follow from the model, or from an initial value.
     max_steps : int

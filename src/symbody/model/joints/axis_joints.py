@@ -157,7 +157,7 @@ class Screw(Joint):
 class Cylindrical(Joint):
     """Turns about an axis and slides along it.
 
-    Friction is an error: it acts along one free direction, and a sleeve has two.
+    Dry friction acts along one free direction, and a sleeve has two: `friction` is refused with its cure.
 
     Examples
     --------
