@@ -85,7 +85,9 @@ def test_entries_are_whole_and_their_addresses_well_formed(script) -> None:  # t
         assert each.key.endswith(each.fields["year"]), each.key
         assert re.fullmatch(r"10\.\d{4,5}/\S+", each.fields.get("doi", "10.1000/none")), each.key
         assert each.kind != "article" or {"journal", "volume", "pages"} <= each.fields.keys(), each.key
-        assert not re.search(r"\d-+\d", each.fields.get("journal", each.fields.get("booktitle", ""))), each.key
+        assert not re.search(r"\d-+\d", each.fields.get("journal", each.fields.get("booktitle", ""))), (
+            each.key
+        )
     assert sum("doi" in each.fields for each in entries) > 40
 
 
