@@ -234,8 +234,8 @@ def _trust(record: Record) -> str:
     return (
         f"Ratios are medians of {record['rounds']} rounds, engines taking turns; the first motion and the "
         f"equations were measured once. All ran on {record['processors']} processors at {_load(record)}; "
-        "above one job for a processor times are longer than on an idle machine. Ratios hold within their spread, "
-        f"for calls up to a factor of {widest:.1f} to either side ([all spreads](docs/robots.md))."
+        "above one job for a processor times are longer than on an idle machine. Ratios hold within their "
+        f"spread, for calls up to a factor of {widest:.1f} to either side ([all spreads](docs/robots.md))."
     )
 
 
