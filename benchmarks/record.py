@@ -217,7 +217,26 @@ def short_table(record: Record) -> str:
             continue
         beside = [f"{name} {_times(x, samples[OURS])}" for name, x in samples.items() if name != OURS]
         lines.append(f"| {label} | {seconds_text(_middle(samples[OURS]))} | {'; '.join(beside)} |")
-    return "\n".join(lines)
+    return "\n".join(lines) + _mjx(figures) + f"\n\n{_trust(record)}"
+
+
+def _mjx(figures: list[Figure]) -> str:
+    """Return what belongs below a table that has MJX: it is not made for what is timed."""
+    return f"\n\n{_MJX}" if any(figure.engine == "MJX" for figure in figures) else ""
+
+
+def _trust(record: Record) -> str:
+    """Return how the figures of the README were taken, and how far they can be trusted."""
+    figures = _figures(record)
+    own = {(f.robot, f.task, f.place): f.nanoseconds for f in figures if f.engine == OURS}
+    spreads = [ratios(f.nanoseconds, own[f.robot, f.task, f.place]) for f in figures]
+    widest = max(max(x[-1] / x[len(x) // 2], x[len(x) // 2] / x[0]) for x in spreads)
+    return (
+        f"Ratios are medians of {record['rounds']} rounds, engines taking turns; the first motion and the "
+        f"equations were measured once. All ran on {record['processors']} processors at {_load(record)}; "
+        "above one job for a processor times are longer than on an idle machine. Ratios hold within their "
+        f"spread, for calls up to a factor of {widest:.1f} to either side ([all spreads](docs/robots.md))."
+    )
 
 
 def _price(prepared: float | None) -> str:
@@ -226,20 +245,19 @@ def _price(prepared: float | None) -> str:
 
 def place_table(place: str, record: Record) -> str:
     """Return the table of one way of calling, for all robots and tasks."""
-    found = robots.table(_figures(record), place)
+    figures = [figure for figure in _figures(record) if figure.place == place]
+    found = robots.table(figures, place)
     columns = [k for k in range(len(found.columns)) if any(row[k] for row in found.rows)]
     rows = [found.columns, ("---",) * len(found.columns), *found.rows]
-    return "\n".join(f"| {' | '.join(row[k] for k in columns)} |" for row in rows)
+    return "\n".join(f"| {' | '.join(row[k] for k in columns)} |" for row in rows) + _mjx(figures)
 
 
 def machine(record: Record) -> str:
     """Return where and when the record was taken."""
-    load = record["load"]
     named = ", ".join(f"{name} {number}" for name, number in record["versions"].items())
     notes = "; ".join(record["robots"]["notes"])
-    load = f"load {min(record['load']):.1f} to {max(record['load']):.1f}"
     return (
-        f"{record['date']}, {record['processor']}, {record['processors']} processors, {load}. "
+        f"{record['date']}, {record['processor']}, {record['processors']} processors, {_load(record)}. "
         f"Python {record['python']}, {named}.\n\n{notes}."
     )
 
@@ -263,6 +281,10 @@ _NAMES: Final = MappingProxyType(
         "MuJoCo": "MuJoCo",
     }
 )
+_MJX: Final = (
+    "MJX is made for thousands of states at once on a graphics card; "
+    "here it computes one state a call, on a processor."
+)
 _PARTS: Final = MappingProxyType(
     {
         "motions": "2 s of five hinged bodies, error below 1e-4",
@@ -275,6 +297,10 @@ _PARTS: Final = MappingProxyType(
 
 def _figures(record: Record) -> list[Figure]:
     return [Figure(**each) for each in record["robots"]["figures"]]
+
+
+def _load(record: Record) -> str:
+    return f"load {min(record['load']):.1f} to {max(record['load']):.1f}"
 
 
 def _times(theirs: list[float], own: list[float]) -> str:

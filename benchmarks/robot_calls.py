@@ -333,7 +333,7 @@ def casadi_c(states: States, folder: Path) -> tuple[InC | None, str]:
     states.pin_model.saveToText(str(model))
     peer = InC(states, found, model, folder)
     long = ", ".join(f"{name} {length}" for name, length in peer.long.items())
-    return peer, f"C longer than {LONGEST} instructions is not compiled: {long}" if long else ""
+    return peer, f"CasADi's C longer than {LONGEST} instructions is not compiled: {long}" if long else ""
 
 
 def jax_calls(ours: Compiled, mujoco: InMujoco | None) -> tuple[list[FromPython], str]:

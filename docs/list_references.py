@@ -12,6 +12,8 @@ from pathlib import Path
 DOCS = Path(__file__).parent
 ENTRY = re.compile(r"@(\w+)\{(\w+),\n(.*?)\n\}", re.DOTALL)
 FIELD = re.compile(r"^  (\w+) = \{(.*)\},?$", re.MULTILINE)
+# Where a source is found, by the names of its fields: what stands together, then what commas part.
+WHERE = (("journal", "volume"), ("booktitle",), ("series", "number"), ("publisher",), ("pages",))
 HEAD = """# References
 
 The sources that pages and docstrings name by author and year, made from [references.bib](references.bib) by
@@ -47,7 +49,8 @@ class Reference:
     def line(self) -> str:
         """Return the entry as a row of the page."""
         fields = self.fields
-        where = next(fields[name] for name in ("journal", "booktitle", "publisher") if name in fields)
+        parts = (" ".join(fields[name] for name in part if name in fields) for part in WHERE)
+        where = ", ".join(filter(None, parts)).replace("--", "-")
         names = ", ".join("et al." if name == "others" else _reversed(name) for name in self.authors)
         doi = f" [doi:{fields['doi']}](https://doi.org/{_quoted(fields['doi'])})" if "doi" in fields else ""
         return f"- {names}: *{fields['title']}*. {where}, {fields['year']}.{doi}"

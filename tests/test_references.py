@@ -15,6 +15,14 @@ ROOT = Path(__file__).parents[1]
 NAME = r"[A-Z][\w'-]+"
 # "Luh, Walker & Paul (1980)", "Hairer and Wanner 1996", "Featherstone (2008"
 CITED = re.compile(rf"\b({NAME})((?:, {NAME})*,? (?:&|and) {NAME})? \(?((?:18|19|20)\d\d)\b")
+# Of the paper, in the order of JOSS.
+SECTIONS = [
+    "Summary",
+    "Statement of need",
+    "State of the field",
+    "Software design",
+    "Research impact statement",
+]
 REACH = 110  # letters before the year in which its authors stand
 # A word before a year that is no author: titles, publishers, standards, languages.
 OTHERS = {
@@ -76,6 +84,10 @@ def test_entries_are_whole_and_their_addresses_well_formed(script) -> None:  # t
         assert {"author", "title", "year"} <= each.fields.keys() and each.line()
         assert each.key.endswith(each.fields["year"]), each.key
         assert re.fullmatch(r"10\.\d{4,5}/\S+", each.fields.get("doi", "10.1000/none")), each.key
+        assert each.kind != "article" or {"journal", "volume", "pages"} <= each.fields.keys(), each.key
+        assert not re.search(r"\d-+\d", each.fields.get("journal", each.fields.get("booktitle", ""))), (
+            each.key
+        )
     assert sum("doi" in each.fields for each in entries) > 40
 
 
@@ -105,5 +117,6 @@ def test_the_paper_cites_what_is_listed_and_shows_what_is_there(script) -> None:
     assert cited and cited <= {each.key for each in script.references()}
     pictures = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", body)
     assert pictures and all((ROOT / "paper" / name).is_file() for name in pictures)
-    assert {"# Summary", "# Statement of need", "# Comparison"} <= set(body.splitlines())
+    sections = re.findall(r"^# (.+)$", body, re.MULTILINE)
+    assert sections[: len(SECTIONS)] == SECTIONS and 750 <= len(body.split()) <= 1750  # what JOSS asks for
     assert all((ROOT / name).is_file() for name in re.findall(r"`(docs/[\w./]+)`", body))
