@@ -397,14 +397,14 @@ def test_a_users_executor_is_never_replaced() -> None:
 
 def test_an_executor_that_breaks_on_the_way_costs_what_it_had_and_no_more(tmp_path: Path) -> None:
     """It computes one case, takes a second and breaks with it; the third it never sees."""
-    call = {"times": [0.5, 1.0], "part": 1, "store": tmp_path}
-    given = {"k": [1.0, 2.0, 3.0]}, {"y": 1.0}
-    sweep = sb.sweep(oscillator(), 1, *given, executor=BreakingExecutor(), **call)
+    call: dict[str, Any] = {"times": [0.5, 1.0], "part": 1, "store": tmp_path, "initial": {"y": 1.0}}
+    springs = {"k": [1.0, 2.0, 3.0]}
+    sweep = sb.sweep(oscillator(), 1, springs, executor=BreakingExecutor(), **call)
     statuses = [sb.Status.SUCCESS, sb.Status.WORKER_LOST, sb.Status.INTERRUPTED]
     assert list(sweep.status) == statuses and np.isfinite(sweep.x[0]).all()
     assert "the worker ran out of memory" in sweep.case_notes[1] and 2 not in sweep.case_notes
     assert any("the executor broke (BrokenProcessPool: the worker ran" in note for note in sweep.notes)
-    rest = sb.sweep(oscillator(), 1, *given, **call)
+    rest = sb.sweep(oscillator(), 1, springs, **call)
     assert rest.success and rest.x[0].tobytes() == sweep.x[0].tobytes()
 
 

@@ -88,7 +88,7 @@ def test_plots_of_the_manual(tmp_path: Path) -> None:
     x, y, z = top.lines[0].get_data_3d()
     assert x**2 + y**2 + z**2 == pytest.approx(1.0, abs=1e-12)  # on the sphere of radius L
     spring = sb.simulate(equations_of("spring_mass_damper"), 10.0)
-    history = sb.plot(spring, "x", "x_dot", labels=["displacement", "speed"], title="Unforced")
+    history = sb.plot(spring, "x", "x_dot", labels=["displacement", "speed"], title="Unforced", panels=False)
     legend = history.get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == ["displacement [m]", "speed [m/s]"]

@@ -137,10 +137,11 @@ def test_damaged_held_values_are_refused(eqs: sb.EquationSet, tmp_path: Path) ->
 
 def test_sweeps_sample_each_case(eqs: sb.EquationSet, tmp_path: Path) -> None:
     times = np.linspace(0.0, 1.0, 5)
-    arguments = (eqs, 1.0, {"dt": [0.1, 0.05], "gain": [2, 3]}, {"count": 1.0})
-    sweep = sb.sweep(*arguments, times=times, store=tmp_path / "store")
+    arguments = (eqs, 1.0, {"dt": [0.1, 0.05], "gain": [2, 3]})
+    words = {"initial": {"count": 1.0}, "times": times}
+    sweep = sb.sweep(*arguments, **words, store=tmp_path / "store")
     assert sweep.success and "sampled" in sweep.notes[0]
-    kept = sb.sweep(*arguments, times=times, store=tmp_path / "store")
+    kept = sb.sweep(*arguments, **words, store=tmp_path / "store")
     for case in range(4):
         values = {name: column[case] for name, column in sweep.cases.items()}
         run = sb.simulate(eqs, 1.0, {"count": 1.0}, parameters=values, times=times)

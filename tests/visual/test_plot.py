@@ -109,8 +109,8 @@ def test_a_vector_makes_three_curves_with_one_axis() -> None:
     assert plot(swing(), "pair").get_ylabel() == ""
 
 
-def test_curves_of_several_units_share_the_axes_unless_panels_are_asked_for() -> None:
-    ax = plot(swing(), "x", "v", "v_dot")
+def test_curves_of_several_units_share_the_axes_without_panels() -> None:
+    ax = plot(swing(), "x", "v", "v_dot", panels=False)
     assert ax.figure.axes == [ax]
     assert legend(ax) == ["$x$ [m]", "$v$ [m/s]", r"$\dot{v}$"]
     assert ax.get_ylabel() == ""

@@ -153,7 +153,16 @@ def _assemble_whole(
     """Return a state that is found in other equations, those that close it."""
     known = named_values(eqs, guess, parameters, strict=set(guess))
     near = {**with_followers(eqs, known, parameters or {}), **guess}
-    state = assemble(closing_equations(eqs), fixed, near, parameters, inputs, t, ranges, scales=scales)
+    state = assemble(
+        closing_equations(eqs),
+        fixed,
+        near,
+        parameters=parameters,
+        inputs=inputs,
+        t=t,
+        ranges=ranges,
+        scales=scales,
+    )
     return substituted_state(eqs, state, scales)
 
 

@@ -232,7 +232,8 @@ class _Search:
             # Off the middle and the ends, where mechanisms like to be singular.
             value = self.ends[0] + (self.ends[1] - self.ends[0]) * (k + 0.382) / _STARTS
             try:
-                state = complete(eqs, {self.along: value, **self.held}, guess, parameters, scales=scales)
+                start = {self.along: value, **self.held}
+                state = complete(eqs, start, guess, parameters=parameters, scales=scales)
             except AssemblyError as error:
                 failed.append(error)
                 continue

@@ -250,7 +250,7 @@ class VelocityRatios:
         if isinstance(state, State):
             return state
         complete = assemble if self._ropes is None else assemble_taut
-        return complete(self.eqs, state, None, self._parameters)
+        return complete(self.eqs, state, None, parameters=self._parameters)
 
     def ropes_out_of_place(self, q: Floats) -> str:
         """Return a sentence on the ropes that are not as the ratios assume; empty if all are."""

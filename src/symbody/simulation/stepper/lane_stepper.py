@@ -181,8 +181,8 @@ class LaneStepper(OwnCopies):
             strict=True,
         )
         self._adopt([
-            Lane(eqs, dt, own, first, given, integrator, constraints, events, guess=guess, t=t, rtol=rtol,
-                  atol=atol, scales=scales, max_steps=max_steps)
+            Lane(eqs, dt, own, initial=first, inputs=given, integrator=integrator, constraints=constraints,
+                 events=events, guess=guess, t=t, rtol=rtol, atol=atol, scales=scales, max_steps=max_steps)
             for own, first in each
         ])  # fmt: skip
 
