@@ -89,7 +89,7 @@ def test_text_equals_graph(seed: int) -> None:
         for entry in sequence.inputs if entry.group != "t"
     ]  # fmt: skip
     declared = ModelDeclarations("random", parameters, [], [Declaration("state", "", 0.0)], {})
-    result = simulate(model_text(sequence, declared), {}, start + 1e-3, guess=start)
+    result = simulate(model_text(sequence, declared), {}, start + 1e-3, start)
     values = evaluate_sequence(sequence, point)
     for output, numbers in zip(sequence.outputs[1:], values[1:], strict=True):
         for place, number in enumerate(numbers):

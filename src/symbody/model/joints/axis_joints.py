@@ -157,7 +157,7 @@ class Screw(Joint):
 class Cylindrical(Joint):
     """Turns about an axis and slides along it.
 
-    Dry friction acts along one free direction, and a sleeve has two: `friction` is refused with its cure.
+    Dry friction acts along one free direction, and a sleeve has two: giving `friction` is an error.
 
     Examples
     --------
