@@ -136,7 +136,7 @@ def test_questions_without_a_path_are_refused() -> None:
 
 
 def test_a_rod_that_spins_between_two_balls_is_named() -> None:
-    """Face 2.2 B7: which of the degrees of freedom is left, not only that there is one."""
+    """Which of the degrees of freedom is left, not only that there is one."""
     with pytest.raises(sb.UsageError) as caught:
         sb.trace_positions(example("spatial_four_bar"), {"theta": [0.1, 0.2]}, guess={"phi": 0.3})
     (problem,) = caught.value.problems

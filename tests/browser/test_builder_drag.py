@@ -196,7 +196,7 @@ def test_the_camera_follows_what_leaves_the_picture(visit: Any) -> None:
 
 
 def test_a_mechanism_stands_beside_the_axes_in_the_corner(visit: Any) -> None:
-    """Face 23: where there is room, no body lies under the axes and the arrow of gravity."""
+    """Where there is room, no body lies under the axes and the arrow of gravity."""
     for size in ((1440, 900), (1024, 768)):
         builder = opened(visit, "slider_crank", viewport={"width": size[0], "height": size[1]})
         corner = builder.page.locator(".picture .sb-triad").bounding_box()

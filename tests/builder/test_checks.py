@@ -272,7 +272,7 @@ def test_a_formula_is_echoed_or_its_fault_is_pointed_at(builder: Builder) -> Non
 
 
 def test_advice_is_in_the_words_of_the_page() -> None:
-    """Face 39: nothing of files and Python where neither is in sight."""
+    """Nothing of files and Python where neither is in sight."""
     data = example("slider_crank")
     data["body"][0]["mass"] = "q"
     data["body"][1]["inertia"] = ["1", "1", "5"]

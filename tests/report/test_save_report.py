@@ -54,7 +54,7 @@ def test_pages_of_examples(name: str, tmp_path: Path) -> None:
 
 
 def test_a_report_begins_with_a_summary_and_ends_with_costs(tmp_path: Path) -> None:
-    """Face 46: a summary first, a capital letter, numbered equations, names typeset in notes, costs at the end."""
+    """A summary first, a capital letter, numbered equations, names typeset in notes, costs at the end."""
     eqs = example("four_bar")
     text = write(eqs, tmp_path / "x.html")
     assert "<p>Four-bar has 1 degree of freedom.</p>" in text

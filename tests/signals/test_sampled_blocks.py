@@ -125,7 +125,7 @@ def test_wrong_samples_are_refused(make, code: str, words: str) -> None:  # type
 
 
 def test_a_derivative_without_a_filter_is_a_plain_quotient() -> None:
-    """Face 2.1 A8: no term times 0, no 0 added, in what people read."""
+    """No term times 0, no 0 added, in what people read."""
     block = sb.PID("servo", "x", gains={"d": "D"}, sample=0.01)
     part = {each.name: each.value for each in block.signals}["servo_derivative"]
     assert str(part) == "D*(x - servo_error)/0.01"

@@ -278,3 +278,13 @@ def test_a_stiff_motion_whose_joints_stick_goes_on_by_stiff() -> None:
     times = [[event.t for event in each.events] for each in (run, reference)]
     np.testing.assert_allclose(*times, rtol=0, atol=1e-5)
     assert run["x"][-1] == pytest.approx(reference["x"][-1], abs=1e-6)
+
+
+def test_a_stiff_case_of_a_sweep_whose_joints_stick_is_that_of_simulate() -> None:
+    eqs = damped_on_a_table()
+    times = np.linspace(0.0, 4.5, 10)
+    run = sb.simulate(eqs, 4.5, times=times, max_steps=20_000)
+    cases = sb.sweep(eqs, 4.5, initial={"x": [0.0, 0.0]}, times=times, max_steps=20_000)
+    assert cases.success
+    for k in range(2):
+        np.testing.assert_allclose(cases["x"][k], run["x"], rtol=0, atol=1e-12)

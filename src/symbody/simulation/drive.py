@@ -3,7 +3,7 @@
 At one instant, in this order: prescribed rates jump; events act; signals are sampled; FMUs take their
 steps; ropes strike; and modes are decided: which joints stick and which ropes are taut. Explicit methods do
 all but jumps and FMUs in the compiled loop, see `symbody.kernels.modes.switching_motion`; others end a piece
-at each action, sample and end of a mode.
+at each sample and, beside modes, at each action and end of a mode.
 """
 
 from __future__ import annotations

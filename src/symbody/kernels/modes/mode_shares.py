@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 from symbody.kernels.modes.held_rows import factor_held, shares_effort
 from symbody.kernels.modes.held_shares import held_place
 from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.modes.mode_trial import is_held, list_held
-
-TWO: Final = 2
 
 
 def note_shares(modes: ModeSwitch) -> None:
@@ -19,7 +15,7 @@ def note_shares(modes: ModeSwitch) -> None:
     for k in range(modes.count):
         modes.elements[k].shares = 0.0
     list_held(problem)
-    if problem.held_count < TWO:
+    if problem.held_count <= 1:
         return
     factor_held(problem)
     if problem.rank == problem.held_count:

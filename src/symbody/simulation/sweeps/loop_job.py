@@ -194,7 +194,7 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         method,
         motion.rtol,
         motion.max_steps,
-        stop_when_stiff=motion.integrator is None and modes is None,
+        stop_when_stiff=motion.integrator is None,
         lanes=table.count >= CASES_THAT_PAY if sweep.lanes is None else sweep.lanes,
         tables=sweep.laws.tables,
         happens=_happenings(watch, modes, method, span),
