@@ -49,6 +49,7 @@ from .model import PointOnPlane as PointOnPlane
 from .model import PointOnSurface as PointOnSurface
 from .model import RackPinion as RackPinion
 from .model import Rolling as Rolling
+from .model import Stop as Stop
 from .model import Curve as Curve
 
 # Model and elements: forces

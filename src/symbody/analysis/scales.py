@@ -24,7 +24,7 @@ from symbody.codegen.formation.parameter_set import ParameterSet, parameter_set
 from symbody.codegen.formation.quantities import Quantities
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
-from symbody.model.constraints.couplings import Constraint
+from symbody.model.constraints.couplings import Constraint, Stop
 from symbody.model.constraints.points import PointOnSurface
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.lengths import model_lengths
@@ -102,6 +102,10 @@ class Scales:
         for k, name in enumerate(eqs.multiplier_names if self.equations else ()):
             sizes[..., k] = self.equations.get(name, sizes[..., k])
         return sizes
+
+    def gap(self, eqs: EquationSet, element: str) -> float:
+        """Return the size of the gap of a rope or stop: the length, or 1 for an angle."""
+        return 1.0 if eqs.units.get(f"gap {element}") == "rad" else float(self.length)
 
     def _sizes(self, are_lengths: Flags) -> Floats:
         """Return the length where a mask says so, else 1."""
@@ -423,7 +427,8 @@ def equation_sizes(eqs: EquationSet, rows: Floats, scales: Scales) -> dict[str, 
 
 def own_equations(eqs: EquationSet) -> list[int]:
     """Return the places of constraints with units of their own: equations of users, balances of forces."""
-    written = {part.name for part in eqs.model.constraints if isinstance(part, Constraint | PointOnSurface)}
+    own = Constraint | Stop | PointOnSurface
+    written = {part.name for part in eqs.model.constraints if isinstance(part, own)}
     return [k for k, row in enumerate(eqs.formed.rows) if row.element in written or row.is_balance]
 
 

@@ -10,7 +10,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.form import form_equations
 from symbody.equations.solving.modal_equations import modal_equations
-from symbody.equations.solving.ropes import slacken
+from symbody.equations.solving.unilateral import open_gaps
 from symbody.equations.solving.sticking import STICKS, set_modes
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
@@ -39,7 +39,7 @@ def closing_equations(eqs: EquationSet) -> EquationSet:
         ("modes of closing", tuple(sorted(slack)), stuck),
         lambda: EquationSet(
             whole.model,
-            set_modes(slacken(whole.formed, slack), dict.fromkeys(stuck, STICKS)),
+            set_modes(open_gaps(whole.formed, slack), dict.fromkeys(stuck, STICKS)),
             whole.notes,
         ),
     )

@@ -14,6 +14,7 @@ from .constraints import PointOnPlane as PointOnPlane
 from .constraints import PointOnSurface as PointOnSurface
 from .constraints import RackPinion as RackPinion
 from .constraints import Rolling as Rolling
+from .constraints import Stop as Stop
 from .first_values import Initial as Initial
 from .frame import Frame as Frame
 from .joints import Bearing as Bearing

@@ -31,11 +31,11 @@ from symbody.model.output_arguments import (
 # Headings of the editor's tree and of lists of outputs, in their order.
 TITLES: Final = (
     "Positions", "Speeds", "Accelerations", "Inputs", "Signals", "Energies", "Lengths and angles of springs",
-    "Forces and torques", "Reactions", "Ropes", "Motion of frames", "Multipliers and constraint error",
+    "Forces and torques", "Reactions", "Ropes", "Contacts", "Motion of frames", "Multipliers and constraint error",
     "Equations",
 )  # fmt: skip
 POSITIONS, SPEEDS, ACCELERATIONS, INPUTS, SIGNALS, ENERGIES, SPRINGS = TITLES[:7]
-LOADS, REACTIONS, ROPES, FRAMES, MULTIPLIERS, EQUATIONS = TITLES[7:]
+LOADS, REACTIONS, ROPES, CONTACTS, FRAMES, MULTIPLIERS, EQUATIONS = TITLES[7:]
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +178,7 @@ def _coordinate_words(kind: str, letter: str) -> tuple[OutputArgument, ...]:
 
 _FRICTION: Final = (_elements("friction", "J"),)
 _ROPE: Final = (_elements("rope", "R"),)
+_GAP: Final = (_elements("gap", "E"),)
 MULTIPLIER: Final = "lambda_"
 _ROW: Final = re.compile(r"_(?:\d+|motion(?:_\d+)?|stick)")
 
@@ -198,7 +199,8 @@ _ALL: Final = (
                choose_unit=_normal_unit),
     OutputKind("friction_reserve", LOADS, "effort up to which it sticks, less the present one", "N, N m",
                (_elements("friction", "[J]", is_needed=False),), "n", _effort_unit),
-    OutputKind("mode", LOADS, "joint: 0 sticks, 1 or -1 slips forward or backward; rope: 1 taut, 0 slack", "",
+    OutputKind("mode", LOADS,
+               "joint: 0 sticks, 1 or -1 slips forward or backward; rope, stop: 1 taut, closed, 0 slack, open", "",
                (_elements("mode", "J"),)),
     OutputKind("reaction", REACTIONS, "wrench on B by A of what connects A and B", "N, N m",
                (_elements("reaction", "J"), EntryWord("[Fx]", lambda _: WRENCH)), "6",
@@ -209,6 +211,13 @@ _ALL: Final = (
     OutputKind("rope_slack_dot", ROPES, "rate of the slack", "m/s", _ROPE),
     OutputKind("rope_slack_ddot", ROPES, "second rate of the slack", "m/s^2", _ROPE),
     OutputKind("rope_size", ROPES, "size of the terms of the second rate of the slack", "m/s^2", _ROPE),
+    OutputKind("gap", CONTACTS, "how far a stop is from closing", "", _GAP),
+    OutputKind("gap_dot", CONTACTS, "rate of the gap", "", _GAP),
+    OutputKind("gap_ddot", CONTACTS, "second rate of the gap", "", _GAP),
+    OutputKind("contact_force", CONTACTS, "effort with which a closed stop opens its gap", "", _GAP),
+    OutputKind("gap_scale", CONTACTS, "what the gap is small against", "", _GAP, is_readable=False),
+    OutputKind("restitution", CONTACTS, "share of the rate that is left after an impact", "", _GAP,
+               is_readable=False),
     OutputKind(FRAME_OUTPUT, FRAMES, "motion of END relative to REFERENCE, components along axes of IN",
                ", ".join(filter(None, MOTION_UNITS.values())),
                (EntryWord("KIND", lambda _: tuple(MOTION_UNITS), is_needed=True),

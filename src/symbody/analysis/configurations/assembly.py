@@ -49,7 +49,7 @@ from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.closing_equations import closing_equations
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.errors import AssemblyError
 from symbody.model.first_values import FirstValue, by_priority
 
@@ -198,7 +198,7 @@ def _assemble(
 ) -> State:
     """Return a state in which all constraints hold, as `assemble`."""
     given = eqs, fixed, guess, parameters, inputs, t
-    if ropes(eqs.formed):
+    if unilateral_elements(eqs.formed):
         return _assemble_ropes(*given, ranges, scales, signals)
     if not (ranges or signals.size):
         plain = _assemble_plain(*given, scales)

@@ -12,7 +12,7 @@ from symbody.analysis.configurations.loop_search import newton_end
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.errors import SymbodyError
 
 
@@ -58,7 +58,7 @@ def surplus_initial_values(
     positions, or ropes are among the constraints.
     """
     freedoms, names = eqs.plans.get("kept initial values", partial(_initial_positions, eqs))
-    if len(names) <= freedoms or _positions(eqs, fixed) or _positions(eqs, guess) or ropes(eqs.formed):
+    if len(names) <= freedoms or _positions(eqs, fixed) or _positions(eqs, guess) or unilateral_elements(eqs.formed):
         return {}
     return {name: eqs.model.initial[name] for name in names}
 

@@ -22,7 +22,7 @@ from symbody.analysis.modes.reduced_modes import ModeVerdict
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.output_roots import OF_MODES
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
 from symbody.errors import AssemblyError, SimulationError
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
@@ -170,7 +170,7 @@ class _ModeSearch:
     def _deciding_output(self, name: str, mode: int) -> str:
         """Return the output whose value decides whether a rope or a joint that slips does."""
         if mode in (_TAUT, _SLACK):
-            return f"rope_tension {name}" if mode == _TAUT else f"rope_slack_ddot {name}"
+            return f"contact_force {name}" if mode == _TAUT else f"gap_ddot {name}"
         return f"{self.coordinate(name)}_ddot"
 
     def _surplus(self, value: float, name: str, mode: int) -> tuple[float, str]:
@@ -211,7 +211,7 @@ class _ModeSearch:
 def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     """Return the elements of a state, each with what its position and rate decide."""
     q, u = (np.array(list(values.values())) for values in (state.q, state.u))
-    cords, joints = ropes(eqs.formed), switching_joints(eqs.formed)
+    cords, joints = unilateral_elements(eqs.formed), switching_joints(eqs.formed)
     openings: dict[str, Opening] = {}
     if not cords and not joints:
         return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), openings)
@@ -220,7 +220,7 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     if cords:
         rows = {row.element for row in eqs.formed.rows}
         for name, share in slackness(evaluator, q).items():
-            rate = float(evaluator.compile(f"rope_slack_dot {name}")(evaluator.t, q, u))
+            rate = float(evaluator.compile(f"gap_dot {name}")(evaluator.t, q, u))
             at_length = (
                 name in rows and share <= AT_LENGTH and abs(rate) <= small * evaluator.mechanism.length
             )

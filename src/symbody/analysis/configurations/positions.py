@@ -17,7 +17,7 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.values import constant_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +93,7 @@ def position_solver(
         If parameters have no values.
     """
     given = dict(parameters or {})
-    if ropes(eqs.formed):
+    if unilateral_elements(eqs.formed):
         return PositionSolver(eqs, None, given)
     near = named_values(eqs, dict(eqs.model.initial), given, strict=set())
     scales = mechanism_scales(eqs, given, None, near)

@@ -19,7 +19,7 @@ from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes, slacken
+from symbody.equations.solving.unilateral import open_gaps, unilateral_elements
 from symbody.errors import AssemblyError, Problem
 from symbody.tolerances import AT_REST, TINY
 
@@ -29,7 +29,7 @@ Attempt = Callable[[EquationSet, Mapping[str, float]], State]
 
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
 LOOSE: Final = 1e-7  # of its length: what assembly and continuation leave of a rope that is taut
-_MEASURES: Final = ("rope_slack", "rope_length")
+_MEASURES: Final = ("gap", "gap_scale")
 
 
 def assemble_with_ropes(
@@ -56,7 +56,8 @@ def assemble_with_ropes(
         If the mechanism does not close, or a rope is too short for the positions fixed.
     """
     positions, rates = closed(eqs).split_values(fixed)
-    state = _place(eqs, positions, attempt)
+    loose = closed(with_taut(eqs, ()))
+    state = _place(loose, eqs, positions, attempt)
     search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, closed)
     complete = search.solve(state)
     places = {name: change for name, change in state.moved.items() if name in complete.q}
@@ -65,25 +66,28 @@ def assemble_with_ropes(
 
 def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
     """Return equations in which only the ropes named are constraints; the others are slack."""
-    slack = tuple(name for name in ropes(eqs.formed) if name not in names)
+    slack = tuple(name for name in unilateral_elements(eqs.formed) if name not in names)
     if not slack:
         return eqs
     # Kept with the equations, as their code is: the next state has the same ropes to look at.
     loosened: EquationSet = eqs.plans.get(
-        ("slack ropes", slack), lambda: EquationSet(eqs.model, slacken(eqs.formed, slack), eqs.notes)
+        ("slack ropes", slack), lambda: EquationSet(eqs.model, open_gaps(eqs.formed, slack), eqs.notes)
     )
     return loosened
 
 
 def slackness(evaluator: ConstraintEvaluator, q: Floats) -> dict[str, float]:
-    """Return by how much each rope is longer than the distance of its ends, over its length."""
-    names = ropes(evaluator.eqs.formed)
+    """Return the gap of each rope and stop over its scale: by how much a rope is slack, over its length."""
+    names = unilateral_elements(evaluator.eqs.formed)
     if not names:
         return {}
     words = [f"{word} {name}" for name in names for word in _MEASURES]
     values = np.ravel(evaluator.compile(words)(evaluator.t, q, np.zeros(len(evaluator.eqs.speed_names))))
     pairs = zip(values[::2].tolist(), values[1::2].tolist(), strict=True)
-    return {name: slack / max(abs(length), TINY) for name, (slack, length) in zip(names, pairs, strict=True)}
+    return {
+        name: slack / max(abs(length) or evaluator.mechanism.gap(evaluator.eqs, name), TINY)
+        for name, (slack, length) in zip(names, pairs, strict=True)
+    }
 
 
 def equations_with_ropes(
@@ -93,7 +97,7 @@ def equations_with_ropes(
 
     Whether a rope at its length pulls does not follow from positions; it is taken to.
     """
-    if not ropes(eqs.formed):
+    if not unilateral_elements(eqs.formed):
         return eqs, ()
     shares = slackness(constraint_evaluator(with_taut(eqs, ()), parameters, {}, t), q)
     taut = [name for name, share in shares.items() if share <= AT_LENGTH]
@@ -109,7 +113,7 @@ def equations_with_ropes(
 def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
     """Return notes on the ropes that an analysis of all configurations takes as taut."""
     rows = {row.element for row in eqs.formed.rows}
-    return tuple(f"rope {name} is assumed to be taut" for name in ropes(eqs.formed) if name in rows)
+    return tuple(f"rope {name} is assumed to be taut" for name in unilateral_elements(eqs.formed) if name in rows)
 
 
 def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floats) -> str:
@@ -132,12 +136,15 @@ def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floa
     return ", ".join(misplaced)
 
 
-def _place(eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt) -> State:
-    """Return a state in which no rope is longer than it is; its speeds do not matter."""
+def _place(
+    loose: ConstraintEvaluator, eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt
+) -> State:
+    """Return a state in which no gap is negative; its speeds do not matter."""
     taut: list[str] = []
     state = attempt(with_taut(eqs, taut), fixed)
     while True:
-        longer = [name for name in ropes(eqs.formed) if name not in taut and _is_longer(state, name)]
+        shares = slackness(loose, np.array([*state.q.values()]))
+        longer = [name for name, share in shares.items() if name not in taut and share < -AT_LENGTH]
         if not longer:
             return state
         taut += longer
@@ -148,12 +155,14 @@ def _place(eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt) -> St
             raise AssemblyError(*problems) from error
 
 
-def _is_longer(state: State, name: str) -> bool:
-    return float(state[f"rope_slack {name}"]) < -AT_LENGTH * float(state[f"rope_length {name}"])
-
-
 def _too_short(state: State, name: str, error: AssemblyError) -> Problem:
-    length, slack = float(state[f"rope_length {name}"]), float(state[f"rope_slack {name}"])
+    length, slack = float(state[f"gap_scale {name}"]), float(state[f"gap {name}"])
+    if not length:
+        return Problem(
+            "assembly.closed_stop", f"constraint {name}", f"its gap is {slack:.6g}, but cannot be negative",
+            f"no free motion opens it: {error.problems[0].what}",
+            "give other initial positions, or another gap",
+        )  # fmt: skip
     return Problem(
         "assembly.rope_too_short", f"constraint {name}",
         f"its ends are {length - slack:.9g} m apart, but the rope is {length:.9g} m long",
@@ -174,13 +183,14 @@ class _Speeds:
 
     def solve(self, state: State) -> State:
         """Return the state with speeds and accelerations; the ropes that pull are its constraints."""
-        near = [name for name in ropes(self.eqs.formed) if not _is_slack(state, name)]
+        shares = slackness(self.closed(with_taut(self.eqs, ())), self.q)
+        near = [name for name, share in shares.items() if not share > AT_LENGTH]
         u, apart = self._speeds(near)
         taut = [name for name in near if abs(apart[name]) <= AT_REST]
         while True:
             evaluator = self.closed(with_taut(self.eqs, taut))
             result = complete_state(evaluator, self.q, u, self.q, self._guessed_rates(evaluator))
-            pushes = {name: -float(result[f"rope_tension {name}"]) for name in taut}
+            pushes = {name: -float(result[f"contact_force {name}"]) for name in taut}
             worst = max(pushes, key=lambda name: pushes[name], default="")
             if not worst or pushes[worst] <= 0.0:
                 return result
@@ -216,12 +226,10 @@ class _Speeds:
         """Return the rates at which ends move apart, over the largest speed or the mechanism's own."""
         evaluator = self.closed(with_taut(self.eqs, ()))
         mechanism, rates = evaluator.mechanism, np.abs(u / evaluator.speed_sizes)
-        fast = mechanism.length * float(rates.max(initial=1.0 / mechanism.time))
+        fastest = float(rates.max(initial=1.0 / mechanism.time))
         rates_of = {
-            name: float(evaluator.compile(f"rope_slack_dot {name}")(evaluator.t, self.q, u)) for name in names
+            name: float(evaluator.compile(f"gap_dot {name}")(evaluator.t, self.q, u)) for name in names
         }
-        return {name: -rate / fast for name, rate in rates_of.items()}
-
-
-def _is_slack(state: State, name: str) -> bool:
-    return float(state[f"rope_slack {name}"]) > AT_LENGTH * float(state[f"rope_length {name}"])
+        return {
+            name: -rate / (fastest * mechanism.gap(evaluator.eqs, name)) for name, rate in rates_of.items()
+        }

@@ -17,15 +17,15 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.equations.closing_equations import closing_equations, follower_names, follower_outputs
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 
 Floats = NDArray[np.float64]
 
 
 def substituted_state(eqs: EquationSet, whole: State, scales: Mapping[str, float] | None) -> State:
     """Return a state of `closing_equations` in the equations that they close."""
-    taut = ropes(whole.eqs.formed)
-    own = with_taut(eqs, taut) if len(taut) < len(ropes(eqs.formed)) else eqs
+    taut = unilateral_elements(whole.eqs.formed)
+    own = with_taut(eqs, taut) if len(taut) < len(unilateral_elements(eqs.formed)) else eqs
     mechanism = mechanism_scales(own, whole.parameters, scales, {**whole.q, **whole.u})
     signals = np.array([whole.s[name] for name in own.signal_state_names])
     evaluator = constraint_evaluator(own, whole.parameters, whole.inputs, whole.t, mechanism, signals=signals)

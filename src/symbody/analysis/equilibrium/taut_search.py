@@ -21,7 +21,7 @@ from symbody.analysis.configurations.ropes import AT_LENGTH, slackness, with_tau
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.equilibrium.equilibrium_search import EquilibriumSearch
 from symbody.analysis.equilibrium.static_balance import StaticBalance, StaticResidual, static_balance
-from symbody.equations.solving.ropes import rope_rows, ropes
+from symbody.equations.solving.unilateral import row_places, unilateral_elements
 from symbody.tolerances import BALANCED, BEARING
 
 Floats = NDArray[np.float64]
@@ -64,7 +64,7 @@ class TautSearch:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the ropes."""
-        return ropes(self.evaluator.eqs.formed)
+        return unilateral_elements(self.evaluator.eqs.formed)
 
     def search_with(self, taut: frozenset[str]) -> EquilibriumSearch:
         """Return the search with some of the ropes taut."""
@@ -177,7 +177,7 @@ class TautSearch:
     ) -> dict[str, float]:
         """Return the tensions; of those that the forces leave undetermined, the shares that push least."""
         order = [name for name in self.names if name in taut]
-        places = rope_rows(search.evaluator.eqs.formed, order)
+        places = row_places(search.evaluator.eqs.formed, order)
         tensions = -rest.multipliers[places]
         if (tensions < 0.0).any():
             tensions = _least_pushing(tensions, -search.undetermined_multipliers(rest)[places])

@@ -29,7 +29,7 @@ from symbody.analysis.state import State
 from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.errors import AssemblyError, Problem, UsageError, number_in_words
 from symbody.tolerances import ASSEMBLED, BALANCED, SAME_POSITION, SINGULAR
 
@@ -227,7 +227,7 @@ class _Search:
         scales: Mapping[str, float] | None,
     ) -> Iterator[State]:
         eqs, failed, count = self.ratios.eqs, [], 0
-        complete = assemble_taut if ropes(eqs.formed) else assemble
+        complete = assemble_taut if unilateral_elements(eqs.formed) else assemble
         for k in range(_STARTS):
             # Off the middle and the ends, where mechanisms like to be singular.
             value = self.ends[0] + (self.ends[1] - self.ends[0]) * (k + 0.382) / _STARTS

@@ -27,7 +27,7 @@ from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.errors import Problem, SimulationError, UsageError, nearest, number_in_words
 from symbody.expr.sympy.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.manifold import least_solution
@@ -398,7 +398,7 @@ def velocity_ratios(
         )
     others = tuple(name for name in eqs.speed_names if name not in chosen)
     notes += coupled_notes(eqs)
-    measured = constraint_evaluator(eqs, values, {}, state.t, mechanism_sizes) if ropes(eqs.formed) else None
+    measured = constraint_evaluator(eqs, values, {}, state.t, mechanism_sizes) if unilateral_elements(eqs.formed) else None
     return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, values, measured)
 
 

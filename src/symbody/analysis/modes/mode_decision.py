@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, ModeVerdict, Responses, decide
 from symbody.analysis.scales import Scales
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.mode_responses import candidate_laws, candidate_ropes, reaction_sizes
+from symbody.equations.solving.mode_responses import candidate_laws, candidate_gaps, reaction_sizes
 from symbody.kernels.modes.mode_problem import BOUNDED, HOLDS, LOOSE, UNILATERAL
 from symbody.tolerances import BALANCED, CANCELLED
 
@@ -108,17 +108,14 @@ class ModeNumbers:
 def mode_numbers(eqs: EquationSet, values: Sequence[float], scales: Scales) -> ModeNumbers:
     """Return what decides about modes from the values of the output `OF_MODES`."""
     formed = eqs.formed
-    laws, lines = candidate_laws(formed), candidate_ropes(formed)
+    laws, lines = candidate_laws(formed), candidate_gaps(formed)
     counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(formed))
     n, c = len(laws) + len(lines), sum(counts)
     sizes = [3 * len(laws), n, n * n, c, c * n, n]
-    parts = np.split(np.asarray(values, dtype=np.float64), np.cumsum(sizes)[:-1])
+    parts = np.split(np.asarray(values, dtype=np.float64), np.cumsum(sizes))
     strengths = parts[0].reshape(-1, 3)
     responses = Responses(parts[1], parts[2].reshape(n, n), parts[3], parts[4].reshape(c, n))
-    angles = {name for role in formed.joint_roles for name in role.joint.rotation_coordinates}
-    units = [1.0 if law.coordinate in angles else scales.length for law in laws] + [scales.length] * len(
-        lines
-    )
+    units = [1.0 if law.turns else scales.length for law in laws] + [scales.gap(eqs, name) for name in lines]
     rounding = BALANCED * parts[5] + CANCELLED * np.array(units) / scales.time**2
     candidates = [
         ModeCandidate(BOUNDED, unit, count, float(sliding), float(static), rounding=float(slight))
@@ -127,7 +124,8 @@ def mode_numbers(eqs: EquationSet, values: Sequence[float], scales: Scales) -> M
         in zip(laws, units, counts, strengths, rounding, strict=False)
     ]  # fmt: skip
     candidates += [
-        ModeCandidate(UNILATERAL, scales.length, rounding=float(slight)) for slight in rounding[len(laws) :]
+        ModeCandidate(UNILATERAL, unit, rounding=float(slight))
+        for unit, slight in zip(units[len(laws) :], rounding[len(laws) :], strict=True)
     ]
     names = tuple(law.joint.name for law in laws)
     return ModeNumbers(names, tuple(lines), responses, tuple(candidates))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
-from symbody.equations.constraints.couplings import coupling_equations, written_equations
+from symbody.equations.constraints.couplings import coupling_equations, stop_equations, written_equations
 from symbody.equations.constraints.frame_constraints import pair_equation
 from symbody.equations.constraints.points import (
     curve_equations,
@@ -40,6 +40,7 @@ from symbody.model.constraints import (
     PointOnSurface,
     RackPinion,
     Rolling,
+    Stop,
 )
 from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import cross, dot, vector
@@ -101,6 +102,7 @@ _MAKERS: Final[
         Belt: coupling_equations,
         Differential: coupling_equations,
         Constraint: written_equations,
+        Stop: stop_equations,
     }
 )
 

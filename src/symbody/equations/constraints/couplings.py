@@ -14,9 +14,10 @@ from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
 from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import SymbolKind
+from symbody.expr.language.formula import Formula
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import substitute, symbols_of
-from symbody.model.constraints.couplings import Constraint, JointCoupling
+from symbody.model.constraints.couplings import Constraint, JointCoupling, Stop
 
 
 def coupling_equations(
@@ -57,10 +58,37 @@ def written_equations(
             row = velocity_equation(kinematics, constraint.name, value, f"{where}, equations[{k}]")
         else:
             row = scalar_equation(kinematics, "", constraint.name, value)
-        written = _EquationAsWritten(
-            names, Names(names.graph, names.symbols, {}).expression(formula, where), by_rate
-        )
-        yield replace(row, shares=written.shares(formula.names), driven=written.time_partial())
+        yield _with_shares(names, row, formula, where, by_rate)
+
+
+def stop_equations(names: Names, kinematics: Kinematics, stop: Stop) -> Iterator[ConstraintEquation]:
+    """Return the row of a gap, whose multiplier opens it.
+
+    Raises
+    ------
+    FormulationError
+        If the gap depends on speeds.
+    """
+    where = f"constraint {stop.name}"
+    gap = names.expression(stop.gap, where)
+    if _contains_speeds(kinematics, gap):
+        raise FormulationError(
+            Problem("equations.gap_of_speeds", f"{where}, gap", "it depends on speeds",
+                    "a stop limits positions", "write a formula in coordinates, parameters and t")
+        )  # fmt: skip
+    row = _with_shares(names, scalar_equation(kinematics, "", stop.name, gap), stop.gap, where, by_rate=False)
+    restitution = names.expression(stop.restitution, where)
+    yield replace(row, sense=1, restitution=None if restitution.is_zero else restitution)
+
+
+def _with_shares(
+    names: Names, row: ConstraintEquation, formula: Formula, where: str, by_rate: bool
+) -> ConstraintEquation:
+    """Return a row with the efforts along the coordinates in which it is written."""
+    written = _EquationAsWritten(
+        names, Names(names.graph, names.symbols, {}).expression(formula, where), by_rate
+    )
+    return replace(row, shares=written.shares(formula.names), driven=written.time_partial())
 
 
 def velocity_equation(kinematics: Kinematics, element: str, value: Expr, where: str) -> ConstraintEquation:

@@ -35,7 +35,8 @@ def distance_equations(names: Names, kinematics: Kinematics, rod: Distance) -> I
     closing = kinematics.velocities[end].value - kinematics.velocities[start].value
     turning = (closing - along * dot(tree, along, closing)) * (1 / length)
     target = names.expression(rod.value, f"constraint {rod.name}")
-    yield pair_equation(kinematics, rod, value=length, force=along, force_rate=turning, target=target)
+    row = pair_equation(kinematics, rod, value=length, force=along, force_rate=turning, target=target)
+    yield replace(row, sense=-1) if rod.rope else row
 
 
 def line_equations(names: Names, kinematics: Kinematics, line: PointOnLine) -> Iterator[ConstraintEquation]:

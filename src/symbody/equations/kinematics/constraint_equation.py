@@ -38,6 +38,10 @@ class ConstraintEquation:
         Power for a multiplier of 1 of what the row itself says of time, as a length given by a formula in t.
     is_balance : bool
         Whether it is the balance of forces along a motion that moves no mass, which transmits nothing.
+    sense : int
+        The sign that the value may have where the row is one-sided, as is that of the multiplier then; else 0.
+    restitution : Expr or None
+        Of a one-sided row, the share of its rate with which it opens after an impact; None for 0.
     """
 
     name: str
@@ -53,6 +57,8 @@ class ConstraintEquation:
     is_holonomic: bool = True
     driven: Expr | None = None
     is_balance: bool = False
+    sense: int = 0
+    restitution: Expr | None = None
 
 
 def scalar_equation(kinematics: Kinematics, name: str, element: str, value: Expr) -> ConstraintEquation:

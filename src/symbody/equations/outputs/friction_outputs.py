@@ -1,4 +1,4 @@
-"""Outputs about friction and ropes: efforts, tension, slack, and how far sticking is from its end."""
+"""Outputs about friction, ropes and stops: efforts, gaps, and how far sticking is from its end."""
 
 from __future__ import annotations
 
@@ -8,7 +8,13 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.solving.friction_solution import normal_load
-from symbody.equations.solving.ropes import length_of, rope_row, ropes
+from symbody.equations.solving.unilateral import (
+    effort_of,
+    gap_of,
+    gap_scale,
+    unilateral_elements,
+    unilateral_row,
+)
 from symbody.equations.solving.solution import resistance
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, number, sqrt, symbol
@@ -84,49 +90,49 @@ def _find_law(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[int, Fri
 
 
 def mode_output(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
-    """Return the output "mode J": the direction in which a joint slips, 0 while it sticks; 1 for taut ropes.
+    """Return the output "mode J": the direction in which a joint slips, 0 while it sticks; 1 for closed gaps.
 
-    Outside of motions it is the sign of the joint's rate, and ropes are taut.
+    Outside of motions it is the sign of the joint's rate, and gaps are closed: ropes are taut.
     """
     if " ".join(words) in friction_names(formed):
         return (), [_find_law(formed, words)[1].slip]
     row = _find_row(formed, words)
-    taut = any(row.name == other.name for other in formed.rows)
-    return (), [number(formed.graph, int(taut)) - formed.modes.get(row.element, number(formed.graph, 0))]
+    closed = any(row.name == other.name for other in formed.rows)
+    return (), [number(formed.graph, int(closed)) - formed.modes.get(row.element, number(formed.graph, 0))]
 
 
-def rope_tension(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
-    """Return the output "rope_tension R": the force with which it pulls; 0 where it is slack."""
+def opening_effort(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "contact_force E" or "rope_tension R": what opens the gap; 0 where it is open."""
     row = _find_row(formed, words)
     if all(row.name != other.name for other in formed.rows):
         return (), [number(formed.graph, 0)]
-    return (), [-symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))]
+    return (), [effort_of(row)]
 
 
-def rope_slack(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
-    """Return the output "rope_slack R": its length less the distance of its ends."""
-    return (), [-_find_row(formed, words).value]
+def gap(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "gap E" or "rope_slack R": the length of a rope less the distance of its ends."""
+    return (), [gap_of(_find_row(formed, words))]
 
 
-def rope_slack_rate(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
-    """Return the output "rope_slack_dot R"."""
+def gap_rate(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "gap_dot E" or "rope_slack_dot R"."""
     row = _find_row(formed, words)
-    total = -row.drift
+    total = row.drift
     for u, slope in row.jacobian.items():
-        total = total - slope * Expr(formed.graph, u)
-    return (), [total]
+        total = total + slope * Expr(formed.graph, u)
+    return (), [total * row.sense]
 
 
-def rope_slack_acceleration(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
-    """Return the output "rope_slack_ddot R"."""
+def gap_acceleration(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "gap_ddot E" or "rope_slack_ddot R"."""
     row = _find_row(formed, words)
-    total = row.gamma
+    total = -row.gamma
     for slope, rate in _terms(formed, row):
-        total = total - slope * rate
-    return (), [total]
+        total = total + slope * rate
+    return (), [total * row.sense]
 
 
-def rope_acceleration_size(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+def gap_acceleration_size(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "rope_size R": what cancels in its second rate: its rounding is a share of it."""
     row = _find_row(formed, words)
     total, speed = row.gamma.apply(ABS), number(formed.graph, 0)
@@ -134,12 +140,19 @@ def rope_acceleration_size(formed: EquationsOfMotion, words: Sequence[str]) -> O
         total = total + (slope * rate).apply(ABS)
     for u, slope in row.jacobian.items():
         speed = speed + (slope * Expr(formed.graph, u)).apply(ABS)
-    return (), [total + speed**2 / length_of(formed, row)]
+    scale = gap_scale(formed, row)
+    return (), [total if scale.is_zero else total + speed**2 / scale]
 
 
-def rope_length(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
-    """Return the output "rope_length R": of the rope itself."""
-    return (), [length_of(formed, _find_row(formed, words))]
+def gap_scale_output(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "gap_scale E" or "rope_length R": of the rope itself."""
+    return (), [gap_scale(formed, _find_row(formed, words))]
+
+
+def gap_restitution(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "restitution E"."""
+    row = _find_row(formed, words)
+    return (), [number(formed.graph, 0) if row.restitution is None else row.restitution]
 
 
 def _terms(formed: EquationsOfMotion, row: ConstraintEquation) -> list[tuple[Expr, Expr]]:
@@ -150,10 +163,10 @@ def _terms(formed: EquationsOfMotion, row: ConstraintEquation) -> list[tuple[Exp
 
 
 def _find_row(formed: EquationsOfMotion, words: Sequence[str]) -> ConstraintEquation:
-    """Return the row of the rope that a name means; a FormulationError with the nearest names if none."""
-    names, text = ropes(formed), " ".join(words)
+    """Return the row of the rope or stop that a name means; a FormulationError with the nearest if none."""
+    names, text = unilateral_elements(formed), " ".join(words)
     if text in names:
-        return rope_row(formed, text)
-    what = f"there is no rope {text!r}"
-    why = "ropes are constraints of type distance with rope = true"
+        return unilateral_row(formed, text)
+    what = f"there is no rope or stop {text!r}"
+    why = "ropes are constraints of type distance with rope = true, stops are of type stop"
     raise FormulationError(Problem("equations.unknown_rope", f"rope {text}", what, why, nearest(text, names)))

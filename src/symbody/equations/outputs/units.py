@@ -12,6 +12,7 @@ from symbody.equations.outputs.dimensions import expression_unit
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import fold
 from symbody.model.joint import Joint
+from symbody.model.constraints import Stop
 from symbody.model.model import Model
 from symbody.model.output_names import FRAME_OUTPUT, MOTION_UNITS, kind_of, list_outputs, parse_derivative
 
@@ -78,9 +79,23 @@ def output_units(formed: EquationsOfMotion) -> Units:
     rows = (*formed.rows, *formed.coupled.rows)
     units |= {row.name: own[row.element] for row in rows if own.get(row.element)}
     listed = Units(units)
+    units |= _stop_units(formed.topology.model, listed)
     outputs = {signal.name: signal.output for signal in formed.topology.model.signals if signal.output}
     of_signals = {name: listed.get(output, "") for name, output in outputs.items()}
     return Units(units | {name: unit for name, unit in of_signals.items() if unit})
+
+
+def _stop_units(model: Model, listed: Units) -> dict[str, str]:
+    """Return the units of the gaps of stops and of what opens them, where the gap has one."""
+    units: dict[str, str] = {}
+    for stop in model.constraints:
+        unit = expression_unit(stop.gap.text, listed.get) if isinstance(stop, Stop) else None
+        for kind in (_TRANSLATION, _ROTATION):
+            if isinstance(stop, Stop) and unit == kind[0]:
+                gap, force = f"gap {stop.name}", f"contact_force {stop.name}"
+                units |= {gap: unit, force: _EFFORTS[kind[1]], f"lambda_{stop.name}_1": _EFFORTS[kind[1]]}
+                units |= {f"gap_dot {stop.name}": kind[1], f"gap_ddot {stop.name}": kind[2]}
+    return units
 
 
 def _joint_units(joint: Joint) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Joints that stick and slip, and ropes that slacken, as one set of equations with their modes as inputs.
+"""Joints that stick and slip, and ropes that open_gaps, as one set of equations with their modes as inputs.
 
 While a joint sticks a row holds it, and a taut rope is a row as well. Here all these rows are always among
 the equations, with zeros in place of those that do not hold: the solver leaves a row of zeros out, and its
@@ -15,7 +15,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.loads.friction import FrictionLaw
-from symbody.equations.solving.ropes import ropes, slacken
+from symbody.equations.solving.unilateral import open_gaps, unilateral_elements
 from symbody.equations.solving.sticking import holding_row, switching_joints
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
@@ -63,7 +63,7 @@ class ModalEquations:
 
 def switches(formed: EquationsOfMotion) -> bool:
     """Return whether equations change on the way: joints stick and slip, ropes are taut or slack."""
-    return bool(switching_joints(formed) or ropes(formed))
+    return bool(switching_joints(formed) or unilateral_elements(formed))
 
 
 def modal_equations(eqs: EquationSet) -> ModalEquations:
@@ -76,17 +76,17 @@ def modal_equations(eqs: EquationSet) -> ModalEquations:
 
 def permanent_equations(eqs: EquationSet) -> EquationSet:
     """Return equations without the rows that hold in some modes only; those given where there are none."""
-    lines = ropes(eqs.formed)
+    lines = unilateral_elements(eqs.formed)
 
     def make() -> EquationSet:
-        return EquationSet(eqs.model, slacken(eqs.formed, lines), eqs.notes)
+        return EquationSet(eqs.model, open_gaps(eqs.formed, lines), eqs.notes)
 
     return eqs.plans.get("permanent equations", make) if lines else eqs
 
 
 def _modal_equations(eqs: EquationSet) -> ModalEquations:
     formed = eqs.formed
-    joints, lines = switching_joints(formed), ropes(formed)
+    joints, lines = switching_joints(formed), unilateral_elements(formed)
     inputs = [Symbol(name, SymbolKind.INPUT) for name in _free_names(formed, (*joints, *lines))]
     modes = dict(zip((*joints, *lines), (symbol(formed.graph, each) for each in inputs), strict=True))
     modal = _with_modes(formed, joints, modes)

@@ -1,6 +1,6 @@
-"""What decides about modes: how dry joints and ropes answer to each other's efforts.
+"""What decides about modes: how dry joints, ropes and stops answer to each other's efforts.
 
-Candidates are the joints whose friction is not known beforehand, then the ropes. No row of a candidate holds
+Candidates are the joints whose friction is not known beforehand, then ropes and stops. No row of a candidate holds
 here: the efforts of all are unknown, and accelerations and reactions are affine in them.
 """
 
@@ -13,7 +13,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.solving.friction_solution import FrictionSolver, normal_load
-from symbody.equations.solving.ropes import length_of, rope_row, ropes, slacken
+from symbody.equations.solving.unilateral import gap_scale, open_gaps, unilateral_elements, unilateral_row
 from symbody.equations.solving.solution import solve_linear
 from symbody.equations.solving.sticking import holding_row
 from symbody.expr.calculus import linear_coefficients
@@ -27,10 +27,10 @@ def candidate_laws(formed: EquationsOfMotion) -> list[FrictionLaw]:
     return [law for law in formed.friction if law.switches or law.is_coupled]
 
 
-def candidate_ropes(formed: EquationsOfMotion) -> list[str]:
-    """Return the ropes whose rows are among those of the equations."""
-    taut = {row.element for row in formed.rows}
-    return [name for name in ropes(formed) if name in taut]
+def candidate_gaps(formed: EquationsOfMotion) -> list[str]:
+    """Return the ropes and stops whose rows are among those of the equations."""
+    closed = {row.element for row in formed.rows}
+    return [name for name in unilateral_elements(formed) if name in closed]
 
 
 def reaction_sizes(formed: EquationsOfMotion) -> list[int]:
@@ -40,19 +40,19 @@ def reaction_sizes(formed: EquationsOfMotion) -> list[int]:
 
 
 def mode_responses(formed: EquationsOfMotion) -> list[Expr]:
-    """Return what decides about modes; candidates are the ropes whose rows the equations have.
+    """Return what decides about modes; candidates are the ropes and stops whose rows the equations have.
 
     One after the other: slip, kinetic and static strength of each joint; along the rows, which are rates of
-    joints and slackness of ropes, the accelerations without efforts, then by row their change by a unit of
-    each, of ropes by a unit of tension; the same of the components of the reactions that friction reads; what
-    cancels in each acceleration, whose rounding is a share of it.
+    joints and gaps, the accelerations without efforts, then by row their change by a unit of each, which
+    opens gaps; the same of the components of the reactions that friction reads; what cancels in each
+    acceleration, whose rounding is a share of it; the change of the speeds by a unit of impulse of each gap.
     """
     solver = _ResponseSolver(formed)
     laws = candidate_laws(formed)
     first, *columns = solver.columns()
     held = [holding_row(formed, law) for law in laws]
     rows = [solver.acceleration(row, 1) for row in held]
-    rows += [solver.acceleration(row, -1) for row in solver.ropes]
+    rows += [solver.acceleration(row, row.sense) for row in solver.gaps]
     parts = [part for law in laws if law.reads_reaction for part in normal_load(formed, law)]
     slopes, loads = solver.affine(parts)
     return [
@@ -61,18 +61,19 @@ def mode_responses(formed: EquationsOfMotion) -> list[Expr]:
         *(solver.product(row, column) for row, _ in rows for column in columns),
         *(solver.product(row, first) + rest for row, rest in zip(slopes, loads, strict=True)),
         *(solver.product(row, column) for row in slopes for column in columns),
-        *(solver.size(row, first) for row in (*held, *solver.ropes)),
+        *(solver.size(row, first) for row in (*held, *solver.gaps)),
+        *(x for column in columns[len(laws) :] for x in column[: len(formed.u)]),
     ]
 
 
 class _ResponseSolver:
-    """Unknowns without ropes, ordered as those of `FrictionSolver`, then the multipliers of ropes."""
+    """Unknowns with all gaps open, ordered as those of `FrictionSolver`, then the multipliers of gaps."""
 
     def __init__(self, formed: EquationsOfMotion) -> None:
-        names = self.names = candidate_ropes(formed)
-        self.formed, self.loose = formed, slacken(formed, names)
-        self.ropes = [rope_row(formed, name) for name in names]
-        self.nodes = [formed.graph.symbol(Symbol(row.name, SymbolKind.MULTIPLIER)) for row in self.ropes]
+        names = self.names = candidate_gaps(formed)
+        self.formed, self.loose = formed, open_gaps(formed, names)
+        self.gaps = [unilateral_row(formed, name) for name in names]
+        self.nodes = [formed.graph.symbol(Symbol(row.name, SymbolKind.MULTIPLIER)) for row in self.gaps]
         self.zero = number(formed.graph, 0)
         self.solver = FrictionSolver(self.loose, partial(solve_linear, self.loose))
         stress = self.solver.stress
@@ -85,16 +86,16 @@ class _ResponseSolver:
             self.zero if law in candidates else self.solver.independent_effort(law)
             for law in self.loose.friction
         ]
-        idle = [self.zero] * len(self.ropes)
+        idle = [self.zero] * len(self.gaps)
         found = [self._with_shares(self.solver.base(given), idle, is_whole=True)]
         for k, law in enumerate(self.loose.friction):
             if law in candidates:
                 found.append(self._with_shares(self.solver.response(k), idle, is_whole=False))
         efforts = [self.zero] * len(self.loose.friction)
-        for k, row in enumerate(self.ropes):
-            pull = [-row.jacobian.get(u, self.zero) for u in self.loose.kinematics.speeds]
+        for k, row in enumerate(self.gaps):
+            pull = [row.sense * row.jacobian.get(u, self.zero) for u in self.loose.kinematics.speeds]
             udot, multipliers = solve_linear(self.loose, pull, [self.zero] * len(self.loose.rows))
-            ends = [number(self.zero.graph, -int(k == other)) for other in range(len(self.ropes))]
+            ends = [number(self.zero.graph, row.sense * (k == other)) for other in range(len(self.gaps))]
             found.append(self._with_shares([*udot, *multipliers, *efforts], ends, is_whole=False))
         return found
 
@@ -110,7 +111,8 @@ class _ResponseSolver:
             slope = row.jacobian.get(u, self.zero)
             total = total + (slope * rate).apply(ABS)
             speed = speed + (slope * Expr(self.zero.graph, u)).apply(ABS)
-        return total + speed**2 / length_of(self.formed, row) if row.element in self.names else total
+        scale = gap_scale(self.formed, row) if row.element in self.names else self.zero
+        return total if scale.is_zero else total + speed**2 / scale
 
     def affine(self, values: Sequence[Expr]) -> tuple[list[list[Expr]], list[Expr]]:
         """Return the coefficients of values in all unknowns, and the terms without."""

@@ -29,7 +29,8 @@ class SwitchingElement(RecordLayout):
     ended: float  # whether an event has ended its mode
     rate: float  # of the joint, or of the slackness of the rope
     slackness: float
-    length: float
+    length: float  # what the gap is small against
+    restitution: float
     impulse: float  # in the last shock [N s]
     level: float  # what is taken from the value whose fall to zero ends the mode
     shares: float  # whether others that hold can take over some of the effort that holds it
@@ -38,8 +39,8 @@ class SwitchingElement(RecordLayout):
 class ModeSwitch(RecordLayout):
     """Modes along a motion. What is asked by *whether* is 1 or 0.
 
-    A function writes what decides: `mode_responses`, then the rates of the joints, slackness, its rate and
-    length of the ropes, and the energy. Another one writes residuals and moves that project a state.
+    A function writes what decides: `mode_responses`, then the rates of the joints, the gaps, their rates,
+    scales and restitution, and the energy. Another one writes residuals and moves that project a state.
     """
 
     count: int  # elements: joints, then ropes

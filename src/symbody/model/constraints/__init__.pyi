@@ -3,6 +3,7 @@ from .couplings import Constraint as Constraint
 from .couplings import Differential as Differential
 from .couplings import Gear as Gear
 from .couplings import RackPinion as RackPinion
+from .couplings import Stop as Stop
 from .points import Angle as Angle
 from .points import Distance as Distance
 from .points import Parallel as Parallel

@@ -222,5 +222,45 @@ class Constraint(ConstraintElement):
     )
 
 
+_RESTITUTION: Final = Domain(
+    "model.restitution", "restitution is {value}", "it is the share of the speed that is left after an impact",
+    "give a number from 0 to 1", 0.0, most=1.0,
+)  # fmt: skip
+
+
+@final
+@element
+class Stop(ConstraintElement):
+    """A gap that never becomes negative: an end stop, a wall, a bumper.
+
+    While the gap is open it does nothing. Where it closes its rate jumps to `restitution` times the opposite,
+    and a closed gap opens when its multiplier, which is never negative, comes to zero.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> rail = sb.Prismatic("rail", "ground", sb.Body("Ball", mass=1), axis="z", coordinate="z")
+    >>> floor = sb.Stop("floor", "z", restitution=0.8)
+    >>> eqs = sb.form_equations(sb.Model("ball", [rail, floor], gravity=(0, 0, -9.81), initial={"z": 1}))
+    >>> sb.simulate(eqs, 10.0).modes[-1].mode
+    'closed'
+    """
+
+    rows: ClassVar[str] = "1 while it is closed"
+    holds: ClassVar[str] = "`gap >= 0`"
+    multiplier: ClassVar[str] = "times the derivative of the gap by a coordinate: the force or torque along it"
+
+    gap: Quantity = Quantity(
+        "What is never negative: a formula in coordinates, parameters and t.", scope=Scope.MOTION
+    )
+    restitution: Quantity = Quantity(
+        "Share of the speed with which the gap opens again after an impact.", default=0, fits=_RESTITUTION
+    )
+
+    def output_words(self, kind: str) -> tuple[str, ...]:
+        """Return what may follow its name in outputs of a kind."""
+        return ("",) if kind in ("gap", "mode") else ()
+
+
 def _negative(formula: Formula) -> Formula:
     return Formula.from_value(f"-({formula.text})")

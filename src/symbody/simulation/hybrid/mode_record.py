@@ -1,16 +1,18 @@
-"""`ModeRecord`: the modes of a motion, and the shocks of ropes, as its kernel wrote them down."""
+"""`ModeRecord`: the modes of a motion, and the impacts of ropes and stops, as its kernel wrote them down."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.kernels.modes.mode_problem import HOLDS
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch
+from symbody.model.constraints import Stop
 from symbody.simulation.events.events import ModeChange, Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 
@@ -22,6 +24,36 @@ _MOST_NOTES: Final = 20  # of shocks
 _MODES: Final = (-1, 0, 1)
 JOINT_WORDS: Final = MappingProxyType({HOLDS: "sticks", 1: "slips forward", -1: "slips backward"})
 ROPE_WORDS: Final = MappingProxyType({HOLDS: "taut", 1: "slack"})
+IMPACT: Final = -1  # no mode of a stop: its place among the words is that of an impact
+STOP_WORDS: Final = MappingProxyType({HOLDS: "closed", 1: "open", IMPACT: "impact"})
+
+
+class ModalElements(NamedTuple):
+    """The elements that have modes, in the order of a `ModeSwitch`.
+
+    Attributes
+    ----------
+    joints, gaps : tuple of str
+        Joints that stick and slip; then ropes and stops.
+    words : tuple of mapping
+        What the modes of each are called.
+    """
+
+    joints: tuple[str, ...] = ()
+    gaps: tuple[str, ...] = ()
+    words: tuple[Mapping[int, str], ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of them."""
+        return (*self.joints, *self.gaps)
+
+
+def modal_elements(modal: ModalEquations) -> ModalElements:
+    """Return the elements of equations with modes."""
+    stops = {part.name for part in modal.eqs.model.constraints if isinstance(part, Stop)}
+    words = [STOP_WORDS if name in stops else ROPE_WORDS for name in modal.ropes]
+    return ModalElements(modal.joints, modal.ropes, (*[JOINT_WORDS] * len(modal.joints), *words))
 
 
 class ModeRecord:
@@ -31,8 +63,7 @@ class ModeRecord:
     ----------
     names : sequence of str
         Of the inputs.
-    joints, ropes : sequence of str
-        The elements.
+    elements : ModalElements
     state_names : sequence of str
         Of the states that are written down, behind which the work stands.
     switch : ModeSwitch
@@ -45,11 +76,10 @@ class ModeRecord:
     """
 
     def __init__(
-        self, names: Sequence[str], joints: Sequence[str], ropes: Sequence[str], state_names: Sequence[str],
-        switch: ModeSwitch,
-    ) -> None:  # fmt: skip
+        self, names: Sequence[str], elements: ModalElements, state_names: Sequence[str], switch: ModeSwitch
+    ) -> None:
         self._places = {name: place for place, name in enumerate(names)}
-        self._joints, self._ropes, self._state_names = tuple(joints), tuple(ropes), tuple(state_names)
+        self._elements, self._state_names = elements, tuple(state_names)
         self._switch = switch
         self.rows: Floats = np.zeros((_FIRST_ROOM, 3 + len(self._places) + len(self._state_names) + 1))
 
@@ -69,11 +99,8 @@ class ModeRecord:
         """The modes at present, in words; none before they are decided."""
         if not self._switch.known:
             return {}
-        elements = zip((*self._joints, *self._ropes), self._switch.elements, strict=True)
-        return {
-            name: (ROPE_WORDS if element.is_rope else JOINT_WORDS)[int(element.mode)]
-            for name, element in elements
-        }
+        words = zip(self._elements.names, self._elements.words, self._switch.elements, strict=True)
+        return {name: words_of[int(element.mode)] for name, words_of, element in words}
 
     @property
     def _rows_so_far(self) -> Floats:
@@ -105,11 +132,16 @@ class ModeRecord:
     @property
     def changes(self) -> tuple[ModeChange, ...]:
         """The first mode of each element, and all changes."""
-        return tuple(ModeChange(t, name, mode) for t, name, mode, _ in self._changes(has_first=True))
+        impact = STOP_WORDS[IMPACT]
+        return tuple(
+            ModeChange(t, name, mode)
+            for t, name, mode, _ in self._changes(has_first=True)
+            if mode != impact
+        )
 
     @property
     def occurrences(self) -> tuple[Occurrence, ...]:
-        """The changes of modes as events, each with the state before it."""
+        """The changes of modes and the impacts of stops as events, each with the state before it."""
         return tuple(
             Occurrence(f"{name} {mode}", t, dict(zip(self._state_names, state.tolist(), strict=False)))
             for t, name, mode, state in self._changes(has_first=False)
@@ -117,9 +149,9 @@ class ModeRecord:
 
     def _changes(self, *, has_first: bool) -> Iterator[tuple[float, str, str, Floats]]:
         """Yield when which element changes its mode, to which, and the state before."""
-        rows, names = self._rows_so_far, (*self._joints, *self._ropes)
-        words, count = mode_words(self._joints, self._ropes), len(names)
-        found = mode_changes(rows, len(self._joints), count)
+        rows, names = self._rows_so_far, self._elements.names
+        words, count = mode_words(self._elements), len(names)
+        found = mode_changes(rows, self._elements)
         for place, element, word, is_first in zip(*(part.tolist() for part in found), strict=True):
             if has_first or not is_first:
                 mode = words[word].removeprefix(f"{names[element]} ")
@@ -127,25 +159,23 @@ class ModeRecord:
 
     @property
     def notes(self) -> Iterator[str]:
-        """The shocks of ropes in words."""
-        return shock_notes(self._rows_so_far, len(self._joints), self._ropes)
+        """The impacts in words."""
+        return shock_notes(self._rows_so_far, self._elements)
 
 
-def mode_words(joints: Sequence[str], ropes: Sequence[str]) -> tuple[str, ...]:
-    """Return what happens when each element goes over to each of the modes -1, 0, 1; ropes have no -1."""
-    own = [(name, JOINT_WORDS) for name in joints] + [(name, ROPE_WORDS) for name in ropes]
-    return tuple(f"{name} {words.get(mode, '')}" for name, words in own for mode in _MODES)
+def mode_words(elements: ModalElements) -> tuple[str, ...]:
+    """Return what happens when each element goes over to each of the modes -1, 0, 1; -1 of ropes is none."""
+    pairs = zip(elements.names, elements.words, strict=True)
+    return tuple(f"{name} {words.get(mode, '')}" for name, words in pairs for mode in _MODES)
 
 
 def mode_changes(
-    rows: Floats, joints: int, count: int, first: Sequence[int] = (0,)
+    rows: Floats, elements: ModalElements, first: Sequence[int] = (0,)
 ) -> tuple[Places, Places, Places, NDArray[np.bool_]]:
     """Return which rows of a record change which of the elements: rows, elements, places in `mode_words`.
 
     Parameters
     ----------
-    joints, count : int
-        How many of the elements are joints, which come first, and how many there are.
     first : sequence of int
         Where the rows of each of several motions begin.
 
@@ -154,33 +184,56 @@ def mode_changes(
     rows, elements, words, are_first : arrays
         The last says whether it is the first mode of the element, which no change led to.
     """
+    count, joints = len(elements.names), len(elements.joints)
     modes, shocks = rows[:, 3 : 3 + count].copy(), rows[:, 0] == SHOCK
+    are_stops = np.array([words is STOP_WORDS for words in elements.words], dtype=np.bool_)
     is_struck = shocks[:, np.newaxis] & (modes != 0.0) & (np.arange(count) >= joints)
     starts = np.zeros(len(rows), dtype=np.bool_)
     starts[[k for k in first if k < len(rows)]] = True
     for k in np.flatnonzero(shocks).tolist():  # what a shock does not pull stays in its mode
-        modes[k] = np.where(is_struck[k], float(HOLDS), np.nan if starts[k] else modes[k - 1])
+        before = np.full(count, np.nan) if starts[k] else modes[k - 1]
+        modes[k] = np.where(is_struck[k] & ~are_stops, float(HOLDS), before)
     before = np.full_like(modes, np.nan)
     before[1:] = modes[:-1]
     before[starts] = np.nan
     place, element = np.nonzero((modes != before) & ~np.isnan(modes))
     words = len(_MODES) * element + modes[place, element].astype(np.intp) - _MODES[0]
-    return place, element, words, np.isnan(before[place, element]) & ~shocks[place]
+    are_first = np.isnan(before[place, element]) & ~shocks[place]
+    impact, stop = np.nonzero(is_struck & are_stops)
+    order = np.argsort(np.append(place, impact), kind="stable")
+    found = (
+        np.append(place, impact),
+        np.append(element, stop),
+        np.append(words, len(_MODES) * stop + IMPACT - _MODES[0]),
+        np.append(are_first, np.zeros(impact.size, dtype=np.bool_)),
+    )
+    return found[0][order], found[1][order], found[2][order], found[3][order]
 
 
-def shock_notes(rows: Floats, joints: int, ropes: Sequence[str]) -> Iterator[str]:
-    """Yield the shocks of ropes in a record in words."""
-    shocks = rows[rows[:, 0] == SHOCK]
-    for row in shocks[:_MOST_NOTES]:
-        pairs = zip(ropes, row[3 + joints :].tolist(), strict=False)
+def shock_notes(rows: Floats, elements: ModalElements) -> Iterator[str]:
+    """Yield the shocks of ropes in a record in words, and how often each stop was struck."""
+    shocks, joints = rows[rows[:, 0] == SHOCK], len(elements.joints)
+    impulses = shocks[:, 3 : 3 + len(elements.names)]
+    are_ropes = np.array([words is ROPE_WORDS for words in elements.words], dtype=np.bool_)
+    with_ropes = shocks[(impulses[:, are_ropes] > 0.0).any(axis=1)] if are_ropes.any() else shocks[:0]
+    for row in with_ropes[:_MOST_NOTES]:
+        pairs = zip(elements.names[joints:], row[3 + joints :].tolist(), strict=False)
         pulls = " and ".join(f"{name} by {impulse:.6g} N s" for name, impulse in pairs if impulse)
         yield f"at t = {row[1]:.9g} s ropes go taut with an impact: {pulls}; {row[2]:.6g} J are lost"
-    others = shocks[_MOST_NOTES:]
+    others = with_ropes[_MOST_NOTES:]
     if len(others):
         yield (
             f"{len(others)} more impacts of ropes until t = {others[-1, 1]:.9g} s; "
             f"{others[:, 2].sum():.6g} J are lost"
         )
+    for place, (name, words) in enumerate(zip(elements.names, elements.words, strict=True)):
+        struck = shocks[impulses[:, place] > 0.0] if words is STOP_WORDS else shocks[:0]
+        if len(struck):
+            times = f"{len(struck)} impacts" if len(struck) > 1 else "an impact"
+            yield (
+                f"stop {name}: {times}, the last at t = {struck[-1, 1]:.9g} s; "
+                f"{struck[:, 2].sum():.6g} J are lost, by Poisson's law for all impacts of one instant"
+            )
 
 
 def held_modes(
@@ -189,7 +242,8 @@ def held_modes(
     """Return the modes of elements along a motion as inputs that are held; None without any."""
     if not changes:
         return None
-    numbers = {word: float(mode) for words in (JOINT_WORDS, ROPE_WORDS) for mode, word in words.items()}
+    kinds = (JOINT_WORDS, ROPE_WORDS, STOP_WORDS)
+    numbers = {word: float(mode) for words in kinds for mode, word in words.items()}
     times = np.unique([change.t for change in changes])
     values = np.empty((len(inputs), times.size))
     for change in changes:

@@ -37,7 +37,7 @@ from symbody.kernels.modes.switch_modes import FUNCTION_FAULT, NO_MODES, SETTLED
 from symbody.kernels.pack import pack
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.events.events import ModeEnd
-from symbody.simulation.hybrid.mode_record import ModeRecord
+from symbody.simulation.hybrid.mode_record import ModeRecord, modal_elements
 from symbody.simulation.hybrid.rate_jumps import struck_friction
 from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.input_laws import CallbackFunction
@@ -120,7 +120,7 @@ class SwitchingModes:
         self._source = problem
         self._block = self._make_block(problem)
         states = eqs.state_names
-        self.record = ModeRecord(self.modal.modes, self.modal.joints, self.modal.ropes, states, self.switch)
+        self.record = ModeRecord(self.modal.modes, modal_elements(self.modal), states, self.switch)
         self.ends = mode_ends(self.modal)
         self.use(problem)
 
@@ -353,7 +353,7 @@ class SwitchingModes:
 
 def deciding_outputs(modal: ModalEquations) -> tuple[OutputName, ...]:
     """Return what decides about modes, outputs of the equations whose modes are open; see `ModeSwitch`."""
-    words = ("rope_slack", "rope_slack_dot", "rope_length")
+    words = ("gap", "gap_dot", "gap_scale", "restitution")
     rates = [f"{law.coordinate}_dot" for law in modal.laws]
     return OF_MODES, (*rates, *(f"{word} {name}" for word in words for name in modal.ropes)), "energy"
 
@@ -365,7 +365,7 @@ def mode_ends(modal: ModalEquations) -> tuple[ModeEnd, ...]:
         for mode, law in zip(modal.modes, modal.laws, strict=False)
     ]
     lines = [
-        (mode, name, f"'rope_tension {name}'", f"'rope_slack {name}'")
+        (mode, name, f"'contact_force {name}'", f"'gap {name}'")
         for mode, name in zip(modal.modes[len(joints) :], modal.ropes, strict=True)
     ]
     return tuple(
@@ -394,13 +394,14 @@ def mode_block(
     counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(eqs.formed))
     names, ropes, length = [law.joint.name for law in laws], len(modal.ropes), scales.length
     n, components = len(laws) + ropes, sum(counts)
-    units = [1.0 if law.turns else length for law in laws] + [length] * ropes
+    turning = [law.turns for law in laws] + [eqs.units.get(f"gap {name}") == "rad" for name in modal.ropes]
+    units = [1.0 if turns else length for turns in turning]
     candidates = [*(names.index(name) for name in modal.joints), *range(len(laws), n)]
     elements = [
         pack(SwitchingElement, candidate=k, is_rope=float(k >= len(laws)), unit=units[k], mode=LOOSE)
         for k in candidates
     ]
-    places = [candidates.index(k) if k in candidates else -1 for k in range(n)]
+    owners = [candidates.index(k) if k in candidates else -1 for k in range(n)]
     problem = pack(
         ModeProblem, count=n, rows=n, components=components, columns=n + 1,
         elements=[pack(ModeElement) for _ in range(n)],
@@ -409,8 +410,8 @@ def mode_block(
         ModeSwitch, count=len(modal.names), ropes=ropes, candidates=n, components=components,
         states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names), out_size=deciding[1],
         moves_size=projecting[1], first_input=first_input, length=length, time=scales.time,
-        fastest=1.0 / scales.time, elements=elements, places=places, normals=[*counts, *[0] * ropes],
-        units=units, are_lengths=[float(k >= len(laws) or not laws[k].turns) for k in range(n)],
+        fastest=1.0 / scales.time, elements=elements, places=owners, normals=[*counts, *[0] * ropes],
+        units=units, are_lengths=[float(not turns) for turns in turning],
         sizes=scales.displacements(eqs), problem=problem, numbers=deciding[0],
         projection=projecting[0],
     )  # fmt: skip

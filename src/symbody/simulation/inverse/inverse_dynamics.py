@@ -22,7 +22,7 @@ from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.inputs.tables import Table
@@ -220,7 +220,7 @@ def _check_questions(
         Problem("inverse.rope", f"constraint {name}",
                 "a prescribed motion does not determine whether a rope is slack or taut",
                 "", "use a Distance without rope=True where it is taut, or leave it out where it is slack")
-        for name in ropes(eqs.formed)
+        for name in unilateral_elements(eqs.formed)
     ]  # fmt: skip
     if eqs.signal_state_names:
         problems.append(_moving_signals(eqs))

@@ -14,7 +14,7 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.equations.closing_equations import closing_equations
-from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.simulation.stepper.numbers import StepNumbers, state_values
 from symbody.simulation.stepper.step_problem import StepProblem
 
@@ -30,7 +30,7 @@ def close_again(problem: StepProblem, numbers: StepNumbers, parameters: Mapping[
     whole = closing_equations(eqs)
     if not (whole.multiplier_names or whole.quaternions):
         return None
-    if ropes(eqs.formed):  # which of them are taut follows from the state
+    if unilateral_elements(eqs.formed):  # which of them are taut follows from the state
         return state_values(nearest_state(problem, numbers, parameters, {}))
     scales = mechanism_scales(whole, parameters, problem.problem.scales.sizes)
     signals = x[len(eqs.speed_names) + len(eqs.coordinate_names) :]

@@ -219,12 +219,12 @@ class _CaseLoop:
         owner = np.searchsorted(ends, np.arange(len(rows)), side="right")
         is_event = rows[:, 0] < happens.events
         rows, owner = rows[is_event, :-1], owner[is_event]
-        joints, count = len(happens.joints), len(happens.inputs)
+        count = len(happens.inputs)
         if count:
             stops = self._ends(cases, loop_at.LOOK_MODES)
             written = self._decisions[: stops[-1]]
             first = [0, *stops[:-1].tolist()]
-            changed, _, words, are_first = mode_changes(written, joints, count, first)
+            changed, _, words, are_first = mode_changes(written, happens.elements, first)
             changed, words = changed[~are_first], words[~are_first]
             states = written[changed, 3 + count : -1]
             rows = np.vstack([rows, np.column_stack([happens.events + words, written[changed, 1], states])])
@@ -265,7 +265,7 @@ class _CaseLoop:
                 notes.append(f"{reach}; there {ending}")
             if place in struck:
                 rows = self._decisions[stops[place - 1] if place else 0 : stops[place]]
-                notes += shock_notes(rows, len(happens.joints), happens.ropes)
+                notes += shock_notes(rows, happens.elements)
             texts[k] = "; ".join(notes)
         return texts
 

@@ -21,7 +21,7 @@ from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import ModeEnd
 from symbody.simulation.events.watch_arrays import with_cut_fit
-from symbody.simulation.hybrid.mode_record import mode_words
+from symbody.simulation.hybrid.mode_record import ModalElements, modal_elements, mode_words
 from symbody.simulation.hybrid.switching import SwitchingModes, check_backwards, loose_modes
 from symbody.simulation.inputs.breakpoints import Breakpoints, search_ahead
 from symbody.simulation.inputs.tables import Table
@@ -64,8 +64,10 @@ class CaseHappenings:
         Names of the events, those that end modes last.
     events : int
         How many are the caller's.
-    joints, ropes, inputs : tuples of str
-        What has modes, in the order of the switch, and the inputs that are modes.
+    elements : ModalElements
+        What has modes.
+    inputs : tuple of str
+        The inputs that are modes.
     words : tuple of str
         What a change of a mode is called, as `mode_words` lists them.
     """
@@ -74,8 +76,7 @@ class CaseHappenings:
     modes: Floats = field(default_factory=lambda: np.zeros(ModeSwitch.size))
     labels: tuple[str, ...] = ()
     events: int = 0
-    joints: tuple[str, ...] = ()
-    ropes: tuple[str, ...] = ()
+    elements: ModalElements = ModalElements()
     inputs: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
 
@@ -239,9 +240,9 @@ def _happenings(
     if modes is None:
         return CaseHappenings(block, labels=labels, events=events)
     modes.prepare(block)
-    joints, ropes = modes.modal.joints, modes.modal.ropes
-    words = mode_words(joints, ropes)
-    return CaseHappenings(block, modes.snapshot(), labels, events, joints, ropes, modes.modal.modes, words)
+    elements = modal_elements(modes.modal)
+    words = mode_words(elements)
+    return CaseHappenings(block, modes.snapshot(), labels, events, elements, modes.modal.modes, words)
 
 
 def _work_tolerances(problem: SimulationProblem, sweep: SweepJob, x: Floats) -> Floats:

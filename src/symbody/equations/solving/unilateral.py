@@ -1,0 +1,59 @@
+"""Unilateral elements, ropes and stops: rows that hold while a gap is closed and never pull it shut."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
+from symbody.expr.expression import Expr, number, symbol
+from symbody.expr.graph import Symbol, SymbolKind
+from symbody.model.constraints import Distance
+
+
+def unilateral_elements(formed: EquationsOfMotion) -> tuple[str, ...]:
+    """Return the names of the elements whose rows are one-sided, in the order of the model."""
+    known = {row.element for row in (*formed.rows, *formed.slack) if row.sense}
+    return tuple(c.name for c in formed.topology.model.constraints if c.name in known) if known else ()
+
+
+def unilateral_row(formed: EquationsOfMotion, name: str) -> ConstraintEquation:
+    """Return the row that holds while the gap of an element is closed, whether it is or not."""
+    return next(row for row in (*formed.slack, *formed.rows) if row.element == name)
+
+
+def gap_of(row: ConstraintEquation) -> Expr:
+    """Return the gap of a row: how much shorter the ends of a rope are apart than it is long."""
+    return row.value if row.sense > 0 else -row.value
+
+
+def effort_of(row: ConstraintEquation) -> Expr:
+    """Return the effort that opens the gap of a row, as an unknown: the tension of a rope."""
+    effort = symbol(row.value.graph, Symbol(row.name, SymbolKind.MULTIPLIER))
+    return effort if row.sense > 0 else -effort
+
+
+def gap_scale(formed: EquationsOfMotion, row: ConstraintEquation) -> Expr:
+    """Return what a gap is small against: the length of a rope; 0 for the scale of the row."""
+    rod = formed.topology.contacts.get(row.element)
+    if not isinstance(rod, Distance):
+        return number(formed.graph, 0)
+    return formed.names.expression(rod.value, f"constraint {row.element}")
+
+
+def open_gaps(formed: EquationsOfMotion, names: Collection[str]) -> EquationsOfMotion:
+    """Return the equations without the rows of some elements; their multipliers are 0."""
+    gone = tuple(row for row in formed.rows if row.element in names)
+    if not gone:
+        return formed
+    kept = tuple(row for row in formed.rows if row.element not in names)
+    zero = number(formed.graph, 0)
+    known = formed.names.with_values({row.name: zero for row in gone})
+    return replace(formed.with_rows(kept), slack=(*formed.slack, *gone), names=known)
+
+
+def row_places(formed: EquationsOfMotion, names: Collection[str]) -> list[int]:
+    """Return the places of the rows of elements whose gaps are closed, in the order of the names."""
+    places = {row.element: k for k, row in enumerate(formed.rows)}
+    return [places[name] for name in names]
