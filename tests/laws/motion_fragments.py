@@ -173,6 +173,23 @@ def bounce() -> Fragment:
     )  # fmt: skip
 
 
+def ball_on_stop() -> Fragment:
+    """As `bounce` from 0.25, by a stop with a restitution of 0.7."""
+    known = hops(0.25, 0.7)
+
+    def reference(t: Array) -> Values:
+        h, rate = 0.25 - G * t**2 / 2, -G * t
+        for start, v in known:
+            s, after = t - start, t >= start
+            h, rate = np.where(after, v * s - G * s**2 / 2, h), np.where(after, v - G * s, rate)
+        return {"p": h, "p_dot": rate}
+
+    parts = (*slide("drop", "p", "y"), sb.Stop("ground plate", "p", restitution=0.7))
+    return Fragment(
+        "ball on a stop", parts, reference, {"p": 0.25, "p_dot": 3.0}, {"p": 0.25}, tuple(t for t, _ in known)
+    )
+
+
 def rate_that_jumps() -> Fragment:
     """A slide whose rate jumps from 1 to 2 at t = 0.4, and on it a free one, which stays as fast as it was in space."""
     law = "if(t < 0.4, t, 2*t - 0.4)"
@@ -428,7 +445,7 @@ def smooth_contact() -> Fragment:
 FRAGMENTS = {
     fragment.name: fragment
     for fragment in (
-        oscillator(), dry_block(), ball_on_rope(), bounce(), rate_that_jumps(), sampled_controller(), fmu_input(),
+        oscillator(), dry_block(), ball_on_rope(), ball_on_stop(), bounce(), rate_that_jumps(), sampled_controller(), fmu_input(),
         table_that_jumps(), python_input(), gears(), closed_loop(), lag(), stop_event(), measured_angle(),
         quaternion(), smooth_contact(),
     )
