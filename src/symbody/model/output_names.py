@@ -31,11 +31,11 @@ from symbody.model.output_arguments import (
 # Headings of the editor's tree and of lists of outputs, in their order.
 TITLES: Final = (
     "Positions", "Speeds", "Accelerations", "Inputs", "Signals", "Energies", "Lengths and angles of springs",
-    "Forces and torques", "Reactions", "Ropes", "Motion of frames", "Multipliers and constraint error",
+    "Forces and torques", "Reactions", "Ropes", "Contacts", "Motion of frames", "Multipliers and constraint error",
     "Equations",
 )  # fmt: skip
 POSITIONS, SPEEDS, ACCELERATIONS, INPUTS, SIGNALS, ENERGIES, SPRINGS = TITLES[:7]
-LOADS, REACTIONS, ROPES, FRAMES, MULTIPLIERS, EQUATIONS = TITLES[7:]
+LOADS, REACTIONS, ROPES, CONTACTS, FRAMES, MULTIPLIERS, EQUATIONS = TITLES[7:]
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,6 +209,12 @@ _ALL: Final = (
     OutputKind("rope_slack_dot", ROPES, "rate of the slack", "m/s", _ROPE),
     OutputKind("rope_slack_ddot", ROPES, "second rate of the slack", "m/s^2", _ROPE),
     OutputKind("rope_size", ROPES, "size of the terms of the second rate of the slack", "m/s^2", _ROPE),
+    OutputKind("gap", CONTACTS, "least distance of two shapes, negative where they overlap", "m",
+               (_elements("gap", "C"),)),
+    OutputKind("contact_force", CONTACTS, "force of a contact on its end, in the axes of its frame", "N",
+               (_elements("contact_force", "C"), EntryWord("[x]", lambda _: _VECTOR)), "3"),
+    OutputKind("slip", CONTACTS, "velocity of its end relative to its start across the normal, where the gap "
+               "is least", "m/s", (_elements("slip", "C"), EntryWord("[x]", lambda _: _VECTOR[:2])), "2"),
     OutputKind(FRAME_OUTPUT, FRAMES, "motion of END relative to REFERENCE, components along axes of IN",
                ", ".join(filter(None, MOTION_UNITS.values())),
                (EntryWord("KIND", lambda _: tuple(MOTION_UNITS), is_needed=True),

@@ -272,6 +272,16 @@ def _measure(formed: EquationsOfMotion, words: Sequence[str], first: str) -> Out
     return _expression(formed, name) if value is None else ((), [value])
 
 
+def _measured_vector(
+    formed: EquationsOfMotion, words: Sequence[str], first: str, letters: str
+) -> Output:
+    """Return all entries of a measure, or the one that is named."""
+    if any(words[1:]):
+        return _measure(formed, words, first)
+    values = [entry for letter in letters for entry in _measure(formed, (words[0], letter), first)[1]]
+    return (len(values),), values
+
+
 def _vector(compute: Callable[[EquationsOfMotion], Sequence[Expr]]) -> Maker:
     def make(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
         values = compute(formed)
@@ -358,6 +368,9 @@ MAKERS: Final = _for_all_kinds(
         "rope_slack_dot": rope_slack_rate,
         "rope_slack_ddot": rope_slack_acceleration,
         "rope_size": rope_acceleration_size,
+        "gap": partial(_measure, first="gap"),
+        "contact_force": partial(_measured_vector, first="contact_force", letters="xyz"),
+        "slip": partial(_measured_vector, first="slip", letters="xy"),
         FRAME_OUTPUT: frame_output,
         "udot": _vector(_udot),
         "qdot": _vector(_qdot),
