@@ -54,9 +54,11 @@ from .model import Curve as Curve
 
 # Model and elements: forces
 from .model import Bushing as Bushing
+from .model import Contact as Contact
 from .model import Drive as Drive
 from .model import Force as Force
 from .model import Friction as Friction
+from .model import NormalForce as NormalForce
 from .model import SpringDamper as SpringDamper
 from .model import Torque as Torque
 from .model import TorsionSpring as TorsionSpring

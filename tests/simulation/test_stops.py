@@ -49,7 +49,7 @@ def test_a_ball_bounces_until_its_impacts_end() -> None:
     assert closed.t == pytest.approx(fall * (1 + e) / (1 - e), rel=1e-9)
     assert run["gap floor"].min() > -1e-9
     rest = run.t > closed.t
-    assert run["contact_force floor"][rest] == pytest.approx(0.3 * G, rel=1e-9)
+    assert run["opening_effort floor"][rest] == pytest.approx(0.3 * G, rel=1e-9)
     assert abs(run.energy_drift) < 1e-8
     assert run["mode floor"][-1] == 1.0 and run["mode floor"][0] == 0.0
     assert any("Poisson" in note for note in run.notes)
@@ -118,8 +118,8 @@ def test_an_arm_rests_on_a_stop_until_its_drive_lifts_it() -> None:
     (opened,) = (event.t for event in run.events if event.name == "rest open")
     assert opened == pytest.approx(2 + moment / 5, rel=1e-8)
     resting = (run.t > 1.6) & (run.t < 2.0)
-    assert run["contact_force rest"][resting] == pytest.approx(moment, rel=1e-8)
-    assert run.units["contact_force rest"] == "N m" and run.units["gap rest"] == "rad"
+    assert run["opening_effort rest"][resting] == pytest.approx(moment, rel=1e-8)
+    assert run.units["opening_effort rest"] == "N m" and run.units["gap rest"] == "rad"
 
 
 def test_a_table_that_shakes_throws_a_block_at_a_known_phase() -> None:
@@ -140,7 +140,7 @@ def test_assembly_equilibrium_and_linear_equations_know_closed_gaps() -> None:
         sb.assemble(eqs, {"phi": -1.0})
     rest = sb.find_equilibrium(eqs, {"phi": -0.4})
     assert rest.q["phi"] == pytest.approx(-np.pi / 6)
-    assert float(rest["contact_force rest"]) == pytest.approx(2.0 * G * 0.5 * np.cos(np.pi / 6))
+    assert float(rest["opening_effort rest"]) == pytest.approx(2.0 * G * 0.5 * np.cos(np.pi / 6))
     assert any("closed" in note for note in rest.notes)
 
 

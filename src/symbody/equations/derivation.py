@@ -8,7 +8,7 @@ from typing import Final
 
 from symbody.equations.constraints.loop_closure import assembly_mode
 from symbody.equations.constraints.mechanism_constraints import form_constraints
-from symbody.equations.constraints.rolling import add_contact_frames
+from symbody.equations.contacts.contact_frames import add_contact_frames
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
 from symbody.equations.elimination.coupled_coordinates import NONE_COUPLED, solve_couplings
 from symbody.equations.elimination.dependent_speeds import eliminate_speeds, elimination_notes, named_speeds
@@ -303,9 +303,9 @@ def _eliminate(
 
 
 def _with_contacts(formed: EquationsOfMotion) -> EquationsOfMotion:
-    """Return the equations with the frames of rolling contacts in their kinematics."""
-    contacts = formed.topology.contacts.values()
-    return replace(formed, kinematics=add_contact_frames(formed.names, formed.kinematics, contacts))
+    """Return the equations with the frames of contacts in their kinematics."""
+    elements = formed.topology.model.elements
+    return replace(formed, kinematics=add_contact_frames(formed.names, formed.kinematics, elements))
 
 
 def _share_notes(formed: EquationsOfMotion) -> tuple[str, ...]:

@@ -23,7 +23,6 @@ from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
-from symbody.model.constraints import Rolling
 from symbody.model.element import FrameRef, make_frame_ref
 from symbody.single_flight import SingleFlight
 
@@ -239,9 +238,9 @@ class EquationsOfMotion(MultibodySystem):
         FormulationError
             If there is none, with the nearest names.
         """
-        link = self.topology.link(name)
-        if isinstance(link, Rolling):
-            return link.name  # its frame is at the point of contact
+        element = self.topology.output_scope.elements.get(name)
+        if element is not None and element.has_frame:
+            return name  # its frame is at the point of contact
         body, _, point = name.partition(".")
         found = self.topology.output_scope.frames.find(make_frame_ref(body, point))
         if isinstance(found, FrameRef):

@@ -31,7 +31,7 @@ from symbody.model.shapes.shape import GROUND_SHAPES
 
 VERSION: Final = 2
 # What version 2 brought; a file without any of them is written without a version, as those of version 1.
-NEWER_SECTIONS: Final = ("table", "signal", "block", "include")
+NEWER_SECTIONS: Final = ("contact", "table", "signal", "block", "include")
 
 
 NEWER: Final = "newer_version"

@@ -15,6 +15,8 @@ from .constraints import PointOnSurface as PointOnSurface
 from .constraints import RackPinion as RackPinion
 from .constraints import Rolling as Rolling
 from .constraints import Stop as Stop
+from .contacts.contact import Contact as Contact
+from .contacts.normal_force import NormalForce as NormalForce
 from .first_values import Initial as Initial
 from .frame import Frame as Frame
 from .joints import Bearing as Bearing

@@ -28,6 +28,8 @@ class Element(Declared):
         What follows its name in the names of outputs of a kind: ``("",)`` if nothing does.
     effort_unit : str
         Of its effort; of several with commas, that along displacements first.
+    has_frame : bool
+        Whether there is a frame of its name, in the point of contact.
     """
 
     mark: ClassVar[str] = ", "
@@ -36,6 +38,7 @@ class Element(Declared):
     group: ClassVar[str] = ""
     outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     effort_unit: ClassVar[str] = ""
+    has_frame: ClassVar[bool] = False
 
     name: ElementName = ElementName("Unique among the elements of the model.")
 

@@ -43,6 +43,7 @@ KINDS: Final = (
     "torsion_spring",
     "force",
     "torque",
+    "contact",
     "constraint",
     "table",
     "signal",

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import partial
 
 from symbody.model.body import Body
-from symbody.model.constraints import Rolling
 from symbody.model.declarations.field import NewNames
 from symbody.model.declarations.fields import SymbolElementName
 from symbody.model.element import Element, make_frame_ref
@@ -42,14 +41,15 @@ class OutputScope:
     beginnings: frozenset[str]
 
     def is_frame(self, word: str, *, may_be_entry: bool = False) -> bool:
-        """Return whether a word is the address of a frame, or the name of a rolling contact, which has one.
+        """Return whether a word is the address of a frame, or the name of a contact, which has one.
 
         Parameters
         ----------
         may_be_entry : bool
             Whether an entry such as ``x`` may stand here, which wins over a frame ``x`` of some body.
         """
-        if isinstance(self.elements.get(word), Rolling):
+        element = self.elements.get(word)
+        if element is not None and element.has_frame:
             return True
         body, _, point = word.partition(".")
         known, address = self.frames.frames, make_frame_ref(body, point)
@@ -184,7 +184,7 @@ class FrameWord(OutputArgument):
         known = scope.frames.frames.items()
         bodies = (body for body, _ in known if body != GROUND)
         points = (f"{body}.{name}" for body, names in known for name in sorted(names))
-        contacts = (name for name, element in scope.elements.items() if isinstance(element, Rolling))
+        contacts = (name for name, element in scope.elements.items() if element.has_frame)
         return (*bodies, *points, *contacts)
 
     def accepts(self, word: str, scope: OutputScope, before: Words) -> bool:

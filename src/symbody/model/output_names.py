@@ -157,6 +157,12 @@ def _normal_unit(words: Words, scope: OutputScope) -> str:
     return "N" if friction is not None and friction.reads_reaction else ""
 
 
+def _gap_unit(words: Words, scope: OutputScope) -> str:
+    """Return the unit of the gap of a contact; that of a stop follows from its formula."""
+    owner = scope.elements.get(words[0])
+    return "m" if owner is not None and owner.kind == "contact" else ""
+
+
 def _motion_entries(words: Words) -> tuple[str, ...]:
     return _MATRIX if words[:1] == ("R",) else _VECTOR
 
@@ -178,7 +184,7 @@ def _coordinate_words(kind: str, letter: str) -> tuple[OutputArgument, ...]:
 
 _FRICTION: Final = (_elements("friction", "J"),)
 _ROPE: Final = (_elements("rope", "R"),)
-_GAP: Final = (_elements("gap", "E"),)
+_STOP: Final = (_elements("stop", "S"),)
 MULTIPLIER: Final = "lambda_"
 _ROW: Final = re.compile(r"_(?:\d+|motion(?:_\d+)?|stick)")
 
@@ -211,12 +217,19 @@ _ALL: Final = (
     OutputKind("rope_slack_dot", ROPES, "rate of the slack", "m/s", _ROPE),
     OutputKind("rope_slack_ddot", ROPES, "second rate of the slack", "m/s^2", _ROPE),
     OutputKind("rope_size", ROPES, "size of the terms of the second rate of the slack", "m/s^2", _ROPE),
-    OutputKind("gap", CONTACTS, "how far a stop is from closing", "", _GAP),
-    OutputKind("gap_dot", CONTACTS, "rate of the gap", "", _GAP),
-    OutputKind("gap_ddot", CONTACTS, "second rate of the gap", "", _GAP),
-    OutputKind("contact_force", CONTACTS, "effort with which a closed stop opens its gap", "", _GAP),
-    OutputKind("gap_scale", CONTACTS, "what the gap is small against", "", _GAP, is_readable=False),
-    OutputKind("restitution", CONTACTS, "share of the rate that is left after an impact", "", _GAP,
+    OutputKind("gap", CONTACTS, "least distance of two shapes, negative where they overlap; what a stop limits",
+               "m, rad", (_elements("gap", "C"),), choose_unit=_gap_unit),
+    OutputKind("contact_force", CONTACTS, "force of a contact on its end, in the axes of its frame", "N",
+               (_elements("contact_force", "C"), EntryWord("[x]", lambda _: _VECTOR)), "3"),
+    OutputKind("slip", CONTACTS, "velocity of its end relative to its start across the normal, where the gap "
+               "is least", "m/s", (_elements("slip", "C"), EntryWord("[x]", lambda _: _VECTOR[:2])), "2"),
+    OutputKind("opening_effort", CONTACTS, "effort with which a closed stop opens its gap", "N, N m", _STOP,
+               choose_unit=_gap_unit),
+    OutputKind("gap_dot", CONTACTS, "rate of the gap of a stop", "m/s, rad/s", _STOP, choose_unit=_gap_unit),
+    OutputKind("gap_ddot", CONTACTS, "its second rate", "m/s^2, rad/s^2", _STOP, choose_unit=_gap_unit),
+    OutputKind("row_gap", CONTACTS, "gap of a rope, stop or point of contact", "", _STOP, is_readable=False),
+    OutputKind("gap_scale", CONTACTS, "what the gap is small against", "", _STOP, is_readable=False),
+    OutputKind("restitution", CONTACTS, "share of the rate that is left after an impact", "", _STOP,
                is_readable=False),
     OutputKind(FRAME_OUTPUT, FRAMES, "motion of END relative to REFERENCE, components along axes of IN",
                ", ".join(filter(None, MOTION_UNITS.values())),

@@ -19,7 +19,7 @@ from symbody.model.model import KINDS
 _PACKAGE: Final = __name__.rpartition(".")[0]
 # Folders whose stubs say in which file a class stands, and all in which elements stand.
 _STUBBED: Final = tuple(f"{_PACKAGE}.{each}" for each in ("joints", "signals.blocks", "constraints"))
-_FOLDERS: Final = (*_STUBBED, *(f"{_PACKAGE}.{each}" for each in ("loads", "signals", "tables")))
+_FOLDERS: Final = (*_STUBBED, *(f"{_PACKAGE}.{each}" for each in ("loads", "contacts", "signals", "tables")))
 # Kinds of which a file has several types, named by a word.
 TYPED: Final = ("joint", "constraint", "block")
 

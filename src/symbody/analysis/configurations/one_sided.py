@@ -170,7 +170,7 @@ class _ModeSearch:
     def _deciding_output(self, name: str, mode: int) -> str:
         """Return the output whose value decides whether a rope or a joint that slips does."""
         if mode in (_TAUT, _SLACK):
-            return f"contact_force {name}" if mode == _TAUT else f"gap_ddot {name}"
+            return f"opening_effort {name}" if mode == _TAUT else f"gap_ddot {name}"
         return f"{self.coordinate(name)}_ddot"
 
     def _surplus(self, value: float, name: str, mode: int) -> tuple[float, str]:

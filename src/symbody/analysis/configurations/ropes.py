@@ -29,7 +29,7 @@ Attempt = Callable[[EquationSet, Mapping[str, float]], State]
 
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
 LOOSE: Final = 1e-7  # of its length: what assembly and continuation leave of a rope that is taut
-_MEASURES: Final = ("gap", "gap_scale")
+_MEASURES: Final = ("row_gap", "gap_scale")
 
 
 def assemble_with_ropes(
@@ -156,7 +156,7 @@ def _place(
 
 
 def _too_short(state: State, name: str, error: AssemblyError) -> Problem:
-    length, slack = float(state[f"gap_scale {name}"]), float(state[f"gap {name}"])
+    length, slack = float(state[f"gap_scale {name}"]), float(state[f"row_gap {name}"])
     if not length:
         return Problem(
             "assembly.closed_stop", f"constraint {name}", f"its gap is {slack:.6g}, but cannot be negative",
@@ -190,7 +190,7 @@ class _Speeds:
         while True:
             evaluator = self.closed(with_taut(self.eqs, taut))
             result = complete_state(evaluator, self.q, u, self.q, self._guessed_rates(evaluator))
-            pushes = {name: -float(result[f"contact_force {name}"]) for name in taut}
+            pushes = {name: -float(result[f"opening_effort {name}"]) for name in taut}
             worst = max(pushes, key=lambda name: pushes[name], default="")
             if not worst or pushes[worst] <= 0.0:
                 return result

@@ -7,17 +7,16 @@ A disc of radius R with axle a touches the plane with normal n in ``C = P - R e`
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from symbody.equations.constraints.frame_constraints import pair_equation
 from symbody.equations.constraints.points import direction
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.joint_axes import perpendiculars
-from symbody.equations.kinematics.motion import Kinematics, add_frames
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.expr.expression import sqrt
-from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import KnifeEdge, Rolling
 from symbody.spatial.matrix import matrix3
 from symbody.spatial.rotation import DirectionCosines
@@ -43,23 +42,10 @@ def rolling_equations(names: Names, kinematics: Kinematics, wheel: Rolling) -> I
         yield pair_equation(kinematics, wheel, value=value, force=force, moment=cross(tree, spoke, force))
 
 
-def add_contact_frames(
-    names: Names, kinematics: Kinematics, contacts: Iterable[FrameConstraint]
-) -> Kinematics:
-    """Return the kinematics with a frame for each rolling contact; its velocities are computed when read.
-
-    It is called like the constraint. Its origin is the point of contact, z the normal, x forward.
-    """
-    wheels = [contact for contact in contacts if isinstance(contact, Rolling)]
-    if not wheels:
-        return kinematics
-    steps = [_contact_steps(names, kinematics, wheel) for wheel in wheels]
-    return add_frames(kinematics, [step for step, _ in steps], [step for _, step in steps], lazy=True)
-
-
-def _contact_steps(
+def rolling_frame(
     names: Names, kinematics: Kinematics, wheel: Rolling
 ) -> tuple[RotationStep, TranslationStep]:
+    """Return the steps to the frame of a rolling contact: z is the normal, x forward."""
     tree, start = kinematics.tree, wheel.start.full_name
     normal, forward, spoke = contact_axes(names, kinematics, wheel)
     left = cross(tree, normal, forward)

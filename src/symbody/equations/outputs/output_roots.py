@@ -273,6 +273,22 @@ def _measure(formed: EquationsOfMotion, words: Sequence[str], first: str) -> Out
     return _expression(formed, name) if value is None else ((), [value])
 
 
+def _gap(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "gap C": of a contact what its law reads, of a stop its row."""
+    name = f"gap {words[0]}"
+    return _measure(formed, words, "gap") if name in formed.loads.measures else gap(formed, words)
+
+
+def _measured_vector(
+    formed: EquationsOfMotion, words: Sequence[str], first: str, letters: str
+) -> Output:
+    """Return all entries of a measure, or the one that is named."""
+    if any(words[1:]):
+        return _measure(formed, words, first)
+    values = [entry for letter in letters for entry in _measure(formed, (words[0], letter), first)[1]]
+    return (len(values),), values
+
+
 def _vector(compute: Callable[[EquationsOfMotion], Sequence[Expr]]) -> Maker:
     def make(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
         values = compute(formed)
@@ -359,10 +375,13 @@ MAKERS: Final = _for_all_kinds(
         "rope_slack_dot": gap_rate,
         "rope_slack_ddot": gap_acceleration,
         "rope_size": gap_acceleration_size,
-        "contact_force": opening_effort,
-        "gap": gap,
+        "gap": _gap,
+        "contact_force": partial(_measured_vector, first="contact_force", letters="xyz"),
+        "slip": partial(_measured_vector, first="slip", letters="xy"),
+        "opening_effort": opening_effort,
         "gap_dot": gap_rate,
         "gap_ddot": gap_acceleration,
+        "row_gap": gap,
         "gap_scale": gap_scale_output,
         "restitution": gap_restitution,
         FRAME_OUTPUT: frame_output,

@@ -92,7 +92,7 @@ def _stop_units(model: Model, listed: Units) -> dict[str, str]:
         unit = expression_unit(stop.gap.text, listed.get) if isinstance(stop, Stop) else None
         for kind in (_TRANSLATION, _ROTATION):
             if isinstance(stop, Stop) and unit == kind[0]:
-                gap, force = f"gap {stop.name}", f"contact_force {stop.name}"
+                gap, force = f"gap {stop.name}", f"opening_effort {stop.name}"
                 units |= {gap: unit, force: _EFFORTS[kind[1]], f"lambda_{stop.name}_1": _EFFORTS[kind[1]]}
                 units |= {f"gap_dot {stop.name}": kind[1], f"gap_ddot {stop.name}": kind[2]}
     return units

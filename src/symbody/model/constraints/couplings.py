@@ -259,7 +259,7 @@ class Stop(ConstraintElement):
 
     def output_words(self, kind: str) -> tuple[str, ...]:
         """Return what may follow its name in outputs of a kind."""
-        return ("",) if kind in ("gap", "mode") else ()
+        return ("",) if kind in ("gap", "stop", "mode") else ()
 
 
 def _negative(formula: Formula) -> Formula:

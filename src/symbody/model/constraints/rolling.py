@@ -59,6 +59,7 @@ class Rolling(FrameConstraint):
     holds: ClassVar[str] = "height of the point of contact; its velocity forward and to the left"
     multiplier: ClassVar[str] = "the force on end along normal, forward, left"
     multiplier_unit: ClassVar[str] = "N"
+    has_frame: ClassVar[bool] = True
 
     radius: Quantity = Quantity(
         "Radius of the disc or sphere.", unit="m", fits=positive_length("a point cannot roll")

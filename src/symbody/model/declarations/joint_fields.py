@@ -243,6 +243,10 @@ class DryFriction(OptionalField[Friction, Friction]):
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> Friction | None:
         """Return the friction; it is refused where there are several free directions."""
         friction = OptionalField.read(self, owner, arguments, value, path)
+        for name in ("mu_y", "stribeck"):
+            if friction is not None and getattr(friction, name) is not None:
+                what, why = f"{name} is for contacts", "a joint slides along one direction, by one coefficient"
+                arguments.add("contact.friction", f"{path}.{name}", what, why, "leave it out")
         if friction is None or len(owner.coordinates) == 1:
             return friction
         what = f"the joint has {len(owner.coordinates)} free directions"

@@ -1,4 +1,4 @@
-"""`Friction`: dry friction along the one free direction of a joint."""
+"""`Friction`: dry friction along the one free direction of a joint, or between the surfaces of a contact."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from symbody.model.numeric_checks import Domain, NumericChecks
 _STRENGTHS: Final = {
     name: Domain("model.negative_friction", f"the {word} {name} is {{value}}",
                  "friction always opposes the motion", "give a number that is not negative", 0.0)
-    for word, names in (("coefficient", ("mu", "mu_static")), ("strength", ("force", "static")))
+    for word, names in (("coefficient", ("mu", "mu_static", "mu_y")), ("strength", ("force", "static")))
     for name in names
 }  # fmt: skip
 _SCALES: Final = {
     name: Domain("model.friction_scale", f"{name} is {{value}}", "it is a scale or a lever arm",
                  f"give a positive number, or leave {name} out", 0.0, above=True)
-    for name in ("radius", "v0")
+    for name in ("radius", "v0", "stribeck")
 }  # fmt: skip
 _DOMAINS: Final = MappingProxyType({**_STRENGTHS, **_SCALES})
 
@@ -30,13 +30,17 @@ _DOMAINS: Final = MappingProxyType({**_STRENGTHS, **_SCALES})
 @final
 @part
 class Friction(Declared):
-    """Dry friction in a joint, from its own reaction or of given strength.
+    """Dry friction in a joint, from its own reaction or of given strength; or in a contact.
 
     A prismatic joint is held back by ``mu*N``, a revolute joint by ``mu*radius*N``, where N is the magnitude
     of the reaction across the axis; or both by `force`. With `v0` the law is smooth, proportional to
     ``sin(atan(v/v0))``: 0.71 of its strength at `v0`; without it the joint sticks and slips by events. In a
     prismatic joint the moment it transmits, over `radius`, counts as one more component of its reaction;
     without `radius` forces alone count.
+
+    In a contact it is ``mu N v/sqrt(v^2 + v0^2)`` against the slip v, with `mu_y` across x of the contact's
+    frame. With `stribeck` the coefficient falls from `mu_static` to `mu` as
+    ``mu + (mu_static - mu) exp(-(v/stribeck)^2)``.
 
     Examples
     --------
@@ -64,6 +68,12 @@ class Friction(Declared):
     )
     static: OptionalQuantity = optional(
         Quantity("Force or torque up to which it sticks.", unit="N, N m", scope=Scope.LOAD)
+    )
+    mu_y: OptionalQuantity = optional(
+        Quantity("Coefficient of a contact along y of its frame; default: mu.", scope=Scope.LOAD)
+    )
+    stribeck: OptionalQuantity = optional(
+        Quantity("Speed over which a contact's mu_static falls to mu.", unit="m/s")
     )
 
     def check(self, arguments: Arguments) -> None:

@@ -353,7 +353,7 @@ class SwitchingModes:
 
 def deciding_outputs(modal: ModalEquations) -> tuple[OutputName, ...]:
     """Return what decides about modes, outputs of the equations whose modes are open; see `ModeSwitch`."""
-    words = ("gap", "gap_dot", "gap_scale", "restitution")
+    words = ("row_gap", "gap_dot", "gap_scale", "restitution")
     rates = [f"{law.coordinate}_dot" for law in modal.laws]
     return OF_MODES, (*rates, *(f"{word} {name}" for word in words for name in modal.ropes)), "energy"
 
@@ -365,7 +365,7 @@ def mode_ends(modal: ModalEquations) -> tuple[ModeEnd, ...]:
         for mode, law in zip(modal.modes, modal.laws, strict=False)
     ]
     lines = [
-        (mode, name, f"'contact_force {name}'", f"'gap {name}'")
+        (mode, name, f"'opening_effort {name}'", f"'row_gap {name}'")
         for mode, name in zip(modal.modes[len(joints) :], modal.ropes, strict=True)
     ]
     return tuple(

@@ -1,0 +1,1 @@
+"""Contacts on the graph: where shapes touch, and the forces there."""

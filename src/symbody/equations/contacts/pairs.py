@@ -1,0 +1,331 @@
+"""Gaps and points of contact of pairs of shapes: planes with solids, solids with each other, hollow ones.
+
+Each function takes a pair in the order of its name. Distances of what has an axis follow Ericson, *Real-Time
+Collision Detection* (2005), chapter 5; the lowest point of a rim is that of `equations.constraints.rolling`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from itertools import product
+from types import MappingProxyType
+from typing import Final
+
+from symbody.equations.contacts.contact_geometry import (
+    ContactGeometry,
+    PlacedShape,
+    ShapePair,
+    Touch,
+    chosen,
+    is_less,
+    perpendicular,
+    unit_vector,
+)
+from symbody.equations.contacts.surfaces import cam_and_ball, height_and_ball
+from symbody.equations.kinematics.joint_axes import perpendiculars
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.expr.expression import Expr, maximum, minimum, number, sqrt
+from symbody.expr.opcodes import ABS
+from symbody.model.contacts.contact import Contact
+from symbody.model.contacts.contact_shapes import PAIRS, ContactShape
+from symbody.spatial.vector import ZERO, Vector, in_simplest_frame, vector
+
+# Squares of sines below which two axes count as parallel.
+_PARALLEL: Final = 1e-12
+
+
+def contact_geometry(names: Names, kinematics: Kinematics, contact: Contact) -> ContactGeometry:
+    """Return where the shapes of a contact touch, with the normal from start to end."""
+    where = f"contact {contact.name}"
+    start, end = (
+        _placed(names, shape, place.full_name, where)
+        for shape, place in zip(contact.shapes, (contact.start, contact.end), strict=True)
+    )
+    function = _FUNCTIONS.get((start.word, end.word))
+    if function is not None:
+        return function(ShapePair(names, kinematics, start, end, where))
+    pair = ShapePair(names, kinematics, end, start, where)
+    turned = _FUNCTIONS[end.word, start.word](pair)
+    back = kinematics.position(start.frame, end.frame)
+    touches = tuple(Touch(touch.gap, touch.point + back) for touch in turned.touches)
+    return ContactGeometry(-turned.normal, turned.forward, touches)
+
+
+def _placed(names: Names, shape: ContactShape, frame: str, where: str) -> PlacedShape:
+    if shape.word in ("height", "cam"):
+        return PlacedShape(shape.word, frame, (), shape.sizes[0])
+    return PlacedShape(shape.word, frame, tuple(names.expression(size, where) for size in shape.sizes))
+
+
+def _on_plane(pair: ShapePair, balls: list[tuple[Vector, Expr | int]]) -> ContactGeometry:
+    """Return the contact of a plane and spheres, given by centre, from the second origin, and radius."""
+    normal = pair.axis(pair.first, "z")
+    touches = tuple(
+        pair.ball(normal, pair.arm + centre, radius, pair.dot(normal, pair.arm + centre))
+        for centre, radius in balls
+    )
+    return ContactGeometry(normal, pair.axis(pair.first, "x"), touches)
+
+
+def plane_and_ball(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a plane and a sphere or point."""
+    return _on_plane(pair, [(ZERO, pair.second.radius)])
+
+
+def plane_and_capsule(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a plane and the two ends of a capsule."""
+    radius, length = pair.second.sizes
+    half = _axle(pair) * (length / 2)
+    return _on_plane(pair, [(half, radius), (-half, radius)])
+
+
+def plane_and_box(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a plane and the eight corners of a box."""
+    edges = pair.second.sizes
+    home = pair.home(pair.second)
+    corners = [
+        vector(home, (edges[0] / 2 * a, edges[1] / 2 * b, edges[2] / 2 * c))
+        for a, b, c in product((1, -1), repeat=3)
+    ]
+    return _on_plane(pair, [(corner, 0) for corner in corners])
+
+
+def plane_and_ring(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a plane and the lowest point of a disc, or of a torus; x where it rolls."""
+    forward, down = _rim(pair)
+    radius, *tube = pair.second.sizes
+    on_plane = _on_plane(pair, [(down * radius, tube[0] if tube else 0)])
+    return ContactGeometry(on_plane.normal, forward, on_plane.touches)
+
+
+def plane_and_cylinder(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a plane and three points of the rim at each end of a cylinder.
+
+    They are the lowest and those a third of a turn away: where it stands upright they bear it alike in all
+    directions, where it lies the lowest two touch.
+    """
+    radius, length = pair.second.sizes
+    forward, down = _rim(pair)
+    half = _axle(pair) * (length / 2)
+    sine = sqrt(number(pair.kinematics.graph, 3)) / 2
+    around = (down, forward * sine - down * _half(pair), -(forward * sine) - down * _half(pair))
+    return _on_plane(pair, [(end + each * radius, 0) for end in (half, -half) for each in around])
+
+
+def _half(pair: ShapePair) -> Expr:
+    return number(pair.kinematics.graph, 1) / 2
+
+
+def _axle(pair: ShapePair) -> Vector:
+    """Return the axis of the second shape, without turns about it."""
+    kinematics = pair.kinematics
+    return in_simplest_frame(kinematics.tree, pair.axis(pair.second, "z"), kinematics.driven_frames)
+
+
+def _rim(pair: ShapePair) -> tuple[Vector, Vector]:
+    """Return where a disc rolls that spins positively, and from its centre to its lowest point; unit vectors.
+
+    Of one that lies flat each direction is as good.
+    """
+    axle = _axle(pair)
+    ((home, parts),) = axle.terms.items()
+    any_forward = vector(home, perpendiculars(pair.kinematics.graph, parts)[0])
+    forward, _ = unit_vector(pair, pair.cross(axle, pair.axis(pair.first, "z")), any_forward)
+    return forward, pair.cross(axle, forward)
+
+
+def _between_balls(pair: ShapePair, near: Vector, far: Vector) -> ContactGeometry:
+    """Return the contact of two spheres, or of what is round about points, by their centres."""
+    normal, distance = unit_vector(pair, far - near, pair.axis(pair.first, "z"))
+    gap = distance - pair.first.radius - pair.second.radius
+    touch = Touch(gap, near + normal * (gap / 2 + pair.first.radius))
+    return ContactGeometry(normal, perpendicular(pair, normal), (touch,))
+
+
+def ball_and_ball(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of two spheres or points."""
+    return _between_balls(pair, ZERO, pair.arm)
+
+
+def ball_and_capsule(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a sphere or point and a capsule, in the point of its axis that is nearest."""
+    axle = pair.axis(pair.second, "z")
+    along = _within(-pair.dot(axle, pair.arm), pair.second.sizes[1] / 2)
+    return _between_balls(pair, ZERO, pair.arm + axle * along)
+
+
+def capsule_and_capsule(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of two capsules in the points of their axes that are nearest.
+
+    Of parallel ones it is the middle of the part that is side by side.
+    """
+    u, w = pair.axis(pair.first, "z"), pair.axis(pair.second, "z")
+    near, far = pair.first.sizes[1] / 2, pair.second.sizes[1] / 2
+    cosine, a, b = pair.dot(u, w), pair.dot(u, pair.arm), pair.dot(w, pair.arm)
+    sine = pair.cross(u, w)
+    square = pair.dot(sine, sine)
+    graph = pair.kinematics.graph
+    is_parallel = is_less(square, number(graph, _PARALLEL))
+    middle = (maximum(-near, a - far) + minimum(near, a + far)) / 2
+    crossing = (a - cosine * b) / chosen(is_parallel, number(graph, 1), square)
+    first = _within(chosen(is_parallel, middle, crossing), near)
+    second = _within(cosine * first - b, far)
+    first = _within(a + cosine * second, near)
+    return _between_balls(pair, u * first, pair.arm + w * second)
+
+
+def box_and_ball(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a box and a sphere or point."""
+    return _box_and_centre(pair, pair.arm)
+
+
+def box_and_capsule(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a box and a capsule, in the point of its axis that is nearest.
+
+    The slope of the squared distance along the axis rises, in straight pieces that end where the axis crosses
+    planes of faces: the piece with its zero is that between the last place where it is not positive and the
+    first where it is not negative.
+    """
+    graph = pair.kinematics.graph
+    half = pair.second.sizes[1] / 2
+    start = pair.components(pair.arm, pair.first)
+    along = pair.components(pair.axis(pair.second, "z"), pair.first)
+    edges = [edge / 2 for edge in pair.first.sizes]
+    tiny, one, zero = number(graph, _PARALLEL), number(graph, 1), number(graph, 0)
+
+    def slope(t: Expr) -> Expr:
+        total = zero
+        for p, u, edge in zip(start, along, edges, strict=True):
+            x = p + u * t
+            total = total + u * (x - _within(x, edge))
+        return total
+
+    places = [half, -half]
+    for p, u, edge in zip(start, along, edges, strict=True):
+        is_across = is_less(u * u, tiny)
+        rate = chosen(is_across, one, u)
+        places += [_within((side - p) / rate, half) for side in (edge, -edge)]
+    low, low_slope, high, high_slope = -half, slope(-half), half, slope(half)
+    for place in places[2:]:
+        value = slope(place)
+        is_low = is_less(value, zero)
+        is_lower, is_higher = is_less(low, place), is_less(place, high)
+        raised, lowered = chosen(is_lower, place, low), chosen(is_higher, place, high)
+        low, low_slope = (
+            chosen(is_low, raised, low),
+            chosen(is_low, chosen(is_lower, value, low_slope), low_slope),
+        )
+        is_high = is_less(zero, value)
+        high, high_slope = (
+            chosen(is_high, lowered, high),
+            chosen(is_high, chosen(is_higher, value, high_slope), high_slope),
+        )
+    return _box_and_centre(pair, pair.arm + pair.axis(pair.second, "z") * _zero(low, low_slope, high, high_slope))
+
+
+def _zero(low: Expr, low_slope: Expr, high: Expr, high_slope: Expr) -> Expr:
+    """Return where a line through two points vanishes; an end where it does not, the middle where it is 0."""
+    graph = low.graph
+    zero, one = number(graph, 0), number(graph, 1)
+    rise = high_slope - low_slope
+    is_flat = is_less(rise, number(graph, _PARALLEL) * (high - low))
+    share = _within_unit(chosen(is_flat, one / 2, -low_slope / chosen(is_flat, one, rise)))
+    share = chosen(is_less(zero, low_slope), zero, chosen(is_less(high_slope, zero), one, share))
+    return low + (high - low) * share
+
+
+def _box_and_centre(pair: ShapePair, centre: Vector) -> ContactGeometry:
+    """Return the contact of a box and a sphere about a centre, which may be inside: then by the nearest face."""
+    graph = pair.kinematics.graph
+    zero, one = number(graph, 0), number(graph, 1)
+    place = pair.components(centre, pair.first)
+    edges = [edge / 2 for edge in pair.first.sizes]
+    beyond = [x - _within(x, edge) for x, edge in zip(place, edges, strict=True)]
+    depths = [edge - x.apply(ABS) for x, edge in zip(place, edges, strict=True)]
+    depth = minimum(minimum(depths[0], depths[1]), depths[2])
+    is_x = is_less(depths[0], minimum(depths[1], depths[2]))
+    is_y = is_less(depths[1], depths[2])
+    signs = [chosen(is_less(x, zero), -one, one) for x in place]
+    face = (
+        chosen(is_x, signs[0], zero),
+        chosen(is_x, zero, chosen(is_y, signs[1], zero)),
+        chosen(is_x, zero, chosen(is_y, zero, signs[2])),
+    )
+    home = pair.home(pair.first)
+    outward = vector(home, (beyond[0], beyond[1], beyond[2]))
+    normal, outside = unit_vector(pair, outward, vector(home, face))
+    distance = outside + minimum(-depth, zero) * chosen(is_less(zero, outside), zero, one)
+    touch = pair.ball(normal, centre, pair.second.radius, distance)
+    return ContactGeometry(normal, perpendicular(pair, normal), (touch,))
+
+
+def socket_and_ball(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a sphere or point with the hollow sphere that it is in."""
+    return _in_hollow(pair, pair.arm)
+
+
+def hole_and_ball(pair: ShapePair) -> ContactGeometry:
+    """Return the contact of a sphere, point or disc of parallel axis with the hollow cylinder that it is in."""
+    axis = pair.axis(pair.first, "z")
+    return _in_hollow(pair, pair.arm - axis * pair.dot(axis, pair.arm))
+
+
+def _in_hollow(pair: ShapePair, offset: Vector) -> ContactGeometry:
+    """Return the contact inside of something round, `offset` from its middle or axis."""
+    outward, distance = unit_vector(pair, offset, pair.axis(pair.first, "x"))
+    hollow = pair.first.sizes[0]
+    gap = hollow - pair.second.radius - distance
+    touch = Touch(gap, pair.arm - offset + outward * (hollow - gap / 2))
+    return ContactGeometry(-outward, perpendicular(pair, -outward), (touch,))
+
+
+def _within(x: Expr, half: Expr) -> Expr:
+    """Return a value within an interval about 0."""
+    return maximum(-half, minimum(half, x))
+
+
+def _within_unit(x: Expr) -> Expr:
+    return maximum(number(x.graph, 0), minimum(number(x.graph, 1), x))
+
+
+PairFunction = Callable[[ShapePair], ContactGeometry]
+
+
+def _for_all_pairs(functions: dict[tuple[str, str], PairFunction]) -> Mapping[tuple[str, str], PairFunction]:
+    """Return the functions, one for each pair that a model may have."""
+    odd = functions.keys() ^ PAIRS
+    if odd:
+        raise LookupError(f"a function without a pair of shapes, or a pair without one: {sorted(odd)}")
+    return MappingProxyType(functions)
+
+
+_FUNCTIONS: Final = _for_all_pairs(
+    {
+        ("plane", "point"): plane_and_ball,
+        ("plane", "sphere"): plane_and_ball,
+        ("plane", "capsule"): plane_and_capsule,
+        ("plane", "cylinder"): plane_and_cylinder,
+        ("plane", "disc"): plane_and_ring,
+        ("plane", "torus"): plane_and_ring,
+        ("plane", "box"): plane_and_box,
+        ("sphere", "sphere"): ball_and_ball,
+        ("sphere", "point"): ball_and_ball,
+        ("sphere", "capsule"): ball_and_capsule,
+        ("point", "capsule"): ball_and_capsule,
+        ("capsule", "capsule"): capsule_and_capsule,
+        ("box", "sphere"): box_and_ball,
+        ("box", "point"): box_and_ball,
+        ("box", "capsule"): box_and_capsule,
+        ("socket", "sphere"): socket_and_ball,
+        ("socket", "point"): socket_and_ball,
+        ("hole", "disc"): hole_and_ball,
+        ("hole", "sphere"): hole_and_ball,
+        ("hole", "point"): hole_and_ball,
+        ("height", "point"): height_and_ball,
+        ("height", "sphere"): height_and_ball,
+        ("cam", "point"): cam_and_ball,
+        ("cam", "disc"): cam_and_ball,
+        ("cam", "sphere"): cam_and_ball,
+    }
+)

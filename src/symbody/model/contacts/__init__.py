@@ -1,0 +1,1 @@
+"""Contacts as data: shapes that touch, and laws of the forces between them."""

@@ -1,0 +1,98 @@
+"""`Contact`: two shapes that touch, with a force that is a smooth function of gap and rates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import ClassVar, Final, final
+
+from symbody.model.contacts.contact_shapes import ContactShapes
+from symbody.model.contacts.normal_force import NormalForce, NormalLaw
+from symbody.model.declarations.arguments import Arguments
+from symbody.model.declarations.combinators import OptionalField, optional
+from symbody.model.declarations.element_fields import Connection, element
+from symbody.model.declarations.fields import DeclaredPart, Refusal
+from symbody.model.loads.friction import Friction, check_friction
+from symbody.model.numeric_checks import NumericChecks
+
+_FRICTION: Final = Refusal(
+    "contact.friction", what="{value} is not Friction", fix="give Friction(mu=.., v0=..), or leave it out"
+)
+# What the friction of a joint has, and what has no meaning between two surfaces.
+_OF_JOINTS: Final = ("radius", "force", "static")
+
+
+@final
+@element
+class Contact(Connection):
+    """Two shapes that touch: a compliant force along the normal, and friction across it.
+
+    The normal points from the shape on start to that on end; the gap between them is positive while they are
+    apart, and negative is how deep they overlap. The force acts in the middle of the overlap, on end along the
+    normal, the opposite on start. A box, a capsule or a cylinder on a plane touches in several points, each
+    with the whole law: the gap is the least of theirs, the force the sum.
+
+    Friction needs `v0`: with the slip v, the relative velocity across the normal, it is
+    ``-mu N v/sqrt(v^2 + v0^2)``, so that what seems to stick creeps.
+
+    Examples
+    --------
+    >>> import symbody as sb
+    >>> ball = sb.Body("Ball", mass=1, inertia=(0.4, 0.4, 0.4))
+    >>> normal = sb.NormalForce(stiffness=1e6, dissipation=0.1)
+    >>> floor = sb.Contact("floor", "ground", ball, ["plane", {"sphere": "r"}], normal=normal,
+    ...                    friction=sb.Friction(mu=0.5, v0=1e-3))
+    >>> floor.shapes
+    ('plane', {'sphere': 'r'})
+    """
+
+    equation: ClassVar[str] = "`normal` along the normal, -mu N v/sqrt(v^2 + v0^2) across it"
+    sign: ClassVar[str] = "on end, in the axes of its frame: z along the normal, from start to end"
+    outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {"gap": ("",), "contact_force": ("",), "slip": ("",)}
+    )
+    group: ClassVar[str] = "Contacts"
+    kind: ClassVar[str] = "contact"
+    has_frame: ClassVar[bool] = True
+    on_one_body: ClassVar[Refusal | None] = Refusal(
+        "contact.one_body", what="both shapes are on {value}", fix="put one on another body, or on ground",
+        why="their gap never changes",
+    )  # fmt: skip
+
+    shapes: ContactShapes = ContactShapes("The shape on start and that on end.")
+    normal: NormalLaw = NormalLaw("The force along the normal.", kind=NormalForce)
+    friction: OptionalField[Friction, Friction] = optional(
+        DeclaredPart("Friction across the normal; needs v0.", kind=Friction, refusal=_FRICTION)
+    )
+
+    def check(self, arguments: Arguments) -> None:
+        """Note friction that is not one between surfaces."""
+        friction = self.friction
+        if friction is None:
+            return
+        odd = [name for name in _OF_JOINTS if getattr(friction, name) is not None]
+        for name in odd:
+            why = "the force along the normal is known, and friction is mu times that"
+            arguments.add("contact.friction", f"friction.{name}", f"{name} is for joints", why, "leave it out")
+        if friction.v0 is None and not odd:
+            what = "v0 is missing"
+            why = "friction of a compliant contact is a smooth function of the slip"
+            fix = "give v0 = .. in m/s: the slip at which friction is at 0.71 of its strength"
+            arguments.add("contact.friction", "friction.v0", what, why, fix)
+        if (friction.mu_static is None) != (friction.stribeck is None):
+            what = "mu_static and stribeck belong together"
+            why = "the coefficient falls from mu_static to mu over the speed stribeck"
+            arguments.add("contact.friction", "friction.mu_static", what, why, "give both, or neither")
+        if friction.mu_y is not None and friction.mu_static is not None:
+            what, why = "mu_y and mu_static are given", "mu_static is that of all directions"
+            arguments.add("contact.friction", "friction.mu_y", what, why, "leave one of them out")
+        if friction.mu_y is not None and "plane" not in {shape.word for shape in self.shapes}:
+            what = "mu_y is given, and neither shape is a plane"
+            why = "the directions x and y of such a contact turn with its normal"
+            arguments.add("contact.friction", "friction.mu_y", what, why, "leave mu_y out")
+
+    def check_numbers(self, check: NumericChecks, label: str) -> None:
+        """Refuse impossible sizes, laws and friction."""
+        Connection.check_numbers(self, check, label)
+        if self.friction is not None:
+            check_friction(check, self.friction, f"{label}, friction", turns=False)
