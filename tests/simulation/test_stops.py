@@ -171,7 +171,7 @@ def test_steppers_sweeps_and_programs_meet_the_same_impacts() -> None:
     for _ in range(300):
         stepper.step()
     assert stepper["z"] == pytest.approx(run["z"][-1], abs=1e-7)
-    cases = sb.sweep(eqs, 3.0, {"e": [0.8, 0.0, 1.0]}, outputs=["z"], times=[3.0])
-    for k, e in enumerate((0.8, 0.0, 1.0)):
+    cases = sb.sweep(eqs, 3.0, {"e": [0.8, 0.1, 1.0]}, times=[3.0])
+    for k, e in enumerate((0.8, 0.1, 1.0)):
         alone = sb.simulate(eqs, 3.0, times=[3.0], parameters={"e": e})
-        assert np.ravel(cases["z"][k])[-1] == pytest.approx(alone["z"][-1], abs=1e-7)
+        assert np.ravel(cases["z"])[k] == pytest.approx(alone["z"][-1], abs=1e-7)
