@@ -32,7 +32,7 @@ def closing_equations(eqs: EquationSet) -> EquationSet:
     if any(law.may_stick for law in formed.friction) or _has_modes(formed):
         return modal_equations(whole).eqs
     slack = {row.element for row in formed.slack}
-    stuck = tuple(law.joint.name for law in formed.friction if law.sticks)
+    stuck = tuple(law.name for law in formed.friction if law.sticks)
     if not (slack or stuck):
         return whole
     in_modes: EquationSet = whole.plans.get(

@@ -31,7 +31,7 @@ def drive_wrenches(system: MultibodySystem) -> Iterator[tuple[str, Wrench]]:
             rotor = system.rotors[coordinate]
             effort = effort - rotor.inertia * kinematics.rate(rotor.rate)
         for law in system.friction:
-            if law.joint.name == joint.name and law.coordinate == coordinate:
+            if law.name == joint.name and law.coordinate == coordinate:
                 effort = effort + law.effort
         yield joint.name, drive_wrench(names, kinematics, joint, coordinate, effort)
 
@@ -40,7 +40,7 @@ def _loaded_coordinates(system: MultibodySystem) -> Iterator[tuple[JointRole, st
     """Return the measured coordinates with a drive, a rotor or friction."""
     for role in system.joint_roles:
         joint = role.joint
-        friction = {law.coordinate: law for law in system.friction if law.joint.name == joint.name}
+        friction = {law.coordinate: law for law in system.friction if law.name == joint.name}
         for coordinate in {**joint.drives, **joint.armature, **friction}:
             if coordinate not in role.coordinates:
                 yield role, coordinate

@@ -162,7 +162,7 @@ class _ModeSearch:
         values = state.values_of((*outputs.values(), *reserves))
         deciding = {name: float(values[output]) for name, output in outputs.items()}
         if reserves:
-            names = [law.joint.name for law in held.formed.friction]
+            names = [law.name for law in held.formed.friction]
             by_joint = dict(zip(names, np.ravel(values["friction_reserve"]).tolist(), strict=True))
             deciding |= {name: by_joint[name] for name, mode in modes.items() if mode == STICKS}
         return deciding
@@ -194,7 +194,7 @@ class _ModeSearch:
 
     def coordinate(self, joint: str) -> str:
         """Return the coordinate along which a joint slips."""
-        return next(law.coordinate for law in self.eqs.formed.friction if law.joint.name == joint)
+        return next(law.coordinate for law in self.eqs.formed.friction if law.name == joint)
 
     def _element(self, name: str) -> str:
         return f"rope {name}" if name in self.ropes else f"the friction of joint {name}"

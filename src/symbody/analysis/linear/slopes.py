@@ -279,7 +279,7 @@ def switches(eqs: EquationSet, nodes: Sequence[int]) -> tuple[Switch, ...]:
 def _switches(eqs: EquationSet, nodes: Sequence[int]) -> Iterator[Switch]:
     for law in eqs.formed.friction:
         if law.switches:
-            yield f"the friction of joint {law.joint.name}", law.rate.index
+            yield f"the friction of joint {law.name}", law.rate.index
     graph = eqs.formed.graph
     for node in _valued_nodes(graph, nodes):
         op, a, b = graph.ops[node], graph.left[node], graph.right[node]

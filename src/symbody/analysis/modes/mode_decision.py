@@ -127,5 +127,5 @@ def mode_numbers(eqs: EquationSet, values: Sequence[float], scales: Scales) -> M
         ModeCandidate(UNILATERAL, unit, rounding=float(slight))
         for unit, slight in zip(units[len(laws) :], rounding[len(laws) :], strict=True)
     ]
-    names = tuple(law.joint.name for law in laws)
+    names = tuple(law.name for law in laws)
     return ModeNumbers(names, tuple(lines), responses, tuple(candidates))

@@ -128,6 +128,23 @@ def wrenches(kinematics: Kinematics, load: Load) -> list[tuple[str, Vector, Vect
     return [(load.frame, load.force, cross(kinematics.tree, load.position, load.force))]
 
 
+def opposite_forces(
+    frames: tuple[str, str], reach: Vector, point: Vector, force: Vector
+) -> tuple[PointForce, ...]:
+    """Return a force on the second body, and the opposite on the first, in one point.
+
+    Parameters
+    ----------
+    frames : (str, str)
+    reach, point : Vector
+        From the origin of the first frame to that of the second, and to the point.
+    """
+    if force.is_zero:
+        return ()
+    start, end = frames
+    return (PointForce(end, force, point - reach), PointForce(start, -force, point))
+
+
 def couple(start: str, end: str, torque: Vector) -> tuple[Moment, Moment]:
     """Return a torque on the body end, and the opposite one on start."""
     return (Moment(end, torque), Moment(start, -torque))

@@ -109,7 +109,7 @@ def _product(row: Sequence[Expr], column: Sequence[Expr], start: Expr) -> Expr:
 
 def _check_no_friction(formed: EquationsOfMotion) -> None:
     if formed.friction:
-        names = ", ".join(dict.fromkeys(law.joint.name for law in formed.friction))
+        names = ", ".join(dict.fromkeys(law.name for law in formed.friction))
         raise FormulationError(
             Problem("reduction.friction", f"friction of {names}",
                     "equations with friction from reactions are not reduced in closed form",

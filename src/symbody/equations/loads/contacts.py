@@ -11,13 +11,13 @@ from symbody.equations.contacts.contact_geometry import (
 )
 from symbody.equations.contacts.contact_laws import friction_force, normal_force
 from symbody.equations.contacts.pairs import contact_geometry
-from symbody.equations.dynamics.load import Law, Load, PointForce, is_constant, load_law
+from symbody.equations.dynamics.load import Law, Load, is_constant, load_law, opposite_forces
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import number
 from symbody.model.contacts.contact import Contact
-from symbody.spatial.vector import Vector, cross
+from symbody.spatial.vector import cross
 
 
 @load_law.register(Contact)
@@ -45,8 +45,10 @@ def _contact_law(contact: Contact, names: Names, kinematics: Kinematics, roles: 
             x, y = friction_force(names, contact.friction, along.force, velocity, where)
         across = geometry.forward * x + left * y
         elastic = along.elastic if has_potential else zero
-        loads += _opposite(kinematics, frames, touch.point, across + geometry.normal * along.force)
-        lossy += _opposite(kinematics, frames, touch.point, across + geometry.normal * (along.force - elastic))
+        reach = kinematics.position(*frames)
+        lost = across + geometry.normal * (along.force - elastic)
+        loads += opposite_forces(frames, reach, touch.point, across + geometry.normal * along.force)
+        lossy += opposite_forces(frames, reach, touch.point, lost)
         energy = energy + (along.energy if has_potential else zero)
         power = power + x * velocity.x + y * velocity.y + (along.force - elastic) * velocity.normal
         total = [old + new for old, new in zip(total, (x, y, along.force), strict=True)]
@@ -63,16 +65,3 @@ def _has_potential(names: Names, contact: Contact, where: str) -> bool:
     """Return whether the elastic part is a function of the gap alone."""
     law = contact.normal
     return law.stiffness is not None and is_constant(names.expression(law.stiffness, where))
-
-
-def _opposite(
-    kinematics: Kinematics, frames: tuple[str, str], point: Vector, force: Vector
-) -> tuple[Load, ...]:
-    """Return a force on the second body, and the opposite on the first, in a point from the first origin."""
-    if force.is_zero:
-        return ()
-    start, end = frames
-    return (
-        PointForce(end, force, point - kinematics.position(start, end)),
-        PointForce(start, -force, point),
-    )

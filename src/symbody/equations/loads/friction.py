@@ -1,6 +1,6 @@
-"""Dry friction of joints: what is known of it before the reactions are.
+"""Dry friction of joints and rigid contacts: what is known of it before the reactions are.
 
-The effort of each joint with friction is an unknown of its own, a symbol like a multiplier: all equations of
+The effort of each joint with friction, and along each direction of a contact, is an unknown of its own, a symbol like a multiplier: all equations of
 motion are linear in it. `solving.friction` finds it together with the accelerations.
 """
 
@@ -10,24 +10,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from symbody.equations.dynamics.load import GeneralizedForce
+from symbody.equations.dynamics.load import GeneralizedForce, Load, opposite_forces
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import Expr, number, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import SIGN
+from symbody.model.contacts.contact import Contact
 from symbody.model.joint import Joint
 from symbody.model.loads.friction import Friction
+from symbody.spatial.vector import Vector
 
 
 @dataclass(frozen=True, slots=True)
 class FrictionLaw:
-    """Dry friction along the coordinate of a joint: effort ``-slip*strength*N`` on the end body.
+    """Dry friction along the coordinate of a joint or in a contact: effort ``-slip*strength*N`` on the end body.
 
     Attributes
     ----------
+    name : str
+        Of the joint, or of the contact and the direction.
+    element : str
+        What sticks or slips as one: the joint, or both directions of a contact.
+    owner : Joint or Contact
     rate : Expr
-        Of the coordinate.
+        Of the coordinate; the slip along the direction [m/s].
     slip : Expr
         From -1 to 1, with the sign of the rate.
     strength, limit : Expr
@@ -45,7 +52,9 @@ class FrictionLaw:
         Whether a row that holds the joint in one of its modes is among the equations.
     """
 
-    joint: Joint
+    name: str
+    element: str
+    owner: Joint | Contact
     rate: Expr
     slip: Expr
     strength: Expr
@@ -55,21 +64,22 @@ class FrictionLaw:
     switches: bool
     sticks: bool = False
     may_stick: bool = False
+    touch: SlipDirection | None = None
 
     @property
     def coordinate(self) -> str:
-        """The coordinate it acts along."""
-        return self.joint.coordinates[0]
+        """The coordinate it acts along; empty in a contact."""
+        return self.owner.coordinates[0] if isinstance(self.owner, Joint) else ""
 
     @property
     def turns(self) -> bool:
         """Whether its coordinate is an angle."""
-        return self.coordinate in self.joint.rotation_coordinates
+        return isinstance(self.owner, Joint) and self.coordinate in self.owner.rotation_coordinates
 
     @property
     def symbol(self) -> Symbol:
         """Its effort as an unknown."""
-        return Symbol(f"friction_{self.joint.name}", SymbolKind.MULTIPLIER)
+        return Symbol(f"friction_{self.name}", SymbolKind.MULTIPLIER)
 
     @property
     def effort(self) -> Expr:
@@ -82,7 +92,7 @@ class FrictionLaw:
         graph = self.rate.graph
         if not self.reads_reaction:
             return number(graph, 1)
-        return symbol(graph, Symbol(f"friction_normal_{self.joint.name}", SymbolKind.MULTIPLIER))
+        return symbol(graph, Symbol(f"friction_normal_{self.name}", SymbolKind.MULTIPLIER))
 
     @property
     def is_coupled(self) -> bool:
@@ -92,12 +102,38 @@ class FrictionLaw:
     @property
     def holding_effort(self) -> str:
         """The name of the row that holds the joint while it sticks."""
-        return f"lambda_{self.joint.name}_stick"
+        return f"lambda_{self.name}_stick"
 
     @property
-    def load(self) -> GeneralizedForce:
+    def loads(self) -> tuple[Load, ...]:
         """What it does to the equations of motion."""
-        return GeneralizedForce(self.rate, self.effort, self.coordinate)
+        if self.touch is None:
+            return (GeneralizedForce(self.rate, self.effort, self.coordinate),)
+        return opposite_forces(self.touch.frames, self.touch.reach, self.touch.point, self.touch.direction * self.effort)
+
+
+class SlipDirection(NamedTuple):
+    """A direction across the normal of a contact, in a point where shapes touch.
+
+    Attributes
+    ----------
+    frames : (str, str)
+        Of the shapes.
+    reach : Vector
+        From the origin of the first frame to that of the second.
+    point : Vector
+        From the origin of the first frame.
+    direction : Vector
+        A unit vector.
+    row : str
+        The multiplier of the gap, which is the force along the normal.
+    """
+
+    frames: tuple[str, str]
+    reach: Vector
+    point: Vector
+    direction: Vector
+    row: str
 
 
 class Resistance(NamedTuple):
@@ -147,7 +183,9 @@ def _law(names: Names, joint: Joint, friction: Friction) -> FrictionLaw:
         slip = rate / sqrt(rate**2 + names.expression(friction.v0, where) ** 2)
     zero = number(names.graph, 0)
     return FrictionLaw(
-        joint=joint,
+        name=joint.name,
+        element=joint.name,
+        owner=joint,
         rate=rate,
         slip=zero if strength.is_zero else slip,
         strength=strength,

@@ -102,7 +102,7 @@ def form_loads(
                 (key, load.effort) for load in drive_law.loads if isinstance(load, GeneralizedForce)
             )
             laws.append(drive_law)
-    laws += [Law((rubbing.load,), zero, rubbing.effort * rubbing.rate) for rubbing in friction]
+    laws += [Law(rubbing.loads, zero, rubbing.effort * rubbing.rate) for rubbing in friction]
     for element in model.elements:
         law = load_law(element, names, kinematics, roles)
         if law is not None:

@@ -69,7 +69,7 @@ def _magnitude(parts: list[Expr]) -> Expr:
 
 def friction_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the joints with friction."""
-    return tuple(law.joint.name for law in formed.friction)
+    return tuple(law.name for law in formed.friction)
 
 
 def _effort(law: FrictionLaw) -> Expr:

@@ -155,7 +155,7 @@ def _holding_effort(
         rotor = names.expression(joint.armature[coordinate], f"joint {joint.name}")
         effort = effort + rotor * names.value(f"{coordinate}_ddot")
     for law in formed.friction:
-        if law.joint.name == joint.name:
+        if law.name == joint.name:
             effort = effort - law.effort
     for row, multiplier in formed.bearing_rows:
         if coordinate in row.shares:

@@ -211,7 +211,7 @@ def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iter
             yield Component(f"effort {name}", row.coordinate in turning), multiplier
         elif row.name in holding:
             law = holding[row.name]
-            yield Component(f"friction {law.joint.name}", law.coordinate in turning), multiplier
+            yield Component(f"friction {law.name}", law.coordinate in turning), multiplier
         for coordinate, share in row.shares.items():
             yield Component(f"{row.name} {coordinate}", coordinate in turning), multiplier * share
     substituted = coupling_multipliers(formed, totals, formed.bearing_rows) if formed.coupled.rows else {}

@@ -37,7 +37,7 @@ def inverse_dynamics(formed: EquationsOfMotion) -> list[Expr]:
         If there is friction, which follows from the accelerations only together with the unknown forces.
     """
     if formed.friction:
-        names = ", ".join(sorted({law.joint.name for law in formed.friction}))
+        names = ", ".join(sorted({law.name for law in formed.friction}))
         raise FormulationError(
             Problem("equations.inverse_friction", "inverse_dynamics", f"{names} have friction",
                     "friction depends on the forces to be found",
