@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import random
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
@@ -251,6 +253,27 @@ def test_branches_that_meet_again_are_joined() -> None:
         sizes.append(len(g) - size)
     assert sizes[-1] <= 4 * len(sizes)  # of each choice a slope, a product or two, a select
     assert evaluate_sequence(sequence_of(g, gradient(g, node, [pen.x])), {"q": [-1.0, 2.0]})[0][0] != 0
+
+
+def test_branches_in_branches_lose_nothing_on_their_way_back() -> None:
+    """Smaller, larger and selected values of each other, with conditions in common: reverse as forward."""
+    for seed in range(60):
+        chance, pen = random.Random(seed), Pen()
+        g, leaves = pen.g, [pen.x, pen.y, pen.z]
+        nodes = [*leaves, *(mul(g, a, b) for a, b in itertools.combinations_with_replacement(leaves, 2))]
+        for _ in range(8):
+            a, b, c = chance.choices(nodes[-7:], k=3)
+            nodes += [
+                apply(g, op.MIN, a, b),
+                select(g, apply(g, op.LT, pen.x, pen.y), apply(g, op.MAX, b, c), c),
+                add(g, apply(g, op.MAX, a, c), sub(g, b, apply(g, op.MIN, a, b))),
+            ]
+        there = [derivative(g, [nodes[-1]], leaf)[0] for leaf in leaves]
+        back = gradient(g, nodes[-1], leaves)
+        for _ in range(5):
+            point = [chance.uniform(-2, 2) for _ in leaves]
+            values = evaluate_sequence(sequence_of(g, [*there, *back]), {"q": point})[0]
+            assert values[:3] == pytest.approx(values[3:], rel=1e-12, abs=1e-12)
 
 
 def test_many_branches_that_do_not_meet_are_added_up() -> None:

@@ -81,7 +81,8 @@ def join_branches(graph: Graph, weights: Weights) -> Weights:
                 left[outer] = add(graph, left.get(outer, ZERO), select(graph, condition, *pair))
                 break
         else:
-            done[branch] = weight
+            # Perhaps not the first: a pair may have been put together after its outer branch was done.
+            done[branch] = add(graph, done.get(branch, ZERO), weight)
     return done if len(done) <= _MAX_BRANCHES else {ALWAYS: total(graph, done)}
 
 

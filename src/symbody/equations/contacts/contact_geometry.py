@@ -143,7 +143,7 @@ class ShapePair:
         return Touch(gap, centre - normal * (distance - gap / 2))
 
 
-def chosen(condition: Expr, then: Expr, otherwise: Expr) -> Expr:
+def choose(condition: Expr, then: Expr, otherwise: Expr) -> Expr:
     """Return one of two values by a condition."""
     return Expr(condition.graph, canonical.select(condition.graph, condition.index, then.index, otherwise.index))
 
@@ -160,10 +160,10 @@ def unit_vector(pair: ShapePair, a: Vector, otherwise: Vector) -> tuple[Vector, 
     if square.is_zero:
         return otherwise, square
     is_zero = is_less(square, number(graph, _TINY))
-    length = sqrt(chosen(is_zero, number(graph, 1), square))
+    length = sqrt(choose(is_zero, number(graph, 1), square))
     zero, one = number(graph, 0), number(graph, 1)
-    direction = a * chosen(is_zero, zero, 1 / length) + otherwise * chosen(is_zero, one, zero)
-    return direction, chosen(is_zero, zero, length)
+    direction = a * choose(is_zero, zero, 1 / length) + otherwise * choose(is_zero, one, zero)
+    return direction, choose(is_zero, zero, length)
 
 
 def perpendicular(pair: ShapePair, normal: Vector) -> Vector:
@@ -174,7 +174,7 @@ def perpendicular(pair: ShapePair, normal: Vector) -> Vector:
     x, y, z = pair.components(normal, pair.first)
     graph = pair.kinematics.graph
     one = number(graph, 1)
-    sign = chosen(is_less(z, number(graph, 0)), -one, one)
+    sign = choose(is_less(z, number(graph, 0)), -one, one)
     share = -1 / (sign + z)
     return vector(pair.home(pair.first), (one + sign * x * x * share, sign * x * y * share, -(sign * x)))
 
@@ -205,7 +205,7 @@ def least_gap(touches: tuple[Touch, ...]) -> Expr:
     """Return the least of the gaps."""
     least = touches[0].gap
     for touch in touches[1:]:
-        least = chosen(is_less(touch.gap, least), touch.gap, least)
+        least = choose(is_less(touch.gap, least), touch.gap, least)
     return least
 
 
@@ -214,5 +214,5 @@ def at_least_gap(touches: tuple[Touch, ...], values: tuple[Expr, ...]) -> Expr:
     least, value = touches[0].gap, values[0]
     for touch, other in zip(touches[1:], values[1:], strict=True):
         is_lower = is_less(touch.gap, least)
-        least, value = chosen(is_lower, touch.gap, least), chosen(is_lower, other, value)
+        least, value = choose(is_lower, touch.gap, least), choose(is_lower, other, value)
     return value

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from symbody.equations.contacts.contact_geometry import RelativeVelocity, chosen, is_less
+from symbody.equations.contacts.contact_geometry import RelativeVelocity, choose, is_less
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.loads.curves import curve_value
 from symbody.expr.expression import Expr, maximum, minimum, number, sqrt
@@ -50,13 +50,13 @@ def normal_force(names: Names, law: NormalForce, gap: Expr, rate: Expr, where: s
     graph = names.graph
     zero, one = number(graph, 0), number(graph, 1)
     touching = is_less(gap, zero)
-    depth = chosen(touching, -gap, one)
+    depth = choose(touching, -gap, one)
     if law.law is not None:
         inside = names.with_values({"gap": -depth, "gap_rate": rate})
         value = (
             curve_value(law.law, depth) if isinstance(law.law, Curve) else inside.expression(law.law, where)
         )
-        return NormalLawValue(chosen(touching, maximum(value, zero), zero), zero, zero)
+        return NormalLawValue(choose(touching, maximum(value, zero), zero), zero, zero)
     assert law.stiffness is not None
     stiffness, exponent = names.expression(law.stiffness, where), names.expression(law.exponent, where)
     spring = stiffness * _power(depth, exponent)
@@ -68,9 +68,9 @@ def normal_force(names: Names, law: NormalForce, gap: Expr, rate: Expr, where: s
         total = maximum(spring - damper, zero)
     else:
         total = spring if loss.is_zero else spring * maximum(1 - loss * rate, zero)
-    elastic = chosen(touching, spring, zero)
-    energy = chosen(touching, spring * depth / (exponent + 1), zero)
-    return NormalLawValue(elastic if total == spring else chosen(touching, total, zero), elastic, energy)
+    elastic = choose(touching, spring, zero)
+    energy = choose(touching, spring * depth / (exponent + 1), zero)
+    return NormalLawValue(elastic if total == spring else choose(touching, total, zero), elastic, energy)
 
 
 def _power(depth: Expr, exponent: Expr) -> Expr:
@@ -116,13 +116,13 @@ def _langevin_share(x: Expr) -> Expr:
     graph = x.graph
     limit = number(graph, _SERIES_UP_TO)
     is_small = is_less(x, limit)
-    small, large = chosen(is_small, x, limit), chosen(is_small, limit, x)
+    small, large = choose(is_small, x, limit), choose(is_small, limit, x)
     square = small * small
     fraction = number(graph, 2 * _LEVELS + 1)
     for level in range(_LEVELS - 1, 0, -1):
         fraction = (2 * level + 1) + square / fraction
     decay = (large * -2).apply(EXP)
-    return chosen(is_small, 1 / fraction, ((1 + decay) / (1 - decay) - 1 / large) / large)
+    return choose(is_small, 1 / fraction, ((1 + decay) / (1 - decay) - 1 / large) / large)
 
 
 def friction_force(

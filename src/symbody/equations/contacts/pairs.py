@@ -6,7 +6,7 @@ Collision Detection* (2005), chapter 5; the lowest point of a rim is that of `eq
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from types import MappingProxyType
 from typing import Final
@@ -16,7 +16,7 @@ from symbody.equations.contacts.contact_geometry import (
     PlacedShape,
     ShapePair,
     Touch,
-    chosen,
+    choose,
     is_less,
     perpendicular,
     unit_vector,
@@ -29,6 +29,7 @@ from symbody.expr.expression import Expr, maximum, minimum, number, sqrt
 from symbody.expr.opcodes import ABS
 from symbody.model.contacts.contact import Contact
 from symbody.model.contacts.contact_shapes import PAIRS, ContactShape
+from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import ZERO, Vector, in_simplest_frame, vector
 
 # Squares of sines below which two axes count as parallel.
@@ -39,7 +40,7 @@ def contact_geometry(names: Names, kinematics: Kinematics, contact: Contact) -> 
     """Return where the shapes of a contact touch, with the normal from start to end."""
     where = f"contact {contact.name}"
     start, end = (
-        _placed(names, shape, place.full_name, where)
+        _place_shape(names, shape, place.full_name, where)
         for shape, place in zip(contact.shapes, (contact.start, contact.end), strict=True)
     )
     function = _FUNCTIONS.get((start.word, end.word))
@@ -52,7 +53,7 @@ def contact_geometry(names: Names, kinematics: Kinematics, contact: Contact) -> 
     return ContactGeometry(-turned.normal, turned.forward, touches)
 
 
-def _placed(names: Names, shape: ContactShape, frame: str, where: str) -> PlacedShape:
+def _place_shape(names: Names, shape: ContactShape, frame: str, where: str) -> PlacedShape:
     if shape.word in ("height", "cam"):
         return PlacedShape(shape.word, frame, (), shape.sizes[0])
     return PlacedShape(shape.word, frame, tuple(names.expression(size, where) for size in shape.sizes))
@@ -151,7 +152,7 @@ def ball_and_ball(pair: ShapePair) -> ContactGeometry:
 def ball_and_capsule(pair: ShapePair) -> ContactGeometry:
     """Return the contact of a sphere or point and a capsule, in the point of its axis that is nearest."""
     axle = pair.axis(pair.second, "z")
-    along = _within(-pair.dot(axle, pair.arm), pair.second.sizes[1] / 2)
+    along = _clip(-pair.dot(axle, pair.arm), pair.second.sizes[1] / 2)
     return _between_balls(pair, ZERO, pair.arm + axle * along)
 
 
@@ -168,10 +169,10 @@ def capsule_and_capsule(pair: ShapePair) -> ContactGeometry:
     graph = pair.kinematics.graph
     is_parallel = is_less(square, number(graph, _PARALLEL))
     middle = (maximum(-near, a - far) + minimum(near, a + far)) / 2
-    crossing = (a - cosine * b) / chosen(is_parallel, number(graph, 1), square)
-    first = _within(chosen(is_parallel, middle, crossing), near)
-    second = _within(cosine * first - b, far)
-    first = _within(a + cosine * second, near)
+    crossing = (a - cosine * b) / choose(is_parallel, number(graph, 1), square)
+    first = _clip(choose(is_parallel, middle, crossing), near)
+    second = _clip(cosine * first - b, far)
+    first = _clip(a + cosine * second, near)
     return _between_balls(pair, u * first, pair.arm + w * second)
 
 
@@ -183,56 +184,40 @@ def box_and_ball(pair: ShapePair) -> ContactGeometry:
 def box_and_capsule(pair: ShapePair) -> ContactGeometry:
     """Return the contact of a box and a capsule, in the point of its axis that is nearest.
 
-    The slope of the squared distance along the axis rises, in straight pieces that end where the axis crosses
-    planes of faces: the piece with its zero is that between the last place where it is not positive and the
-    first where it is not negative.
+    Of points equally near, along a face or inside, it is the middle one.
     """
-    graph = pair.kinematics.graph
-    half = pair.second.sizes[1] / 2
-    start = pair.components(pair.arm, pair.first)
-    along = pair.components(pair.axis(pair.second, "z"), pair.first)
-    edges = [edge / 2 for edge in pair.first.sizes]
+    axle = pair.axis(pair.second, "z")
+    start, along = pair.components(pair.arm, pair.first), pair.components(axle, pair.first)
+    nearest = _nearest_place(start, along, _halves(pair.first), pair.second.sizes[1] / 2)
+    return _box_and_centre(pair, pair.arm + axle * nearest)
+
+
+def _nearest_place(start: Triple, along: Triple, edges: Sequence[Expr], half: Expr) -> Expr:
+    """Return where on a line, within `half` of its middle, the distance from a box is least.
+
+    The slope of the squared distance rises along the line, in straight pieces that end where it crosses planes
+    of faces. Its zero is between the last end with a slope up to 0 and the first with one from 0 on.
+    """
+    graph = half.graph
     tiny, one, zero = number(graph, _PARALLEL), number(graph, 1), number(graph, 0)
-
-    def slope(t: Expr) -> Expr:
-        total = zero
-        for p, u, edge in zip(start, along, edges, strict=True):
-            x = p + u * t
-            total = total + u * (x - _within(x, edge))
-        return total
-
     places = [half, -half]
     for p, u, edge in zip(start, along, edges, strict=True):
-        is_across = is_less(u * u, tiny)
-        rate = chosen(is_across, one, u)
-        places += [_within((side - p) / rate, half) for side in (edge, -edge)]
-    low, low_slope, high, high_slope = -half, slope(-half), half, slope(half)
-    for place in places[2:]:
-        value = slope(place)
-        is_low = is_less(value, zero)
-        is_lower, is_higher = is_less(low, place), is_less(place, high)
-        raised, lowered = chosen(is_lower, place, low), chosen(is_higher, place, high)
-        low, low_slope = (
-            chosen(is_low, raised, low),
-            chosen(is_low, chosen(is_lower, value, low_slope), low_slope),
-        )
-        is_high = is_less(zero, value)
-        high, high_slope = (
-            chosen(is_high, lowered, high),
-            chosen(is_high, chosen(is_higher, value, high_slope), high_slope),
-        )
-    return _box_and_centre(pair, pair.arm + pair.axis(pair.second, "z") * _zero(low, low_slope, high, high_slope))
-
-
-def _zero(low: Expr, low_slope: Expr, high: Expr, high_slope: Expr) -> Expr:
-    """Return where a line through two points vanishes; an end where it does not, the middle where it is 0."""
-    graph = low.graph
-    zero, one = number(graph, 0), number(graph, 1)
-    rise = high_slope - low_slope
-    is_flat = is_less(rise, number(graph, _PARALLEL) * (high - low))
-    share = _within_unit(chosen(is_flat, one / 2, -low_slope / chosen(is_flat, one, rise)))
-    share = chosen(is_less(zero, low_slope), zero, chosen(is_less(high_slope, zero), one, share))
-    return low + (high - low) * share
+        rate = choose(is_less(u * u, tiny), one, u)
+        places += [_clip((side - p) / rate, half) for side in (edge, -edge)]
+    low, high, low_slope, high_slope = -half, half, zero, zero
+    for place in places:
+        slope = zero
+        for p, u, edge in zip(start, along, edges, strict=True):
+            x = p + u * place
+            slope = slope + u * (x - _clip(x, edge))
+        raises = choose(is_less(slope, tiny), place, -half)
+        lowers = choose(is_less(-slope, tiny), place, half)
+        low_slope = choose(is_less(raises, low), low_slope, choose(is_less(slope, tiny), slope, low_slope))
+        high_slope = choose(is_less(high, lowers), high_slope, choose(is_less(-slope, tiny), slope, high_slope))
+        low, high = maximum(low, raises), minimum(high, lowers)
+    is_piece = is_less(low, high)
+    rise = choose(is_piece, high_slope - low_slope, one)
+    return choose(is_piece, low - low_slope * (high - low) / choose(is_less(zero, rise), rise, one), (low + high) / 2)
 
 
 def _box_and_centre(pair: ShapePair, centre: Vector) -> ContactGeometry:
@@ -240,22 +225,22 @@ def _box_and_centre(pair: ShapePair, centre: Vector) -> ContactGeometry:
     graph = pair.kinematics.graph
     zero, one = number(graph, 0), number(graph, 1)
     place = pair.components(centre, pair.first)
-    edges = [edge / 2 for edge in pair.first.sizes]
-    beyond = [x - _within(x, edge) for x, edge in zip(place, edges, strict=True)]
+    edges = _halves(pair.first)
+    beyond = [x - _clip(x, edge) for x, edge in zip(place, edges, strict=True)]
     depths = [edge - x.apply(ABS) for x, edge in zip(place, edges, strict=True)]
     depth = minimum(minimum(depths[0], depths[1]), depths[2])
     is_x = is_less(depths[0], minimum(depths[1], depths[2]))
     is_y = is_less(depths[1], depths[2])
-    signs = [chosen(is_less(x, zero), -one, one) for x in place]
+    signs = [choose(is_less(x, zero), -one, one) for x in place]
     face = (
-        chosen(is_x, signs[0], zero),
-        chosen(is_x, zero, chosen(is_y, signs[1], zero)),
-        chosen(is_x, zero, chosen(is_y, zero, signs[2])),
+        choose(is_x, signs[0], zero),
+        choose(is_x, zero, choose(is_y, signs[1], zero)),
+        choose(is_x, zero, choose(is_y, zero, signs[2])),
     )
     home = pair.home(pair.first)
     outward = vector(home, (beyond[0], beyond[1], beyond[2]))
     normal, outside = unit_vector(pair, outward, vector(home, face))
-    distance = outside + minimum(-depth, zero) * chosen(is_less(zero, outside), zero, one)
+    distance = outside + minimum(-depth, zero) * choose(is_less(zero, outside), zero, one)
     touch = pair.ball(normal, centre, pair.second.radius, distance)
     return ContactGeometry(normal, perpendicular(pair, normal), (touch,))
 
@@ -280,13 +265,14 @@ def _in_hollow(pair: ShapePair, offset: Vector) -> ContactGeometry:
     return ContactGeometry(-outward, perpendicular(pair, -outward), (touch,))
 
 
-def _within(x: Expr, half: Expr) -> Expr:
+def _clip(x: Expr, half: Expr) -> Expr:
     """Return a value within an interval about 0."""
     return maximum(-half, minimum(half, x))
 
 
-def _within_unit(x: Expr) -> Expr:
-    return maximum(number(x.graph, 0), minimum(number(x.graph, 1), x))
+def _halves(box: PlacedShape) -> list[Expr]:
+    """Return half the edges of a box."""
+    return [edge / 2 for edge in box.sizes]
 
 
 PairFunction = Callable[[ShapePair], ContactGeometry]

@@ -34,7 +34,7 @@ def height_and_ball(pair: ShapePair) -> ContactGeometry:
     cx, cy, cz = pair.components(pair.arm, pair.first)
     at_x, at_y = cx, cy
     for _ in range(_STEPS):
-        height, a, b, p, q, r = _at((f, fx, fy, fxx, fxy, fyy), (x, y), (at_x, at_y))
+        height, a, b, p, q, r = _put_in((f, fx, fy, fxx, fxy, fyy), (x, y), (at_x, at_y))
         above = cz - height
         gx, gy = at_x - cx - above * a, at_y - cy - above * b
         bent = sqrt(p * p + 2 * q * q + r * r + _TINY) * sqrt(above * above + _TINY)
@@ -43,7 +43,7 @@ def height_and_ball(pair: ShapePair) -> ContactGeometry:
         scale = hxx * hyy - hxy * hxy
         at_x = at_x - (hyy * gx - hxy * gy) / scale
         at_y = at_y - (hxx * gy - hxy * gx) / scale
-    height, a, b = _at((f, fx, fy), (x, y), (at_x, at_y))
+    height, a, b = _put_in((f, fx, fy), (x, y), (at_x, at_y))
     length = sqrt(1 + a * a + b * b)
     n = (-a / length, -b / length, 1 / length)
     distance = n[0] * (cx - at_x) + n[1] * (cy - at_y) + n[2] * (cz - height)
@@ -62,12 +62,12 @@ def cam_and_ball(pair: ShapePair) -> ContactGeometry:
     is_centre = cx * cx + cy * cy
     turn = atan2(cy, cx + (_TINY if is_centre.is_zero else 0))
     for _ in range(_STEPS):
-        px, py, ax, ay, bx, by = _at((*along, *first, *second), (angle,), (turn,))
+        px, py, ax, ay, bx, by = _put_in((*along, *first, *second), (angle,), (turn,))
         square = ax * ax + ay * ay + _TINY
         slope = (px - cx) * ax + (py - cy) * ay
         bent = square + (px - cx) * bx + (py - cy) * by
         turn = turn - slope / maximum(bent, square * (1 - _SHARE))
-    px, py, ax, ay = _at((*along, *first), (angle,), (turn,))
+    px, py, ax, ay = _put_in((*along, *first), (angle,), (turn,))
     length = sqrt(ax * ax + ay * ay + _TINY)
     n = (ay / length, -ax / length, number(graph, 0))
     return _on_surface(pair, n, n[0] * (cx - px) + n[1] * (cy - py))
@@ -90,7 +90,7 @@ def _slopes(value: Expr, by: Sequence[Expr]) -> list[Expr]:
     return [Expr(value.graph, node) for node in found]
 
 
-def _at(values: Sequence[Expr], by: Sequence[Expr], places: Sequence[Expr]) -> list[Expr]:
+def _put_in(values: Sequence[Expr], by: Sequence[Expr], places: Sequence[Expr]) -> list[Expr]:
     """Return expressions with others in the place of their symbols."""
     graph = by[0].graph
     pairs = {old.index: new.index for old, new in zip(by, places, strict=True)}

@@ -92,7 +92,7 @@ class Contact(Connection):
             arguments.add("contact.friction", "friction.mu_y", what, why, "leave mu_y out")
 
     def check_numbers(self, check: NumericChecks, label: str) -> None:
-        """Refuse impossible sizes, laws and friction."""
+        """Note sizes, laws and friction that cannot be."""
         Connection.check_numbers(self, check, label)
         if self.friction is not None:
             check_friction(check, self.friction, f"{label}, friction", turns=False)

@@ -203,7 +203,7 @@ class ContactShapeRole(Field[ShapeLike, ContactShape]):
     def rename(self, value: Any, names: NewNames) -> ContactShape:
         """Return the shape with its sizes in the new names."""
         own = SHAPE_KINDS[value.word].reads
-        return ContactShape(value.word, tuple(_renamed(size, names, own) for size in value.sizes))
+        return ContactShape(value.word, tuple(_rename_size(size, names, own) for size in value.sizes))
 
     def formula_sites(self, owner: object, value: ContactShape, path: str) -> Iterator[FormulaSite]:
         """Return where the sizes stand."""
@@ -277,6 +277,6 @@ def _size_schema(count: int) -> Schema:
     return {"type": "array", "items": FORMULA_SCHEMA, "minItems": count, "maxItems": count}
 
 
-def _renamed(size: Formula, names: NewNames, own: tuple[str, ...]) -> Formula:
+def _rename_size(size: Formula, names: NewNames, own: tuple[str, ...]) -> Formula:
     """Return a size in the new names; what means something in it alone keeps its name."""
     return size.rename({name: names.symbol(name) for name in size.names if name not in own})

@@ -53,7 +53,7 @@ class NormalForce(Declared):
     With the penetration ``d = max(0, -gap)`` one of
 
     - ``stiffness d^exponent max(0, 1 - dissipation gap_rate)``, the law of Hunt and Crossley; `restitution`
-      at an impact with `speed` may stand for the dissipation, exactly, whatever stiffness, exponent and mass;
+      at an impact with `speed` may stand for the dissipation, exactly, for any stiffness, exponent and mass;
     - ``max(0, stiffness d^exponent - damping min(1, d/depth) gap_rate)``, a spring and a damper; without
       `depth` the damper is there at once, and the force jumps where the shapes begin to touch;
     - ``max(0, law)`` while the gap is negative, else 0; a curve is a function of the penetration.
