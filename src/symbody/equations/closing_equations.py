@@ -31,7 +31,7 @@ def closing_equations(eqs: EquationSet) -> EquationSet:
     whole: EquationSet = coupled.unsubstituted.get(None, lambda: _form_unsubstituted(eqs))
     if any(law.may_stick for law in formed.friction) or _has_modes(formed):
         return modal_equations(whole).eqs
-    slack = {row.element for row in formed.slack}
+    slack = {row.gap for row in formed.slack}
     stuck = tuple(law.name for law in formed.friction if law.sticks)
     if not (slack or stuck):
         return whole
@@ -48,7 +48,7 @@ def closing_equations(eqs: EquationSet) -> EquationSet:
 
 def _has_modes(formed: EquationsOfMotion) -> bool:
     """Return whether ropes are rows in some of their modes."""
-    return not {row.element for row in formed.slack}.isdisjoint(row.element for row in formed.rows)
+    return not {row.gap for row in formed.slack}.isdisjoint(row.gap for row in formed.rows)
 
 
 def follower_outputs(eqs: EquationSet) -> tuple[str, ...]:

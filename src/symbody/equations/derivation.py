@@ -31,6 +31,7 @@ from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import differentiate_constraints, differentiate_placements
 from symbody.equations.kinematics.variables import JointRole, Variables, form_variables
+from symbody.equations.contacts.rigid_contacts import contact_friction
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
 from symbody.equations.massless.force_balances import (
@@ -49,6 +50,7 @@ from symbody.expr.graph import Graph
 from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology
 from symbody.model.constraints import Distance
+from symbody.model.contacts.contact import Contact
 from symbody.model.model import Model
 
 # Outputs that redundant constraints leave undetermined stand in the notes of mechanisms of so many joints.
@@ -223,7 +225,9 @@ def _system(
     """Return the system with its bodies, loads, rotors and friction."""
     model = topology.model
     bodies = tuple(form_inertia(names, body) for body in model.bodies)
-    friction = form_friction(names, roles)
+    contacts = [each for each in model.elements if isinstance(each, Contact)]
+    rubbing = [law for each in contacts for law in contact_friction(names, kinematics, each)]
+    friction = (*form_friction(names, roles), *rubbing)
     weights = formulation.has_weights_in_loads
     return MultibodySystem(
         names=names,

@@ -14,6 +14,7 @@ from symbody.graph.linear_graph import Edge, LinearGraph
 from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
 from symbody.graph.trees import Preference, TreeChoice, Trees, cycle_problem, preferences
 from symbody.model.constraint import FrameConstraint
+from symbody.model.contacts.contact import Contact
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joints import Free
 from symbody.model.model import Model
@@ -45,7 +46,7 @@ class Topology:
     _named: SingleFlight[None, dict[str, Joint]] = field(
         default_factory=SingleFlight, init=False, compare=False, repr=False
     )
-    _links: SingleFlight[None, dict[str, Joint | FrameConstraint]] = field(
+    _links: SingleFlight[None, dict[str, Joint | FrameConstraint | Contact]] = field(
         default_factory=SingleFlight, init=False, compare=False, repr=False
     )
     _scope: SingleFlight[None, OutputScope] = field(
@@ -59,15 +60,16 @@ class Topology:
         return self._named.get(None, lambda: {joint.name: joint for joint in self.joints})[name]
 
     @property
-    def contacts(self) -> Mapping[str, FrameConstraint]:
-        """The constraints between two frames, by name."""
-        return {part.name: part for part in self.model.constraints if isinstance(part, FrameConstraint)}
+    def contacts(self) -> Mapping[str, FrameConstraint | Contact]:
+        """The constraints between two frames, by name, with rigid contacts."""
+        kinds = FrameConstraint | Contact
+        return {part.name: part for part in self.model.constraints if isinstance(part, kinds)}
 
-    def link(self, name: str) -> Joint | FrameConstraint | None:
+    def link(self, name: str) -> Joint | FrameConstraint | Contact | None:
         """Return what is called `name` and connects two frames, if it does."""
         return self._links.get(None, self._form_links).get(name)
 
-    def _form_links(self) -> dict[str, Joint | FrameConstraint]:
+    def _form_links(self) -> dict[str, Joint | FrameConstraint | Contact]:
         return {**self.contacts, **{joint.name: joint for joint in self.joints}}
 
     @property

@@ -16,6 +16,7 @@ from symbody.model.checks.signals import collect_signals
 from symbody.model.checks.structure import free_joints
 from symbody.model.checks.validation import Draft, check_draft
 from symbody.model.constraint import ConstraintElement
+from symbody.model.contacts.contact import Contact
 from symbody.model.declarations.arguments import Arguments, Value, plain_value
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.element import Element
@@ -124,7 +125,7 @@ class Model(Displayed):
     held_initial: tuple[str, ...] = field(init=False)
     bodies: tuple[Body, ...] = field(init=False, compare=False)
     joints: tuple[Joint, ...] = field(init=False, compare=False)
-    constraints: tuple[ConstraintElement, ...] = field(init=False, compare=False)
+    constraints: tuple[ConstraintElement | Contact, ...] = field(init=False, compare=False)
     signals: tuple[Signal, ...] = field(init=False, compare=False)
     held_signals: tuple[Signal, ...] = field(init=False, compare=False)
     tables: tuple[Lookup, ...] = field(init=False, compare=False)
@@ -180,7 +181,11 @@ class Model(Displayed):
             "held_initial": draft.initial.held,
             "bodies": draft.bodies,
             "joints": draft.joints,
-            "constraints": tuple(e for e in placed if isinstance(e, ConstraintElement)),
+            "constraints": tuple(
+                e
+                for e in placed
+                if isinstance(e, ConstraintElement) or (isinstance(e, Contact) and e.is_rigid)
+            ),
             "signals": tuple(s for s in signals if not s.is_held),
             "held_signals": tuple(s for s in signals if s.is_held),
             "tables": tuple(e for e in placed if isinstance(e, Lookup)),

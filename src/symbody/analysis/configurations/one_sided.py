@@ -218,7 +218,7 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     evaluator = constraint_evaluator(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
     small = AT_REST * float(np.abs(u / evaluator.speed_sizes).max(initial=1.0 / evaluator.mechanism.time))
     if cords:
-        rows = {row.element for row in eqs.formed.rows}
+        rows = {row.gap for row in eqs.formed.rows}
         for name, share in slackness(evaluator, q).items():
             rate = float(evaluator.compile(f"gap_dot {name}")(evaluator.t, q, u))
             at_length = (

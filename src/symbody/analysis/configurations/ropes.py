@@ -112,7 +112,7 @@ def equations_with_ropes(
 
 def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
     """Return notes on the ropes that an analysis of all configurations takes as taut."""
-    rows = {row.element for row in eqs.formed.rows}
+    rows = {row.gap for row in eqs.formed.rows}
     return tuple(f"rope {name} is assumed to be taut" for name in unilateral_elements(eqs.formed) if name in rows)
 
 
@@ -126,7 +126,7 @@ def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floa
     evaluator : ConstraintEvaluator
         Measures the ropes.
     """
-    taut = {row.element for row in eqs.formed.rows}
+    taut = {row.gap for row in eqs.formed.rows}
     misplaced = []
     for name, share in slackness(evaluator, q).items():
         if name in taut and share > LOOSE:

@@ -18,6 +18,7 @@ from symbody.equations.constraints.points import (
     surface_equations,
 )
 from symbody.equations.constraints.rolling import blade_equations, rolling_equations
+from symbody.equations.contacts.rigid_contacts import gap_rows
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.joint_axes import perpendiculars
 from symbody.equations.kinematics.motion import Kinematics
@@ -42,6 +43,7 @@ from symbody.model.constraints import (
     Rolling,
     Stop,
 )
+from symbody.model.contacts.contact import Contact
 from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import cross, dot, vector
 
@@ -103,12 +105,13 @@ _MAKERS: Final[
         Differential: coupling_equations,
         Constraint: written_equations,
         Stop: stop_equations,
+        Contact: gap_rows,
     }
 )
 
 
 def constraint_equations(
-    names: Names, kinematics: Kinematics, condition: ConstraintElement
+    names: Names, kinematics: Kinematics, condition: ConstraintElement | Contact
 ) -> list[ConstraintEquation]:
     """Return the rows of a constraint, counted as they come.
 
@@ -117,5 +120,13 @@ def constraint_equations(
     FormulationError
         If an equation is not of first degree in the speeds.
     """
-    rows = _MAKERS[type(condition)](names, kinematics, condition)
-    return [replace(row, name=f"lambda_{condition.name}_{k}") for k, row in enumerate(rows, start=1)]
+    rows = [*_MAKERS[type(condition)](names, kinematics, condition)]
+    several = len(rows) > 1
+    return [
+        replace(
+            row,
+            name=f"lambda_{condition.name}_{k}",
+            gap="" if not row.sense else f"{condition.name} {k}" if several else condition.name,
+        )
+        for k, row in enumerate(rows, start=1)
+    ]

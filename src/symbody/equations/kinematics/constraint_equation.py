@@ -38,6 +38,8 @@ class ConstraintEquation:
         Power for a multiplier of 1 of what the row itself says of time, as a length given by a formula in t.
     is_balance : bool
         Whether it is the balance of forces along a motion that moves no mass, which transmits nothing.
+    gap : str
+        Of a one-sided row the name of what is open or closed: its element, with a number if that has several.
     sense : int
         The sign that the value may have where the row is one-sided, as is that of the multiplier then; else 0.
     restitution : Expr or None
@@ -57,6 +59,7 @@ class ConstraintEquation:
     is_holonomic: bool = True
     driven: Expr | None = None
     is_balance: bool = False
+    gap: str = ""
     sense: int = 0
     restitution: Expr | None = None
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from symbody.equations.dynamics.load import GeneralizedForce, Load, opposite_forces
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import Expr, number, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind
-from symbody.expr.opcodes import SIGN
+from symbody.expr.opcodes import LT, SELECT, SIGN
 from symbody.model.contacts.contact import Contact
 from symbody.model.joint import Joint
 from symbody.model.loads.friction import Friction
@@ -110,6 +110,18 @@ class FrictionLaw:
         if self.touch is None:
             return (GeneralizedForce(self.rate, self.effort, self.coordinate),)
         return opposite_forces(self.touch.frames, self.touch.reach, self.touch.point, self.touch.direction * self.effort)
+
+
+# A slip below this has no direction [m/s].
+_STILL: Final = 1e-10
+
+
+def slip_share(rate: Expr, x: Expr, y: Expr) -> Expr:
+    """Return a component of the slip (x, y) over its magnitude; 0 where it has no direction."""
+    zero, one = number(rate.graph, 0), number(rate.graph, 1)
+    square = x * x + y * y
+    moves = (one * _STILL**2).apply(LT, square)
+    return moves.apply(SELECT, rate / sqrt(moves.apply(SELECT, square, one)), zero)
 
 
 class SlipDirection(NamedTuple):

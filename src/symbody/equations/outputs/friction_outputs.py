@@ -98,7 +98,7 @@ def mode_output(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
         return (), [_find_law(formed, words)[1].slip]
     row = _find_row(formed, words)
     closed = any(row.name == other.name for other in formed.rows)
-    return (), [number(formed.graph, int(closed)) - formed.modes.get(row.element, number(formed.graph, 0))]
+    return (), [number(formed.graph, int(closed)) - formed.modes.get(row.gap, number(formed.graph, 0))]
 
 
 def opening_effort(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
@@ -107,6 +107,19 @@ def opening_effort(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     if all(row.name != other.name for other in formed.rows):
         return (), [number(formed.graph, 0)]
     return (), [effort_of(row)]
+
+
+def rigid_force(formed: EquationsOfMotion, contact: str) -> list[Expr]:
+    """Return the force of a rigid contact on its end, in all its points, in the axes of its frame."""
+    force = [number(formed.graph, 0)] * 3
+    for law in formed.friction:
+        if law.owner.name == contact:
+            place = "xy".index(law.name[-1])
+            force[place] = force[place] + _effort(law)
+    for row in formed.rows:
+        if row.element == contact and row.sense:
+            force[2] = force[2] + effort_of(row)
+    return force
 
 
 def gap(formed: EquationsOfMotion, words: Sequence[str]) -> Output:

@@ -24,6 +24,7 @@ from symbody.equations.outputs.friction_outputs import (
     gap_scale_output,
     mode_output,
     opening_effort,
+    rigid_force,
 )
 from symbody.equations.outputs.joint_outputs import effort_output, reaction_output, total_power
 from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
@@ -273,6 +274,16 @@ def _measure(formed: EquationsOfMotion, words: Sequence[str], first: str) -> Out
     return _expression(formed, name) if value is None else ((), [value])
 
 
+def _contact_force(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "contact_force C", or one component: of a rigid one by its rows and friction."""
+    if f"contact_force {words[0]} z" in formed.loads.measures:
+        return _measured_vector(formed, words, "contact_force", "xyz")
+    force = rigid_force(formed, words[0])
+    if any(words[1:]):
+        return (), [force["xyz".index(words[1])]]
+    return (len(force),), force
+
+
 def _gap(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "gap C": of a contact what its law reads, of a stop its row."""
     name = f"gap {words[0]}"
@@ -376,7 +387,7 @@ MAKERS: Final = _for_all_kinds(
         "rope_slack_ddot": gap_acceleration,
         "rope_size": gap_acceleration_size,
         "gap": _gap,
-        "contact_force": partial(_measured_vector, first="contact_force", letters="xyz"),
+        "contact_force": _contact_force,
         "slip": partial(_measured_vector, first="slip", letters="xy"),
         "opening_effort": opening_effort,
         "gap_dot": gap_rate,

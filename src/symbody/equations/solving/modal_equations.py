@@ -46,7 +46,7 @@ class ModalEquations:
         """Return the multipliers of the rows of an element."""
         rows = self.eqs.formed.rows
         if element in self.ropes:
-            return tuple(row.name for row in rows if row.element == element)
+            return tuple(row.name for row in rows if row.gap == element)
         return tuple(law.holding_effort for law in self.laws if law.joint.name == element)
 
     @property
@@ -116,13 +116,13 @@ def _with_modes(
     """Return equations with the rows of all elements, each where its mode is 0."""
     laws = {law.joint.name: law for law in formed.friction}
     lines = {name: mode for name, mode in modes.items() if name not in joints}  # cut joints have rows, too
-    rows = [_row_in_mode(row, lines[row.element]) if row.element in lines else row for row in formed.rows]
+    rows = [_row_in_mode(row, lines[row.gap]) if row.gap in lines else row for row in formed.rows]
     rows += [_row_in_mode(holding_row(formed, laws[name]), modes[name]) for name in joints]
     friction = tuple(
         replace(law, slip=modes[law.joint.name], switches=False, may_stick=True) if law.switches else law
         for law in formed.friction
     )
-    whole = tuple(row for row in formed.rows if row.element in lines)
+    whole = tuple(row for row in formed.rows if row.gap in lines)
     return replace(
         formed.with_rows(tuple(rows)), friction=friction, slack=(*formed.slack, *whole), modes=lines
     )

@@ -29,7 +29,7 @@ def candidate_laws(formed: EquationsOfMotion) -> list[FrictionLaw]:
 
 def candidate_gaps(formed: EquationsOfMotion) -> list[str]:
     """Return the ropes and stops whose rows are among those of the equations."""
-    closed = {row.element for row in formed.rows}
+    closed = {row.gap for row in formed.rows}
     return [name for name in unilateral_elements(formed) if name in closed]
 
 
@@ -111,7 +111,7 @@ class _ResponseSolver:
             slope = row.jacobian.get(u, self.zero)
             total = total + (slope * rate).apply(ABS)
             speed = speed + (slope * Expr(self.zero.graph, u)).apply(ABS)
-        scale = gap_scale(self.formed, row) if row.element in self.names else self.zero
+        scale = gap_scale(self.formed, row) if row.gap in self.names else self.zero
         return total if scale.is_zero else total + speed**2 / scale
 
     def affine(self, values: Sequence[Expr]) -> tuple[list[list[Expr]], list[Expr]]:

@@ -1,4 +1,4 @@
-"""Unilateral elements, ropes and stops: rows that hold while a gap is closed and never pull it shut."""
+"""Gaps of ropes, stops and rigid contacts: rows that hold while one is closed and never pull it shut."""
 
 from __future__ import annotations
 
@@ -13,14 +13,27 @@ from symbody.model.constraints import Distance
 
 
 def unilateral_elements(formed: EquationsOfMotion) -> tuple[str, ...]:
-    """Return the names of the elements whose rows are one-sided, in the order of the model."""
-    known = {row.element for row in (*formed.rows, *formed.slack) if row.sense}
-    return tuple(c.name for c in formed.topology.model.constraints if c.name in known) if known else ()
+    """Return names of all gaps, in the order of the model.
+
+    They are those of their elements; a contact in several points has one for each, with its number behind.
+    """
+    rows = {row.name: row for row in (*formed.slack, *formed.rows) if row.sense}
+    if not rows:
+        return ()
+    order = {part.name: k for k, part in enumerate(formed.topology.model.constraints)}
+    return tuple(
+        row.gap for row in sorted(rows.values(), key=lambda row: (order[row.element], _number(row.name)))
+    )
+
+
+def _number(multiplier: str) -> int:
+    """Return which of the rows of its element a multiplier belongs to."""
+    return int(multiplier.rpartition("_")[2])
 
 
 def unilateral_row(formed: EquationsOfMotion, name: str) -> ConstraintEquation:
-    """Return the row that holds while the gap of an element is closed, whether it is or not."""
-    return next(row for row in (*formed.slack, *formed.rows) if row.element == name)
+    """Return the row that holds while a gap is closed, whether it is or not."""
+    return next(row for row in (*formed.slack, *formed.rows) if row.gap == name)
 
 
 def gap_of(row: ConstraintEquation) -> Expr:
@@ -43,17 +56,17 @@ def gap_scale(formed: EquationsOfMotion, row: ConstraintEquation) -> Expr:
 
 
 def open_gaps(formed: EquationsOfMotion, names: Collection[str]) -> EquationsOfMotion:
-    """Return the equations without the rows of some elements; their multipliers are 0."""
-    gone = tuple(row for row in formed.rows if row.element in names)
+    """Return the equations without the rows of some gaps; their multipliers are 0."""
+    gone = tuple(row for row in formed.rows if row.sense and row.gap in names)
     if not gone:
         return formed
-    kept = tuple(row for row in formed.rows if row.element not in names)
+    kept = tuple(row for row in formed.rows if not (row.sense and row.gap in names))
     zero = number(formed.graph, 0)
     known = formed.names.with_values({row.name: zero for row in gone})
     return replace(formed.with_rows(kept), slack=(*formed.slack, *gone), names=known)
 
 
 def row_places(formed: EquationsOfMotion, names: Collection[str]) -> list[int]:
-    """Return the places of the rows of elements whose gaps are closed, in the order of the names."""
-    places = {row.element: k for k, row in enumerate(formed.rows)}
+    """Return the places of the rows of closed gaps, in the order of the names."""
+    places = {row.gap: k for k, row in enumerate(formed.rows) if row.sense}
     return [places[name] for name in names]

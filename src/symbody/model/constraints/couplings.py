@@ -222,7 +222,7 @@ class Constraint(ConstraintElement):
     )
 
 
-_RESTITUTION: Final = Domain(
+RESTITUTION: Final = Domain(
     "model.restitution", "restitution is {value}", "it is the share of the speed that is left after an impact",
     "give a number from 0 to 1", 0.0, most=1.0,
 )  # fmt: skip
@@ -254,7 +254,7 @@ class Stop(ConstraintElement):
         "What is never negative: a formula in coordinates, parameters and t.", scope=Scope.MOTION
     )
     restitution: Quantity = Quantity(
-        "Share of the speed with which the gap opens again after an impact.", default=0, fits=_RESTITUTION
+        "Share of the speed with which the gap opens again after an impact.", default=0, fits=RESTITUTION
     )
 
     def output_words(self, kind: str) -> tuple[str, ...]:

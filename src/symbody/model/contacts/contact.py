@@ -7,11 +7,12 @@ from types import MappingProxyType
 from typing import ClassVar, Final, final
 
 from symbody.model.contacts.contact_shapes import ContactShapes
-from symbody.model.contacts.normal_force import NormalForce, NormalLaw
+from symbody.model.constraints.couplings import RESTITUTION
+from symbody.model.contacts.normal_force import RIGID, NormalForce, NormalLaw
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.element_fields import Connection, element
-from symbody.model.declarations.fields import DeclaredPart, Refusal
+from symbody.model.declarations.fields import DeclaredPart, Quantity, Refusal
 from symbody.model.loads.friction import Friction, check_friction
 from symbody.model.numeric_checks import NumericChecks
 
@@ -60,15 +61,46 @@ class Contact(Connection):
     )  # fmt: skip
 
     shapes: ContactShapes = ContactShapes("The shape on start and that on end.")
-    normal: NormalLaw = NormalLaw("The force along the normal.", kind=NormalForce)
-    friction: OptionalField[Friction, Friction] = optional(
-        DeclaredPart("Friction across the normal; needs v0.", kind=Friction, refusal=_FRICTION)
+    normal: NormalLaw = NormalLaw('The force along the normal, or "rigid".', kind=NormalForce)
+    restitution: Quantity = Quantity(
+        "Of a rigid contact: the share of its rate with which the gap opens after an impact.",
+        default=0,
+        fits=RESTITUTION,
     )
+    friction: OptionalField[Friction, Friction] = optional(
+        DeclaredPart("Friction across the normal; of a compliant one with v0.", kind=Friction, refusal=_FRICTION)
+    )
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the shapes never overlap; else their force is a law of the gap."""
+        return self.normal == RIGID
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """None: it brings no coordinates with it."""
+        return ()
+
+    @property
+    def multiplier_unit(self) -> str:
+        """Of the forces along the normals of a rigid contact."""
+        return "N"
+
+    def output_words(self, kind: str) -> tuple[str, ...]:
+        """Return what may follow its name in outputs of a kind."""
+        return () if kind == "mode" and not self.is_rigid else Connection.output_words(self, kind)
 
     def check(self, arguments: Arguments) -> None:
         """Note friction that is not one between surfaces."""
         friction = self.friction
+        if not self.is_rigid and self.restitution.constant() != 0:
+            why = "that of a compliant contact follows from its losses"
+            fix = 'write NormalForce(.., restitution=.., speed=..), or normal = "rigid"'
+            arguments.add("contact.normal", "restitution", "restitution is that of a rigid contact", why, fix)
         if friction is None:
+            return
+        if self.is_rigid:
+            _check_rigid_friction(friction, arguments)
             return
         odd = [name for name in _OF_JOINTS if getattr(friction, name) is not None]
         for name in odd:
@@ -96,3 +128,11 @@ class Contact(Connection):
         Connection.check_numbers(self, check, label)
         if self.friction is not None:
             check_friction(check, self.friction, f"{label}, friction", turns=False)
+
+
+def _check_rigid_friction(friction: Friction, arguments: Arguments) -> None:
+    """Note friction that a rigid contact does not have."""
+    for name in (*_OF_JOINTS, "mu_y", "stribeck"):
+        if getattr(friction, name) is not None:
+            why = "friction of a rigid contact is mu times its force, alike in all directions"
+            arguments.add("contact.friction", f"friction.{name}", f"{name} is given", why, "leave it out")

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Any, ClassVar, Final, final
 
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.fields import DeclaredPart, OptionalQuantity, Quantity, part, read_part
-from symbody.model.declarations.formula_site import Scope
+from symbody.model.declarations.field import FileTarget, NewNames, Node
+from symbody.model.declarations.formula_site import FormulaSite, Scope
+from symbody.model.declarations.misfits import Misfit, Path, Schema
 from symbody.model.loads.curve import Law, LawValue, SpringLaw
-from symbody.model.numeric_checks import Domain
+from symbody.model.numeric_checks import Domain, NumericChecks
 
+RIGID: Final = "rigid"  # in place of a law
 # What a law of the user may read beside the names of loads.
 GAP: Final = ("gap", "gap_rate")
 
@@ -119,23 +123,55 @@ class NormalForce(Declared):
                 _refuse(arguments, name, f"{name} requires {partner}, which is missing", why)
 
 
-class NormalLaw(DeclaredPart[NormalForce]):
-    """The law of a contact along its normal."""
+class NormalLaw(DeclaredPart[NormalForce | str]):
+    """The law of a contact along its normal, or "rigid"."""
 
     role: ClassVar[str] = "normal_law"
 
-    def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> NormalForce:
+    def __post_init__(self) -> None:
+        """Say what it takes."""
+        object.__setattr__(self, "takes", 'NormalForce or "rigid"')
+        object.__setattr__(self, "annotation", "NormalForce | str")
+
+    def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> NormalForce | str:
         """Return the law; one without force stands for what is none."""
-        if isinstance(value, NormalForce):
-            return value
-        what, fix = f"{value!r} is not a normal force", "give NormalForce(stiffness=.., ..)"
-        why = "contacts are compliant: their force is a law of the gap and its rate"
-        arguments.add("contact.normal", path, what, why, fix)
+        if isinstance(value, NormalForce) or value == RIGID:
+            return RIGID if value == RIGID else value  # type: ignore[return-value]
+        what = f"{value!r} is not a normal force"
+        why = "the force is a law of the gap and its rate, or what keeps rigid shapes apart"
+        arguments.add("contact.normal", path, what, why, 'give NormalForce(stiffness=.., ..), or "rigid"')
         return _FORCELESS
+
+    def schema(self) -> Schema:
+        """Return the word, or its table."""
+        return {"anyOf": [{"type": "string", "enum": [RIGID]}, DeclaredPart.schema(self)]}
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of the table."""
+        return () if isinstance(entry, str) else DeclaredPart.misfits(self, entry, path)
 
     def from_file(self, entry: object, arguments: Arguments, path: str, folder: str) -> object:
         """Return the law that a table describes; one without force for a table with faults."""
+        if isinstance(entry, str):
+            return entry
         return read_part(NormalForce, entry, arguments, path, folder) or _FORCELESS
+
+    def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
+        """Return the word, or its table."""
+        return value if value == RIGID else DeclaredPart.to_file(self, owner, value, target)
+
+    def rename(self, value: Any, names: NewNames) -> NormalForce | str:
+        """Return the law in the new names."""
+        return RIGID if value == RIGID else DeclaredPart.rename(self, value, names)
+
+    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
+        """Return where its formulas stand."""
+        return iter(()) if value == RIGID else DeclaredPart.formula_sites(self, owner, value, path)
+
+    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
+        """Note its numbers that cannot be."""
+        if value != RIGID:
+            DeclaredPart.check_numbers(self, check, owner, value, where)
 
 
 _FORCELESS: Final = NormalForce(stiffness=0)

@@ -1,0 +1,83 @@
+"""Rigid contacts: the rows of their gaps, and the friction across the normal, which reads their multipliers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from symbody.equations.contacts.contact_geometry import ContactGeometry, RelativeVelocity, relative_velocity
+from symbody.equations.contacts.pairs import contact_geometry
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.loads.friction import FrictionLaw, SlipDirection, slip_share
+from symbody.expr.expression import Expr
+from symbody.expr.fingerprints.fingerprint import find_zeros
+from symbody.expr.opcodes import SIGN
+from symbody.model.contacts.contact import Contact
+from symbody.spatial.vector import Vector, cross
+
+
+def gap_rows(names: Names, kinematics: Kinematics, contact: Contact) -> Iterator[ConstraintEquation]:
+    """Return a row for each point in which the shapes touch; its multiplier pushes them apart."""
+    frames = (contact.start.full_name, contact.end.full_name)
+    geometry = contact_geometry(names, kinematics, contact)
+    restitution = names.expression(contact.restitution, f"contact {contact.name}")
+    for touch in geometry.touches:
+        rate = relative_velocity(kinematics, frames, geometry, touch).normal
+        lever = touch.point - kinematics.position(*frames)
+        yield ConstraintEquation(
+            name="",
+            element=contact.name,
+            value=touch.gap,
+            jacobian=kinematics.speed_partials(rate),
+            drift=kinematics.at_zero_speeds(rate),
+            gamma=-kinematics.bias(rate),
+            force=geometry.normal,
+            moment=cross(kinematics.tree, lever, geometry.normal),
+            sense=1,
+            restitution=None if restitution.is_zero else restitution,
+        )
+
+
+def contact_friction(names: Names, kinematics: Kinematics, contact: Contact) -> Iterator[FrictionLaw]:
+    """Return the friction of a rigid contact: a law for each direction in which a point may slip."""
+    friction, where = contact.friction, f"contact {contact.name}"
+    if not contact.is_rigid or friction is None or friction.is_none:
+        return
+    frames = (contact.start.full_name, contact.end.full_name)
+    geometry = contact_geometry(names, kinematics, contact)
+    strength = names.expression(friction.mu, where)
+    limit = strength if friction.mu_static is None else names.expression(friction.mu_static, where)
+    for k, touch in enumerate(geometry.touches, start=1):
+        velocity = relative_velocity(kinematics, frames, geometry, touch)
+        directions = list(_directions(kinematics, geometry, velocity))
+        element = f"{contact.name} friction" if len(geometry.touches) == 1 else f"{contact.name} friction {k}"
+        for letter, direction, rate in directions:
+            slip = rate.apply(SIGN) if len(directions) == 1 else slip_share(rate, velocity.x, velocity.y)
+            yield FrictionLaw(
+                name=f"{element} {letter}",
+                element=element,
+                owner=contact,
+                rate=rate,
+                slip=rate * 0 if strength.is_zero else slip,
+                strength=strength,
+                limit=limit,
+                radius=None,
+                reads_reaction=True,
+                switches=True,
+                touch=SlipDirection(
+                    frames, kinematics.position(*frames), touch.point, direction, f"lambda_{contact.name}_{k}"
+                ),
+            )
+
+
+def _directions(
+    kinematics: Kinematics, geometry: ContactGeometry, velocity: RelativeVelocity
+) -> Iterator[tuple[str, Vector, Expr]]:
+    """Yield the directions across the normal in which anything moves, with the slip along them."""
+    left = cross(kinematics.tree, geometry.normal, geometry.forward)
+    for letter, direction, rate in (("x", geometry.forward, velocity.x), ("y", left, velocity.y)):
+        parts = [slope.index for slope in kinematics.speed_partials(rate).values()]
+        parts.append(kinematics.at_zero_speeds(rate).index)
+        if not all(find_zeros(kinematics.graph, parts)):
+            yield letter, direction, rate
